@@ -45,7 +45,7 @@ def test_a_table_is_made_and_told(tmp_path: Path) -> None:
         (["--vary", "arn=0.2,0.3", "--output", LOWEST], "did you mean 'arm'"),
         (["--vary", "arm", "--output", LOWEST], "--vary NAME=VALUE"),
         (["--vary", "arm=0.2", "--vary", "arm=0.3", "--output", LOWEST], "given twice"),
-        (["--vary", "arm=0.2,0.3", "--output", "max(body_position_z[bop])"], "near to it"),
+        (["--vary", "arm=0.2,0.3", "--output", "max(body_position_z[bop])"], "similar names"),
         (["--vary", "arm=normal(0.3, 0.01)", "--output", LOWEST], "--sample latin:64"),
         (["--vary", "arm=0.2,0.3", "--output", LOWEST, "--sample", "latin"], "latin:64"),
         (["--vary", "arm=0.2,0.3", "--output", LOWEST, "--workers", "0"], "at least 1"),

@@ -40,7 +40,7 @@ def test_blocks_run_and_do_what_they_say(ran: dict[str, Any]) -> None:
     assert np.allclose(force[[0, -1]], wanted, rtol=2e-2)  # it still moves a little at the end
     found = result.contact("pair").hertz(-1)
     assert found.half_width == pytest.approx(ran["half_width"] * np.sqrt(found.line_load * ran["width"] / ran["load"]))
-    assert len(ran["diagram"].critical_speeds()) == 1 and "damping below zero" in ran["diagram"].notes[-1]
+    assert len(ran["diagram"].critical_speeds()) == 1 and "negative damping" in ran["diagram"].notes[-1]
     turns = [body.rotation for body in ran["tilted"].bodies]
     assert np.allclose(turns, turns[0], atol=1e-12)
     assert all(len(block.splitlines()) <= LONGEST for block in BLOCK.findall(HOW))

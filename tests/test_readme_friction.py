@@ -20,7 +20,7 @@ TORQUE, RADIUS, CARRIED, GRAVITY = 100.0, 0.05, 2000.0, 9.81  # N m, m, kg, m/s2
 # the rail pushes at the deformed radius, 14 um of 50 mm inside, and the wheel still settles after the torque's rise
 TRANSMITTED = 1e-3
 QUOTED = 0.1  # of a quoted number: a cell at the edge of the patch, of eight, may change sides on another machine
-QUOTED_LINES = ("traction", "creep forces", "creepage", "T-gamma", "friction power", "cells a step")
+QUOTED_LINES = ("traction", "creep forces", "creepage", "T-gamma", "friction power", "cells per step")
 NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 
 

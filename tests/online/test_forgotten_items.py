@@ -77,7 +77,7 @@ def test_reports_at_rest_do_not_alarm() -> None:
     run = wf.simulate(scene, 0.05, step=0.01, progress=False)
     report = run.report()
     assert np.abs(run.body("body").velocity).max() < 1e-12
-    assert "no share is told: nothing moves" in report
+    assert "not computed: nothing moves" in report
     assert f"reaction {G:.5g} N (largest {G:.5g}), 0 N m (largest 0)" in report
     moving = wf.simulate(falling(), 0.1, step=0.01, progress=False)
     assert "energy residual   -" in moving.report() or "energy residual   +" in moving.report()

@@ -105,4 +105,4 @@ def test_missing_material_is_named(body) -> None:
 
     bare = replace(body, provenance={})
     contact = Result(make_history(bare)).contact("lower-upper")
-    assert "body 'lower' does not say its material" in contact.hertz(0).reason
+    assert "body 'lower' has no material data" in contact.hertz(0).reason

@@ -240,7 +240,7 @@ def test_too_fast_patches_are_in_the_budget(patch: Result) -> None:
     friction.cells_per_step[-1] = 4.0
     lines = friction_lines(run)
     assert [line.size for line in lines] == [pytest.approx(1.6 * FRICTION_ERROR)]
-    assert "4 cells a step" in lines[0].basis
+    assert "4 cells per step" in lines[0].basis
     limits = Limits.of(0.01)
     steps, _ = steps_wanted(100, lines, limits)
     assert 4.0 * 100 / steps < MOST_CELLS["cells"]

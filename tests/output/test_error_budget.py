@@ -145,7 +145,7 @@ def test_a_file_keeps_it(tmp_path: Path) -> None:
     result.save(after)
     assert repr(wf.Result.load(after).error_budget()) == repr(lines)
     (line,) = wf.Result.load(before).error_budget()
-    assert np.isnan(line.size) and line.basis.startswith("not made: it takes the run itself")
+    assert np.isnan(line.size) and line.basis.startswith("not made: it requires the process of the run")
     assert "error budget      not made" in wf.Result.load(before).report()
 
 

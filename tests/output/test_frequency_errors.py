@@ -72,4 +72,4 @@ def test_the_report_has_the_errors() -> None:
     found = modes(beam(modes=2))
     worst = int(np.argmax(found.frequency_errors))
     assert f"{worst}: {100.0 * found.frequency_errors[worst]:.2g} %" in found.report()
-    assert "not estimated: what the meshes make of frequencies" in found.report()
+    assert "not estimated: mesh errors of frequencies" in found.report()

@@ -159,7 +159,7 @@ def test_a_thin_slip_annulus_is_warned_about(cells: int, warned: bool) -> None:
 def test_more_than_a_cell_a_step_is_warned_about(body) -> None:
     result = Result(add_friction(make_history(body), cells=2.5))
     warning = result.contact("lower-upper").friction.warning()
-    assert warning is not None and "2.5 cells a step, in 9 of 9" in warning and "2.5 times shorter" in warning
+    assert warning is not None and "2.5 cells per step, in 9 of 9" in warning and "2.5 times shorter" in warning
     assert warning in result.report()
     slow = Result(add_friction(make_history(body), cells=1.0))
     assert slow.contact("lower-upper").friction.warning() is None and "warning" not in slow.report()
@@ -170,7 +170,7 @@ def test_report_has_the_figures_of_friction(rubbing: Result) -> None:
     friction = rubbing.contact("lower-upper").friction
     for part in (
         f"{friction.traction_coefficient[-1]:.5g} of the load", f"creepage        {CREEPAGE:+.4e} longitudinal",
-        f"friction power  {friction.power[-1]:.5g} W", "cells a step    0.25", "work of friction since the start",
+        f"friction power  {friction.power[-1]:.5g} W", "cells per step  0.25", "work of friction since the start",
     ):  # fmt: skip
         assert part in text
 

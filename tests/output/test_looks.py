@@ -110,7 +110,7 @@ def test_internal_names_are_hidden_and_answer_still(history: History) -> None:
     pair = Result(history).contact(Result(history).contact_names[0])
     assert not {"view", "history", "measure", "side", "bodies"} & set(dir(pair))
     assert pair.view.name == pair.name and {"force", "approach", "half_width", "hertz"} <= set(dir(pair))
-    with pytest.raises(AttributeError, match="ContactResult.force is what was recorded"):
+    with pytest.raises(AttributeError, match="ContactResult.force is a recorded quantity"):
         pair.force = np.zeros(3)  # pyright: ignore[reportAttributeAccessIssue]
     assert isinstance(pair, PairResult) and np.array_equal(pair.force, pair.history.force)
 

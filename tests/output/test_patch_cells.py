@@ -336,7 +336,7 @@ def test_plots_and_report(result: Result, tmp_path: Path) -> None:
     figure.savefig(tmp_path / "summary.png", dpi=40)
     assert (tmp_path / "summary.png").stat().st_size > 0
     text = result.report()
-    assert "cells of the patch" in text and "a line across the width" in text and "at the line load" in text
+    assert "cells of the patch" in text and "a line across the width" in text and "at the computed line load" in text
 
 
 def test_recording_draws_the_cells(result: Result, tmp_path: Path) -> None:

@@ -214,8 +214,8 @@ def test_what_is_no_scene_no_integrator_and_no_number_is_refused() -> None:
 
 
 def test_report_says_over_what_iterations_are_counted() -> None:
-    assert "iterations a step" in simulate(falling(), 1e-2, step=1e-3, progress=False).report()
-    assert "iterations a saved row" in simulate(falling(), 1e-2, step=1e-3, save_every=5, progress=False).report()
+    assert "iterations per step" in simulate(falling(), 1e-2, step=1e-3, progress=False).report()
+    assert "iterations per saved row" in simulate(falling(), 1e-2, step=1e-3, save_every=5, progress=False).report()
 
 
 def test_angles_of_joints_go_on_counting_their_turns_over_stages() -> None:

@@ -97,7 +97,7 @@ def test_a_ball_s_pressure_on_cells_has_its_largest_stress_where_hertz_has_it() 
         assert largest_of(below.depth, values) == pytest.approx(expected, rel=0.01)
     assert below.bodies == ("a",) and below.poisson_ratio == NU
     del reduced.provenance["contact_materials"]
-    with pytest.raises(InputError, match="body 'a' does not say its material"):
+    with pytest.raises(InputError, match="body 'a' has no material data"):
         stress_below(contact, 0)
 
 

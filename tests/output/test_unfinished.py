@@ -243,7 +243,7 @@ def test_a_scene_that_no_file_can_hold_can_be_gone_on_with(tmp_path: Path) -> No
     scene = pendulum()
     scene.bodies[0].__dict__["told_by"] = lambda: "a program around it"
     with pytest.raises(
-        InputError, match=r"cannot be made a scene again \(it holds a builtins.function\); go on with the"
+        InputError, match=r"cannot be converted to a scene \(it holds a builtins.function\); go on with the"
     ):
         kept(tmp_path, scene, 3000, STEP)
     options = {"step": STEP, "progress": False}
@@ -279,7 +279,7 @@ def test_a_finished_run_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     first = simulate("sparse", tmp_path / "run.h5", resume=True)
     monkeypatch.setattr("warpffrf.output.simulate.run", None)
     assert same(first.history, simulate("sparse", tmp_path / "run.h5", resume=True).history) == []
-    with pytest.raises(InputError, match="resume goes on from what stands beside the results; give results"):
+    with pytest.raises(InputError, match="resume continues from the files of a run; give results"):
         simulate("sparse", None, resume=True)
 
 
@@ -330,7 +330,7 @@ def test_a_full_disk_loses_no_result(tmp_path: Path, monkeypatch: pytest.MonkeyP
         context.setattr(unfinished, "write_arrays", full)
         found = simulate("sparse", file)
     assert found.status == "completed" and wf.Result.load(file).status == "completed"
-    assert any("could not be kept during the run" in note for note in found.history.notes)
+    assert any("could not be saved during the run" in note for note in found.history.notes)
     with monkeypatch.context() as context:
         context.setattr("warpffrf.output.files.results.put_result", full)
         found = simulate("sparse", file, overwrite=True)

@@ -17,7 +17,7 @@ from warpffrf.output.result import Result
 from warpffrf.output.waterfall import Waterfall, over_speed, waterfall
 
 TIME = np.arange(4000) * 1e-3
-SPEED = 5.0 + 2.5 * TIME  # turns/s
+SPEED = 5.0 + 2.5 * TIME  # rev/s
 TURNS = 5.0 * TIME + 1.25 * TIME**2
 SPIN = 2.0 * np.pi * SPEED[:, None] * np.array([0.0, -1.0, 0.0])
 
@@ -46,7 +46,7 @@ def test_it_is_the_short_time_fourier_transform() -> None:
 
 
 def test_orders_follow_the_speed_and_natural_frequencies_stay() -> None:
-    """In 0.25 s the speed changes by 0.6 turns/s, 8 orders by 5 Hz, a bit more than the resolution of 4 Hz."""
+    """In 0.25 s the speed changes by 0.6 rev/s, 8 orders by 5 Hz, a bit more than the resolution of 4 Hz."""
     found = over_speed(run_up(), TIME, SPIN, "shaft")
     assert found.resolution == pytest.approx(4.0) and found.speed is not None
     assert found.speed == pytest.approx(5.0 + 2.5 * found.time, rel=1e-6)  # the mean of a speed that rises evenly
@@ -54,7 +54,7 @@ def test_orders_follow_the_speed_and_natural_frequencies_stay() -> None:
     order = found.frequency[low][np.argmax(found.amplitude[:, low], axis=1)]
     assert np.all(np.abs(order - 8.0 * found.speed) < found.resolution)
     (k,) = np.flatnonzero(found.frequency == 200.0)
-    assert found.amplitude[:, k] == pytest.approx(1.0, abs=0.01) and "turns/s of 'shaft'" in found.report()
+    assert found.amplitude[:, k] == pytest.approx(1.0, abs=0.01) and "rev/s of 'shaft'" in found.report()
 
 
 def test_it_is_drawn_over_time_and_over_speed() -> None:
@@ -65,7 +65,7 @@ def test_it_is_drawn_over_time_and_over_speed() -> None:
     ax = Figure().add_subplot()
     over_speed(found, TIME, SPIN, "shaft").draw(ax, orders=(8,))
     f, s = np.asarray(ax.lines[0].get_xydata()).T
-    assert f == pytest.approx(8.0 * s) and "[turns/s]" in ax.get_ylabel()
+    assert f == pytest.approx(8.0 * s) and "[rev/s]" in ax.get_ylabel()
     assert 200.0 < ax.get_xlim()[1] < 300.0  # what there is, of 500 Hz
     image = np.asarray(ax.collections[0].get_array())
     assert image.shape[0] == len(found.time) and np.all(np.isfinite(image)) and np.ptp(image) > 1.0
@@ -76,7 +76,7 @@ def test_what_makes_no_waterfall_is_said() -> None:
         waterfall(TIME[:40], TIME[:40], "x", "N", window=0.032)
     with pytest.raises(InputError, match="a window of 0.01 s has 10 rows"):
         waterfall(TIME, TIME, "x", "N", window=0.01)
-    with pytest.raises(InputError, match="body 'shaft' turns at 5 turns/s all the time"):
+    with pytest.raises(InputError, match="body 'shaft' turns at 5 rev/s throughout"):
         over_speed(run_up(), TIME, np.tile([0.0, 10.0 * np.pi, 0.0], (len(TIME), 1)), "shaft")
     there_and_back = SPIN * np.sin(np.pi * TIME / TIME[-1])[:, None]
     assert "rises and falls" in over_speed(run_up(), TIME, there_and_back, "shaft").notes[-1]

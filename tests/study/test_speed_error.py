@@ -35,7 +35,7 @@ def test_times_are_common_multiples_and_none_is_made_up() -> None:
     rows = common_rows(time, 1.0, 2.0)
     assert rows is not None and rows.tolist() == [0, 2, 4]
     assert common_rows(time[:4], 1.0, 2.0) is None
-    with pytest.raises(InputError, match="no times in common"):
+    with pytest.raises(InputError, match="no common times"):
         common_interval([1e-3, 1e-3 / np.pi], 1.0)
 
 
@@ -201,7 +201,7 @@ def test_refusals_name_the_thing_and_the_cure() -> None:
         wf.study.speed_error(pendulum, 0.1, step=1e-3, measures=["force"], progress=False)
     with pytest.raises(InputError, match="more than 200"):
         wf.study.speed_error(pendulum, 0.1, step=1e-3, choices={"step": [1e-3] + [1e-3 / n for n in range(2, 300)]})
-    with pytest.raises(InputError, match="no choice of a Scene"):
+    with pytest.raises(InputError, match="cannot be chosen for a Scene"):
         wf.study.speed_error(pendulum(), 0.1, step=1e-3, choices={"arm": [0.4, 0.5]}, progress=False)
 
 

@@ -98,7 +98,7 @@ def test_rows_as_given() -> None:
     [
         ("1:2:1", None, "at least 2"),
         ("1:2:2.5", None, "whole number"),
-        ("1:1:3", None, "ends where it begins"),
+        ("1:1:3", None, "has equal ends"),
         ("log:0:1:3", None, "greater than zero"),
         ("normal(1)", "latin:4", "normal.mean, deviation."),
         ("normal(1, -1)", "latin:4", "greater than zero"),
@@ -122,8 +122,8 @@ def test_rows_as_given() -> None:
         ("log:1", None, "first:last:count"),
         ("0.1;0.2", None, "a comma between"),
         ("0.1 0.2, 0.3", None, "a comma between"),
-        ("1,,2", None, "nothing between two commas"),
-        (", oil", None, "nothing between two commas"),
+        ("1,,2", None, "an empty value between commas"),
+        (", oil", None, "an empty value between commas"),
         (scipy.stats.cauchy(), "latin:4", ""),
     ],
 )

@@ -63,7 +63,7 @@ def pressed(
     nip = rest.contact("nip")
     if core == CORE:
         reason = nip.hertz(-1).reason
-        assert re.search(r"its half-width would be .* 'roll' is only 0.005 m deep .* no half-space", reason)
+        assert re.search(r"its half-width would be .* 'roll' is only 0.005 m deep .* not a half-space", reason)
     return float(nip.line_load[-1]), float(nip.mid_peak_pressure[-1]), list(rest.history.notes)
 
 

@@ -1,37 +1,37 @@
-r"""Campbell diagrams: natural frequencies of a machine against the speed of its rotation, with lines of orders.
+r"""Campbell diagrams: natural frequencies of a machine against its rotational speed, with order lines.
 
-`eigenmodes` has the modes about a state that turns, with gyroscopic, centrifugal and stiffening parts; here it is asked
-at one speed after the other. Its coordinates stand in the world where what turns is rigid and symmetric, and turn with
-the bodies else. A diagram has both frames.
+`eigenmodes` computes the modes about a rotating state, with gyroscopic, centrifugal and stiffening terms; here it is
+called for each speed. Its coordinates are fixed in the world if the rotating bodies are rigid and symmetric, and rotate
+with the bodies otherwise. A diagram has both frames.
 
-**Frames.** Seen along the spin n, at the angle theta of the body, a mode with k waves around is, in cylindrical
-components, u exp(i m theta) exp(lambda t), m = -k where the pattern goes round in the sense of the spin (forward), k
-where it goes against it. The body is at theta = Theta - W t seen from the angle Theta of the world, so that
+**Frames.** About the spin axis n, at the angle theta of the body, a mode with k circumferential waves is, in
+cylindrical components, u exp(i m theta) exp(lambda t), with m = -k if the pattern rotates in the sense of the spin
+(forward) and m = k if it rotates against it. With theta = Theta - W t at the angle Theta of the world,
 
     lambda_fixed = lambda - i m W:     forward f + k W/2 pi, backward f - k W/2 pi.
 
-The whole rotor bends with k = 1; k = 0 has what stretches and twists, which is the same in both frames. Counted
-positive where forward, frequencies are continuous: a curve that passes zero in one of the frames changes its sense
-there, and goes on. k is that of the largest sum over slices of the skin of the body that moves most, |sum u exp(-i m
-theta)|^2; a rigid body has k = 1 if it leans and goes aside more than it spins and goes along.
+Bending of the whole rotor has k = 1; extension and torsion have k = 0 and the same frequency in both frames. With
+forward frequencies counted positive, curves are continuous: one that passes zero in one of the frames changes its sense
+there. k maximises the sum over slices of the skin of the body with the largest motion, |sum u exp(-i m theta)|^2; a
+rigid body has k = 1 if tilting and lateral motion exceed spin and axial motion.
 
-**Unbalance** stands in the frame that turns: it excites where a forward curve of k = 1 meets order 1 in the fixed
-frame, which is zero in the frame that turns.
+**Unbalance** is constant in the rotating frame: it excites where a forward curve of k = 1 crosses order 1 in the fixed
+frame, which is zero frequency in the rotating frame.
 
-**Branches.** Modes of neighbouring speeds are one curve where their shapes are alike: with the mass matrix M, in axes
-of the bodies, backward ones as their conjugates,
+**Branches.** Modes of neighbouring speeds form a curve if their shapes correlate: with the mass matrix M, in axes of
+the bodies, backward modes by their conjugates,
 
     MAC = |y_a^H M y_b|^2/(y_a^H M y_a  y_b^H M y_b),
 
-pairs are those with the smallest sum of (1 - MAC) + 2 |f_a - f_b|/(f_a + f_b), fixed frame; below `ALIKE` a new curve
-begins. What does not swing is no curve: overdamped motions, and bodies that only spin faster or slower.
+modes are paired by the smallest sum of (1 - MAC) + 2 |f_a - f_b|/(f_a + f_b), fixed frame; below `ALIKE` a new curve
+begins. Motions without oscillation form no curve: overdamped motions, and changes of the spin speed alone.
 
-**Whirl.** With the spin along n, e_1 x e_2 = n, a point goes round at u = u_1 e_1 + u_2 e_2 + u_3 n; the mean over the
-points of the bodies that turn, weighed by their masses,
+**Whirl.** With the spin along n, e_1 x e_2 = n, a point moves by u = u_1 e_1 + u_2 e_2 + u_3 n; the mean over the
+points of the rotating bodies, weighted by their masses,
 
     w = sum -2 Im(conj(u_1) u_2) / sum |u|^2,
 
-is 1 where all go round in circles in the sense of the spin (forward), -1 against it, 0 where they go to and fro.
+is 1 for circular orbits in the sense of the spin (forward), -1 against it, and 0 for motion along a line.
 """
 
 from __future__ import annotations
@@ -57,18 +57,18 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 TURN = 2.0 * np.pi
-ALL = 10**9  # modes: which are the lowest in the fixed frame is not known before
-ALIKE = 0.2  # MAC below which two modes are not one
-SENSE = 0.1  # of the whirl: below it a mode goes neither forward nor backward
-MOST_WAVES = 6  # around, that are looked for
+ALL = 10**9  # modes: the lowest ones in the fixed frame are not known in advance
+ALIKE = 0.2  # MAC below which two modes belong to different curves
+SENSE = 0.1  # of the whirl: below it a mode is neither forward nor backward
+MOST_WAVES = 6  # largest number of circumferential waves considered
 SLICES = 16  # of a body along its axis
-PLAINLY = 1.05  # times the sum of fewer waves: more are seen; few points around cannot tell
-SPINS = 0.99  # of the kinetic energy in the spin of bodies: the mode is no curve, if
-SLOW = 1e-2  # of the speed of rotation: it is slower
-GROWS = 1e-5  # damping ratio below zero that is no round-off
+PLAINLY = 1.05  # times the sum of fewer waves: required to accept more; few circumferential points are ambiguous
+SPINS = 0.99  # of the kinetic energy in the spin of bodies: above it the mode is no curve
+SLOW = 1e-2  # of the speed of rotation: smallest frequency of a curve
+GROWS = 1e-5  # negative damping ratio that exceeds round-off
 FRAMES = ("fixed", "rotating")
-SAME_SPEED = 1e-3  # of the speed: a body that turns so much otherwise is said
-ORDERS = (1.0, 2.0, 3.0)  # drawn unless others are given
+SAME_SPEED = 1e-3  # of the speed: larger deviations of a body are reported
+ORDERS = (1.0, 2.0, 3.0)  # default order lines
 UNBALANCE = 1.0  # its order
 SIZE = (8.0, 5.2)  # inches
 FORWARD, BACKWARD, NEITHER, ORDER = "#1b6ca8", "#d1495b", "#6b7480", "0.55"
@@ -78,7 +78,8 @@ log = logging.getLogger("warpffrf")
 
 @dataclass(frozen=True)
 class Crossing:
-    """Where the curve `branch` meets an order in the fixed frame: `speed` [rad/s], `frequency` [Hz], `whirl` [-]."""
+    """Crossing of the curve `branch` with an order line in the fixed frame: `speed` [rad/s], `frequency` [Hz], `whirl`
+    [-]."""
 
     branch: int
     order: float
@@ -89,14 +90,13 @@ class Crossing:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Campbell(reprs.Shown):
-    """Modes against the speed of rotation; made by `campbell`. A row of the arrays is a speed, a column a curve, NaN
-    where it has no mode among those asked for.
+    """Modes against rotational speed; returned by `campbell`. Rows of the arrays are speeds, columns are curves, NaN
+    where a curve has no mode among the requested ones.
 
     `speeds` (s,) [rad/s]; `frequencies` (s, b) [Hz], `damping_ratios` (s, b) [-] and `whirl` (s, b) from -1, backward,
-    to 1, forward, as seen in the fixed frame, the world; `rotating_frequencies` (s, b) [Hz], as seen in axes that turn
-    with the bodies; `waves` (s, b) around, 1 where the rotor bends, 0 where it stretches or twists, -1 where nothing
-    turns; `numbers` (s, b) of the modes in `modes` (s,), -1 where there is none. `notes`: what speaks against the
-    diagram.
+    to 1, forward, in the fixed frame, the world; `rotating_frequencies` (s, b) [Hz] in axes that rotate with the
+    bodies; `waves` (s, b): circumferential waves, 1 for bending of the rotor, 0 for extension or torsion, -1 without
+    rotation; `numbers` (s, b) of the modes in `modes` (s,), -1 for none. `notes`: limitations of the diagram.
     """
 
     speeds: Array
@@ -114,9 +114,9 @@ class Campbell(reprs.Shown):
         return {"speeds": f"{len(self.speeds)} from {low:g} to {high:g} rad/s", "curves": self.frequencies.shape[1]}
 
     def critical_speeds(self, order: float = UNBALANCE) -> list[Crossing]:
-        """Where curves cross the line of `order` in the fixed frame, f = order x speed/2 pi, by rising speed, linear
-        between speeds. Order 1 is unbalance, which goes round with the rotor and bends it: of it those with one wave
-        around and a forward part count. Of other orders all do."""
+        """Crossings of curves with the line of `order` in the fixed frame, f = order x speed/2 pi, by ascending speed,
+        linear between speeds. Order 1 is unbalance, which rotates with the rotor and bends it: only curves with one
+        circumferential wave and a forward component are included. For other orders all curves are."""
         rate = order * self.speeds / TURN
         found = []
         for b in range(self.frequencies.shape[1]):
@@ -130,8 +130,8 @@ class Campbell(reprs.Shown):
         return sorted(found, key=lambda crossing: crossing.speed)
 
     def report(self, orders: Sequence[float] = (UNBALANCE,)) -> str:
-        """Tables of the frequencies by speed in the fixed frame, marked f, b by the sense of their whirl, and in axes
-        that turn, the critical speeds of `orders` in the fixed frame, and in front what speaks against all this."""
+        """Limitations of the diagram, tables of the frequencies by speed in the fixed frame, marked f or b by the sense
+        of whirl, and in rotating axes, and the critical speeds of `orders` in the fixed frame."""
         lines = [*(f"CAUTION: {note}" for note in self.notes), ""] if self.notes else []
         for frame, values in (("the fixed frame", self.frequencies), ("axes that turn", self.rotating_frequencies)):
             lines += [f"natural frequencies [Hz] against speed, {frame}", ""]
@@ -148,15 +148,15 @@ class Campbell(reprs.Shown):
             for c in crossed:
                 lines.append(f"{what}: curve {c.branch} at {c.speed:.5g} rad/s, {c.frequency:.5g} Hz, fixed frame")
             if not crossed:
-                lines.append(f"{what}: meets no curve")
+                lines.append(f"{what}: crosses no curve")
         return "\n".join(lines)
 
     __str__ = report
 
     def to_dataframe(self) -> Any:
-        """A `pandas.DataFrame`, a row for each mode: speed [rad/s], curve, mode, frequency [Hz], damping_ratio [-] and
-        whirl [-] in the fixed frame, rotating_frequency [Hz], waves [-]. Needs the optional package pandas, without
-        which it raises ImportError."""
+        """A `pandas.DataFrame` with one row per mode: speed [rad/s], curve, mode, frequency [Hz], damping_ratio [-] and
+        whirl [-] in the fixed frame, rotating_frequency [Hz], waves [-]. Raises ImportError without the optional
+        package pandas."""
         try:
             import pandas
         except ImportError as error:
@@ -173,9 +173,10 @@ class Campbell(reprs.Shown):
         return frame
 
     def plot(self, ax: Axes | None = None, *, orders: Sequence[float] = ORDERS, frame: str = "fixed") -> Axes:
-        """Draw the curves over the speed on the matplotlib axes `ax` (new ones when None) and return them: points of
-        forward, backward and other modes in three colours; in the "fixed" `frame` lines of `orders` dashed, their
-        crossings marked, in the "rotating" one where unbalance meets curves. Raises InputError for another frame."""
+        """Draw the curves over the speed on the matplotlib axes `ax` (new ones if None) and return them: points of
+        forward, backward and other modes in three colours; in the "fixed" `frame` with dashed lines of `orders` and
+        their marked crossings, in the "rotating" one with the crossings of unbalance. Raises InputError for another
+        frame."""
         if frame not in FRAMES:
             raise InputError(f"plot: frame is {frame!r}; known: {', '.join(map(repr, FRAMES))}")
         axes: Any = _new_axes() if ax is None else ax
@@ -206,7 +207,7 @@ class Campbell(reprs.Shown):
             met = [c.speed / TURN for c in self.critical_speeds()]
             axes.plot(met, np.zeros(len(met)), "o", ms=9.0, mfc="none", color="black", mew=0.8, clip_on=False)
         axes.set(xlim=(0.0, last or 1.0), ylim=(0.0, top))
-        axes.set(xlabel="speed of rotation [turns/s]", ylabel="natural frequency [Hz]")
+        axes.set(xlabel="speed of rotation [rev/s]", ylabel="natural frequency [Hz]")
         seen, met = ("fixed frame", "orders meet curves") if fixed else ("axes that turn", "unbalance meets curves")
         axes.set_title(f"Campbell diagram, {seen}; circles: {met}", fontsize=10)
         if self.notes:
@@ -238,31 +239,31 @@ def campbell(
     *,
     progress: bool = False,
 ) -> Campbell:
-    """Natural frequencies of a machine against the speed of its rotation: of the `count` lowest modes that have some in
-    the fixed frame, at each of `speeds` (s,) [rad/s], seen from there and from axes that turn with the bodies.
+    """Natural frequencies of a machine against its rotational speed: the `count` lowest modes in the fixed frame at
+    each of `speeds` (s,) [rad/s], in the fixed frame and in axes that rotate with the bodies.
 
-    build(speed) makes the machine turning at the speed [rad/s]: a Scene, whose initial positions and velocities are
-    meant, or the Result of a run or of `equilibrium`, whose last state is, for flexible bodies that the rotation
-    stretches: the state must be steady. What speaks against that is logged as a warning and stands in front of the
-    report.
-    progress: what takes long, on stderr. Raises InputError for speeds that do not rise or are negative, what is neither
-    Scene nor Result, scenes of different bodies, and as `eigenmodes`. How it is done: `warpffrf.output.campbell`.
+    build(speed) returns the machine rotating at the speed [rad/s]: a Scene, whose initial positions and velocities are
+    used, or the Result of a run or `equilibrium`, whose last state is used, for flexible bodies that the rotation
+    stretches: the state must be steady. Violations are logged as warnings and listed at the top of the report.
+    progress: report the progress on stderr. Raises InputError for speeds that do not ascend or are negative, a return
+    value that is neither Scene nor Result, scenes of different bodies, and as `eigenmodes`. Method:
+    `warpffrf.output.campbell`.
     """
     count = require_count(count, "campbell: count", 1)
     rates = require_array(speeds, "campbell: speeds", (None,))
     if not len(rates) or np.any(rates < 0.0) or np.any(np.diff(rates) <= 0.0):
-        raise InputError("campbell: speeds must rise, and be 0 or more [rad/s]")
+        raise InputError("campbell: speeds must ascend, and be 0 or more [rad/s]")
     if not callable(build):
-        raise InputError(f"campbell: build must be a function of the speed that makes a scene, got {build!r}")
+        raise InputError(f"campbell: build must be a function of the speed that returns a scene, got {build!r}")
     modes = []
     for speed in rates:
         made = build(float(speed))
         if not isinstance(made, Scene | Result):
-            raise InputError(f"campbell: build({speed:g}) must make a Scene or a Result, got {made!r}")
+            raise InputError(f"campbell: build({speed:g}) must return a Scene or a Result, got {made!r}")
         scene, about = (made, "initial") if isinstance(made, Scene) else (made.scene, made)
         modes.append(eigenmodes(scene, ALL, about=about, progress=progress))
     if len({len(m.found.linear.M) for m in modes}) > 1:
-        raise InputError("campbell: build must make the same bodies at every speed")
+        raise InputError("campbell: build must return the same bodies at every speed")
     doubts = _doubts(rates, modes)
     for doubt in doubts:
         log.warning("campbell: %s", doubt)
@@ -270,7 +271,7 @@ def campbell(
 
 
 def _doubts(speeds: Array, modes: list[Modes]) -> list[str]:
-    """What speaks against speeds and states."""
+    """Notes on speeds and states that violate the assumptions."""
     notes = []
     passing = [speed for speed, found in zip(speeds, modes, strict=True) if any("not steady" in n for n in found.notes)]
     if passing:
@@ -283,19 +284,20 @@ def _doubts(speeds: Array, modes: list[Modes]) -> list[str]:
     off = np.flatnonzero(np.abs(turned - speeds) > SAME_SPEED * np.maximum(speeds, 1.0))
     if len(off):
         notes.append(
-            f"the fastest body turns otherwise than asked for at {len(off)} of {len(speeds)} speeds, as at "
+            f"the speed of the fastest body differs from the requested one at {len(off)} of {len(speeds)} speeds: "
             f"{turned[off[0]]:.5g} instead of {speeds[off[0]]:.5g} rad/s"
         )
     rates = [np.linalg.norm(list(_spins(m).values()), axis=1) for m in modes if _spins(m)]
     if any(rate.min() < (1.0 - SAME_SPEED) * rate.max() for rate in rates):
         notes.append(
-            "bodies turn at different speeds: a mode is seen from the fixed frame by that of the body it moves most"
+            "bodies rotate at different speeds: a mode is transformed to the fixed frame with the speed of the body "
+            "that it moves most"
         )
     return notes
 
 
 def _spins(modes: Modes) -> dict[str, Array]:
-    """Angular velocities (3,) [rad/s, world] of the bodies that turn."""
+    """Angular velocities (3,) [rad/s, world] of the rotating bodies."""
     omega = modes.found.state["omega"][0]
     return {
         body.name: rot.matrix(modes.found.rotation[body.name]) @ omega[body.index]
@@ -305,12 +307,12 @@ def _spins(modes: Modes) -> dict[str, Array]:
 
 
 def whirl_of(modes: Modes, i: int) -> float:
-    """w of the module docstring of mode i; 0 where nothing turns, or what turns stands still in the mode."""
+    """w of the module docstring for mode i; 0 without rotation, or if the rotating bodies do not move in the mode."""
     about, size = 0.0, 0.0
     for name, spin in _spins(modes).items():
         body, n = modes.scene.body(name), spin / np.linalg.norm(spin)
         u = modes.displacement(i, name)
-        if body.reduced is None:  # two points on its axis stand for it
+        if body.reduced is None:  # represented by two points on its axis
             A, shape = rot.matrix(modes.found.rotation[name]), modes.shape(i, name)
             across = np.trace(body.inertia) - n @ (A @ body.inertia @ A.T) @ n  # J_1 + J_2
             arms = A @ body.center_of_mass + np.outer([1.0, -1.0], n) * np.sqrt(0.5 * across / body.mass)
@@ -325,8 +327,8 @@ def whirl_of(modes: Modes, i: int) -> float:
 
 @dataclass(frozen=True)
 class _Seen:
-    """Mode `number` in both frames: signed eigenvalues [1/s], imaginary part positive where forward; `whirl` in the
-    fixed frame, `waves` around, and `shape` in axes of the bodies, of backward ones the conjugate."""
+    """Mode `number` in both frames: signed eigenvalues [1/s], imaginary part positive for forward modes; `whirl` in the
+    fixed frame, circumferential `waves`, and `shape` in axes of the bodies, the conjugate for backward modes."""
 
     number: int
     fixed: complex
@@ -342,7 +344,7 @@ class _Seen:
 
 
 def _seen(modes: Modes, i: int) -> _Seen | None:
-    """Mode i; None where it is no curve."""
+    """Mode i; None if it is no curve."""
     value, linear = complex(modes.eigenvalues[i]), modes.found.linear
     if value.imag <= 0.0:
         return None
@@ -365,7 +367,7 @@ def _seen(modes: Modes, i: int) -> _Seen | None:
 
 
 def _axes_of_bodies(modes: Modes) -> Array:
-    """R (n, n): coordinates in axes of the bodies -> in the world's, of positions and turns."""
+    """R (n, n): coordinates in axes of the bodies -> in the world's, for positions and rotations."""
     R = np.eye(len(modes.found.linear.M))
     for body in modes.scene.bodies:
         A = rot.matrix(modes.found.rotation[body.name])
@@ -375,7 +377,7 @@ def _axes_of_bodies(modes: Modes) -> Array:
 
 
 def _energies(modes: Modes, i: int, name: str, n: Array) -> tuple[float, float, float]:
-    """Of a body as a rigid one, twice the kinetic energy of mode i: aside and leaning, along, and spin about n."""
+    """Rigid-body kinetic energies of mode i, times two: lateral and tilting, axial, and spin about n."""
     body, shape, A = modes.scene.body(name), modes.shape(i, name), rot.matrix(modes.found.rotation[name])
     v = shape.translation + np.cross(shape.rotation, A @ body.center_of_mass)
     J, spin = A @ body.inertia @ A.T, (shape.rotation @ n)
@@ -385,12 +387,12 @@ def _energies(modes: Modes, i: int, name: str, n: Array) -> tuple[float, float, 
 
 
 def _spin_share(modes: Modes, i: int, spins: dict[str, Array]) -> float:
-    """Part of the kinetic energy of mode i (y^H M y = 1) that is spin of the bodies that turn."""
+    """Fraction of the kinetic energy of mode i (y^H M y = 1) that is spin of the rotating bodies."""
     return sum(_energies(modes, i, name, spin / np.linalg.norm(spin))[2] for name, spin in spins.items())
 
 
 def _waves(modes: Modes, i: int, name: str, n: Array) -> tuple[int, float]:
-    """Waves k around n of mode i on the body `name`, and by how much more of them go forward than backward, -1 to 1."""
+    """Circumferential waves k of mode i on the body `name` about n, and its forward minus backward part, -1 to 1."""
     body = modes.scene.body(name)
     if body.reduced is None:
         aside, along, spin = _energies(modes, i, name, n)
@@ -424,7 +426,7 @@ def _waves(modes: Modes, i: int, name: str, n: Array) -> tuple[int, float]:
 
 
 def _lowest(modes: Modes, count: int) -> list[_Seen]:
-    """The `count` modes of lowest frequency in the fixed frame, rising there."""
+    """The `count` modes of lowest frequency in the fixed frame, ascending."""
     fastest = max((float(np.linalg.norm(w)) for w in _spins(modes).values()), default=0.0)
     reach = MOST_WAVES * fastest / TURN if modes.found.linear.co_rotating else 0.0
     found: list[_Seen] = []
@@ -437,9 +439,9 @@ def _lowest(modes: Modes, count: int) -> list[_Seen]:
 
 
 def _linked(speeds: Array, modes: list[Modes], count: int, notes: list[str]) -> Campbell:
-    """The lowest `count` modes at each speed put into curves."""
+    """The lowest `count` modes at each speed linked to curves."""
     kept = [_lowest(m, count) for m in modes]
-    curves = [{0: seen} for seen in kept[0]]  # number of the speed -> mode, of every curve
+    curves = [{0: seen} for seen in kept[0]]  # for every curve: index of the speed -> mode
     for s in range(1, len(modes)):
         open_ones = [c for c in curves if s - 1 in c]
         cost, alike = _costs([c[s - 1] for c in open_ones], kept[s], modes[s])
@@ -464,19 +466,19 @@ def _linked(speeds: Array, modes: list[Modes], count: int, notes: list[str]) -> 
 
 
 def _growing(speeds: Array, ratios: Array) -> str:
-    """Which curves have damping below zero, or nothing."""
+    """Text on curves with negative damping, or an empty string."""
     below = ratios < -GROWS
     found = [f"{b} from {speeds[np.argmax(below[:, b])]:.5g} rad/s on" for b in np.flatnonzero(below.any(axis=0))]
     if not found:
         return ""
     return (
-        f"motions grow (damping below zero): curve {', '.join(found)}; damping= of a body that turns is internal and "
-        "turns with it, so that it drives whirl above the critical speed: dampers to the ground hold against it"
+        f"motions grow (negative damping): curve {', '.join(found)}; damping= of a rotating body is internal "
+        "(rotating) damping, which destabilises whirl above the critical speed: dampers to the ground stabilise it"
     )
 
 
 def _costs(a: list[_Seen], b: list[_Seen], at: Modes) -> tuple[Array, Array]:
-    """(modes of a, modes of b) what it costs to call two one curve, and their MAC; b are modes of `at`."""
+    """(modes of a, modes of b) cost of linking two modes, and their MAC; b are modes of `at`."""
     if not a or not b:
         return np.zeros((len(a), len(b))), np.zeros((len(a), len(b)))
     R = np.eye(len(at.found.linear.M)) if at.found.linear.co_rotating else _axes_of_bodies(at)

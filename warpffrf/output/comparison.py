@@ -1,18 +1,18 @@
-r"""Two runs beside each other: settings that differ, and how far their histories are apart.
+r"""Comparison of two runs: differences of settings and of histories.
 
-A history with components, as a force, is compared as a vector. With a and b the values of A and B on the times of A,
+A history with components, such as a force, is compared as a vector. With a and b the values of A and B on the times of
+A,
 
     relative L2 = sqrt( int |b - a|^2 dt / int |a|^2 dt ),      largest difference = max over time of |b - a|,
 
-by the trapezoidal rule, over the time that both runs have. Where their times differ, b is interpolated linearly between
-the rows of B. Quaternions q and -q are one rotation: that nearer to A's is taken. What counts or numbers something
-(iterations, columns of a grid, states) belongs to a run's settings and is not compared.
+by the trapezoidal rule, over the common time of both runs. If their times differ, b is interpolated linearly between
+the rows of B. Quaternions q and -q are the same rotation: the one nearer to A's is used. Integers (iterations, columns
+of a grid, states) depend on the settings of a run and are not compared.
 
-What differs by round-off does not differ: it is counted, and neither listed nor drawn. That is a largest difference
-below 1e-12 of the largest of its quantity in both runs, or of what the machine has of its unit, with its size L, the
-duration T of the run, the largest force F and the energy at hand E: L [m], L/T [m/s], 1/T [rad/s], F L [N m], E/T [W],
-1 [rad and without a unit]. What moves by less in a run has moved by less than 1e-12 L. So is what stays below 1e-8 of
-the largest of its quantity in both.
+Differences of round-off size are counted, but neither listed nor drawn: a largest difference below 1e-12 of the largest
+value of its quantity in both runs, or of the scale of its unit, with the size L of the machine, the duration T of the
+run, the largest force F and the largest energy E: L [m], L/T [m/s], 1/T [rad/s], F L [N m], E/T [W], 1 [rad and without
+a unit]. Values below 1e-8 of the largest value of their quantity in both runs are also round-off.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ from warpffrf.output.plots.picture import write_picture
 from warpffrf.output.result import Result
 from warpffrf.output.run_settings import settings_apart
 
-SAME_TIME = 1e-9  # of the duration: times that are apart by less are the same
-LEAST_SEEN = 1e-8  # of the largest of a quantity: less in both runs is round-off
-ROUND_OFF = 1e-12  # of the same: differences that are none
-SEEN = 100.0 * ROUND_OFF  # likewise, the least that an axis shows of
-MOTIONS = ("m", "m/s", "rad", "rad/s")  # of other quantities it is `LEAST`, within which iterations may leave them
+SAME_TIME = 1e-9  # of the duration: closer times are equal
+LEAST_SEEN = 1e-8  # of the largest of a quantity: smaller values in both runs are round-off
+ROUND_OFF = 1e-12  # of the same: smaller differences are round-off
+SEEN = 100.0 * ROUND_OFF  # likewise, the smallest range of an axis
+MOTIONS = ("m", "m/s", "rad", "rad/s")  # for other quantities `LEAST` applies, the tolerance of iterations
 LISTED = 20  # settings and histories in a report
 DRAWN = 6  # histories in a picture
 COUNTED = {field.name for field in RUN_FIELDS} | {
@@ -50,7 +50,7 @@ COUNTED = {field.name for field in RUN_FIELDS} | {
 
 @dataclass(frozen=True)
 class Difference:
-    """How far B is from A in one history `label`, with its unit: `relative` L2 (inf where A is zero), `largest`
+    """Difference between B and A in one history `label`, with its unit: `relative` L2 (inf if A is zero), `largest`
     difference, the time of it `at` [s], and the largest value of A, `size`; `same`: the difference is round-off."""
 
     label: str
@@ -63,9 +63,9 @@ class Difference:
 
 
 class Comparison:
-    """Run B against run A; made by `compare`. `differences`: a `Difference` for each history that both have, the
-    largest relative ones first, behind them those that are the same up to round-off; `settings`: name -> (of A, of B)
-    of what differs; `notes`: what was interpolated, left out, or is the same."""
+    """Run B compared with run A; returned by `compare`. `differences`: a `Difference` for each common history, sorted
+    by descending relative difference, followed by those equal up to round-off; `settings`: name -> (of A, of B) where
+    they differ; `notes`: what was interpolated, omitted, or is equal."""
 
     def __init__(self, a: Result, b: Result, names: tuple[str, str]) -> None:
         self.a, self.b, self.names = a, b, names
@@ -79,7 +79,7 @@ class Comparison:
         return f"Comparison({len(self.differences)} histories, differ{worst}; {len(self.settings)} settings differ)"
 
     def _apart(self) -> list[Difference]:
-        """Those of `differences` that are more than round-off."""
+        """The `differences` above round-off."""
         return [found for found in self.differences if not found.same]
 
     def _compared(self) -> list[Difference]:
@@ -121,7 +121,7 @@ class Comparison:
         return sorted(found, key=lambda d: np.inf if d.same else -d.relative)
 
     def _rows(self) -> np.ndarray:
-        """Rows of A within the time of B; notes what that leaves out, and whether B is interpolated."""
+        """Rows of A within the time of B; notes state what was omitted, and whether B is interpolated."""
         a, b = self.a.time, self.b.time
         if not len(a) or not len(b):
             raise InputError("compare: a run without saved rows; compare runs that have some")
@@ -142,7 +142,7 @@ class Comparison:
         return rows
 
     def _on_times(self, series: Series, time: np.ndarray, beside: np.ndarray) -> np.ndarray:
-        """Values of B at `time`; of quaternions the sign that is nearer to `beside`."""
+        """Values of B at `time`; for quaternions with the sign nearer to `beside`."""
         values, own = series.values, self.b.time
         turns = "quaternion" in series.frame
         if turns:
@@ -158,7 +158,7 @@ class Comparison:
         return values
 
     def report(self, most: int | None = LISTED) -> str:
-        """Settings that differ and the histories that are furthest apart, at most `most` of each (None: all)."""
+        """Settings that differ and the histories that differ most, at most `most` of each (None: all)."""
         most = None if most is None else require_count(most, "report: most", 1)
         apart = self._apart()
         listed = apart[:most]
@@ -183,14 +183,14 @@ class Comparison:
             name = f"{d.label} [{d.units}]"
             lines.append(f"{name:{width}}  {relative}  {d.largest:18.4e}  {d.at:10.6g}  {d.size:12.4e}")
         if len(listed) < len(apart):
-            lines.append(f"... and {len(apart) - len(listed)} that are nearer to each other")
+            lines.append(f"... and {len(apart) - len(listed)} that differ less")
         return "\n".join(lines)
 
     def figure(self, labels: Sequence[str] | None = None) -> Any:
-        """A matplotlib Figure of both runs over time, a panel for each history in `labels`, as `differences` name
-        them; of the six that differ most if None, or of six that are the same where none differs. Of a vector its
-        component that differs most is drawn, of the same the largest. Raises InputError for a history that the runs do
-        not share."""
+        """A matplotlib Figure of both runs over time, one panel for each history in `labels`, named as in
+        `differences`; None: the six that differ most, or six of the equal ones if none differs. For a vector the
+        component that differs most is drawn, or the largest if all are equal. Raises InputError for a history that the
+        runs do not share."""
         found = {d.label: d for d in self.differences}
         for label in labels or ():
             if label not in found:
@@ -221,16 +221,16 @@ class Comparison:
     def save_figure(
         self, path: str | os.PathLike[str], labels: Sequence[str] | None = None, *, overwrite: bool = False
     ) -> Path:
-        """Write `figure(labels)` as .png, .pdf or .svg. Raises InputError for a path that cannot be written and for a
-        file that exists, unless `overwrite` is set and warpffrf wrote it."""
+        """Write `figure(labels)` as .png, .pdf or .svg. Raises InputError for a path that cannot be written and for an
+        existing file, unless `overwrite` is set and warpffrf wrote it."""
         return write_picture(self.figure(labels), path, "compare", overwrite=overwrite)
 
 
 @named_arguments
 def compare(a: Result | str | os.PathLike[str], b: Result | str | os.PathLike[str]) -> Comparison:
-    """Run `b` against run `a`, results or their files: `.report()` has the settings that differ and, for every history,
-    the relative L2 and largest difference on A's times; `.save_figure(path)` draws both. Raises InputError for files
-    that cannot be read and for runs that share neither a history nor a time.
+    """Compare run `b` with run `a`, given as results or their files: `.report()` lists the settings that differ and,
+    for every history, the relative L2 and largest difference at A's times; `.save_figure(path)` draws both. Raises
+    InputError for files that cannot be read and for runs that share neither a history nor a time.
 
     >>> finer = wf.simulate(scene, 2e-3, step=1e-4, start="equilibrium", results="finer.h5", progress=False)
     >>> found = wf.compare("finer.h5", "press.h5")
@@ -242,7 +242,7 @@ def compare(a: Result | str | os.PathLike[str], b: Result | str | os.PathLike[st
 
 
 def _names(a: Any, b: Any) -> tuple[str, str]:
-    """What the runs are called: names of their files, with folders where those are the same, else with A and B."""
+    """Labels of the runs: names of their files, with folders if these are equal, else with A and B."""
     runs = (a, b)
     for part in (lambda path: path.name, str):
         first, second = ("result" if isinstance(run, Result) else part(Path(run)) for run in runs)
@@ -268,7 +268,7 @@ def _nearest(times: np.ndarray, wanted: np.ndarray) -> np.ndarray:
 
 
 def _sizes(runs: Sequence[Result], found: Sequence[Series]) -> dict[str, float]:
-    """What the machine has of each unit, as in the module docstring."""
+    """Scale of each unit for the machine, as in the module docstring."""
     length = max(_extent(run) for run in runs)
     spans = [float(run.time[-1] - run.time[0]) for run in runs]
     rate = 1.0 / max(spans) if max(spans) > 0.0 else 0.0
@@ -281,7 +281,7 @@ def _sizes(runs: Sequence[Result], found: Sequence[Series]) -> dict[str, float]:
 
 
 def _extent(run: Result) -> float:
-    """How far [m] bodies are apart at the start, and the largest of their radii of gyration."""
+    """Distance [m] between bodies at the start, and the largest of their radii of gyration."""
     places = [motion.position[0] for motion in run.history.bodies.values()]
     turning = [
         np.sqrt(0.5 * np.trace(body.inertia) / body.mass)
@@ -292,7 +292,7 @@ def _extent(run: Result) -> float:
 
 
 def _difference(series: Series, time: np.ndarray, difference: np.ndarray, size: np.ndarray, least: float) -> Difference:
-    """Of the lengths `difference` (T,) at `time` (T,); up to `least` they are round-off."""
+    """Difference with the lengths `difference` (T,) at `time` (T,); up to `least` they are round-off."""
     if len(time) == 1:
         above, below = float(difference[0]), float(size[0])
     else:

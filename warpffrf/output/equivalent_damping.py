@@ -1,4 +1,5 @@
-"""What laps take from a vibration in a mode, by its amplitude: damping ratio, frequency, loops, a table and a plot."""
+"""Amplitude-dependent damping of a mode by friction in small-sliding contacts: damping ratio, frequency, loops, a table
+and a plot."""
 
 from __future__ import annotations
 
@@ -15,34 +16,35 @@ from warpffrf.model.reduced.inertia import interface_motion, interface_slope
 from warpffrf.online.vibrations.eigenmodes import SceneModes
 from warpffrf.online.vibrations.rubbing import Cycle, equivalent, rubbing_mode
 
-UNSETTLED = 0.02  # of the loss of a cycle: change from one to the next
-FEWEST_CYCLES = 3  # the first begins at rest, the second is what the third is held against
+UNSETTLED = 0.02  # of the loss per cycle: change between consecutive cycles
+FEWEST_CYCLES = 3  # the first starts at rest, the third is compared with the second
 FEWEST_STEPS = 8
-STILL = 1e-6  # of the largest displacement of a body: a node of the mode
+STILL = 1e-6  # of the largest displacement of a body: smaller ones are nodes of the mode
 SIZE = (6.4, 4.2)  # inches
 
 
 @dataclass(frozen=True, eq=False)
 class EquivalentDamping:
-    """A mode of laps that rub, at k amplitudes; made by `Modes.equivalent_damping`.
+    """A mode of a scene with friction in small-sliding contacts, at k amplitudes; returned by
+    `Modes.equivalent_damping`.
 
-    The linear oscillator with `frequency` and `damping_ratio` has the same stiffness and the same loss in a cycle. The
-    ratio is that of the laps alone: what the mode has of `Modes.damping_ratios` comes on top.
+    The linear oscillator with `frequency` and `damping_ratio` has the same stiffness and the same loss per cycle. The
+    ratio includes only the small-sliding contacts: `Modes.damping_ratios` of the mode must be added.
     """
 
     mode: int
-    linear_frequency: float  # Hz, all cells stuck
+    linear_frequency: float  # Hz, all cells stick
     place: str  # where `amplitude` is measured
-    unit: str  # of it: m, or m kg^(1/2) of the mode's coordinate
+    unit: str  # of `amplitude`: m, or m kg^(1/2) of the mode's coordinate
     amplitude: np.ndarray  # (k,) at `place`
     coordinate: np.ndarray  # (k,) m kg^(1/2), of the mode, whose modal mass is 1
     damping_ratio: np.ndarray  # (k,) zeta = D/(4 pi U)
     frequency: np.ndarray  # (k,) Hz, of the secant stiffness
-    loss: np.ndarray  # (k,) J, D of a cycle
+    loss: np.ndarray  # J, D per cycle
     energy: np.ndarray  # (k,) J, U of the amplitude
-    lap_loss: dict[str, np.ndarray]  # lap -> (k,) J, its part of D
-    slipping: dict[str, np.ndarray]  # lap -> (k,) share of its cells that slip or open in the cycle
-    loops: list[Cycle]  # (k,) the last cycle of each: `coordinate` and `load` of the mode
+    lap_loss: dict[str, np.ndarray]  # contact -> (k,) J, its part of D
+    slipping: dict[str, np.ndarray]  # contact -> (k,) fraction of its cells that slip or open in the cycle
+    loops: list[Cycle]  # (k,) the last cycle at each amplitude: `coordinate` and `load` of the mode
     notes: list[str] = field(default_factory=list)
 
     def report(self) -> str:
@@ -64,8 +66,8 @@ class EquivalentDamping:
     __str__ = report
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the damping ratio over the amplitude, both logarithmic, on the matplotlib axes `ax` (new ones when
-        None); returns them."""
+        """Draw the damping ratio over the amplitude, both logarithmic, on the matplotlib axes `ax` (new ones if None);
+        returns them."""
         if ax is None:
             from matplotlib.backends.backend_agg import FigureCanvasAgg
             from matplotlib.figure import Figure
@@ -77,7 +79,7 @@ class EquivalentDamping:
         rubs = order[self.damping_ratio[order] > 0.0]
         ax.loglog(self.amplitude[rubs], 100.0 * self.damping_ratio[rubs], marker="o")
         ax.set(
-            xlabel=f"amplitude at {self.place} [{self.unit}]", ylabel="damping ratio of the laps [%]",
+            xlabel=f"amplitude at {self.place} [{self.unit}]", ylabel="damping ratio of friction in laps [%]",
             title=f"Mode {self.mode}, {self.linear_frequency:.5g} Hz",
         )  # fmt: skip
         ax.grid(visible=True, which="both", alpha=0.3)
@@ -98,9 +100,7 @@ def equivalent_damping(
     cycles = require_count(cycles, f"{label}: cycles", FEWEST_CYCLES)
     steps = require_count(steps, f"{label}: steps", FEWEST_STEPS)
     if steps % 4:
-        raise InputError(
-            f"{label}: steps must be a multiple of four, so that both ends of a cycle are met, got {steps}"
-        )
+        raise InputError(f"{label}: steps must be a multiple of four, to include both ends of a cycle, got {steps}")
     given = require_array(amplitude if np.ndim(amplitude) else [amplitude], f"{label}: amplitude", (None,))
     if not len(given):
         raise InputError(f"{label}: give one amplitude at least")
@@ -115,11 +115,11 @@ def equivalent_damping(
         change = abs(loss - loop.before)
         if change > UNSETTLED * loss and change > 0.0:
             notes.append(
-                f"amplitude {a:.4g}: the loss still changes from cycle to cycle ({loop.before:.4g} J, then {loss:.4g} "
+                f"amplitude {a:.4g}: the loss still varies from cycle to cycle ({loop.before:.4g} J, then {loss:.4g} "
                 "J); take more cycles"
             )
     if not np.all(numbers[:, 0] > 0.0):
-        notes.append("where nothing slips the loss is zero; of micro-slip smaller than a cell, smaller cells see more")
+        notes.append("without slip the loss is zero; smaller cells resolve micro-slip below the cell size")
     names = [lap.name for lap in modes.scene.laps]
     return EquivalentDamping(
         mode=i, linear_frequency=mode.omega / (2.0 * np.pi), place="the mode's coordinate" if at is None else at.label,
@@ -131,7 +131,7 @@ def equivalent_damping(
 
 
 def _displacement(modes: SceneModes, i: int, port: Any) -> float:
-    """Length [m] of the displacement of a port in mode i."""
+    """Magnitude [m] of the displacement of a port in mode i."""
     if not isinstance(port, Port) or port.point is None or port.body.name not in modes.shapes:
         raise InputError(
             "equivalent_damping: at must be a place on a body that moves, body['interface'] or body.at((x, y, z)), "

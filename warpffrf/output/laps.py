@@ -1,50 +1,51 @@
-r"""Laps of a run: fields over their cells, losses, slip zones, and places for pictures.
+r"""Small-sliding contacts of a run: fields over their cells, losses, slip zones, and positions for pictures.
 
-Chart. The cells of a lap laid flat: seen along their mean normal, or unrolled around the axis that normals turn about.
+Chart. The cells of a contact in a plane: projected along their mean normal, or unrolled around the axis of their
+normals.
 
-With the normals n_c and areas A_c, |sum A n| / sum A is 1 of a plane and 0 of a full turn. Above `FLAT` the cells are
-projected on the plane across the mean normal. Otherwise the axis a is the direction that the normals have least of, the
-eigenvector of sum A n n^T to the smallest eigenvalue; it goes through the place whose distance from the lines through
-the cells along their normals is least, and places have the arc r phi and the height along a, with r the mean radius.
-Triangles are cut nowhere: each is drawn on the side of the seam on which its middle is.
+With the normals n_c and areas A_c, |sum A n| / sum A is 1 for a plane and 0 for a full revolution. Above `FLAT` the
+cells are projected onto the plane normal to the mean normal. Otherwise the axis a is the direction of the smallest
+normal components, the eigenvector of sum A n n^T to the smallest eigenvalue; it passes through the point of least
+distance from the lines through the cells along their normals. Points have the coordinates arc r phi and height along a,
+with the mean radius r. Triangles are not cut at the seam: each is drawn on the side of its centre.
 
-Lap result. One lap of a run: what it does to its bodies, its fields over cells, what friction takes, and where it
-slips.
+Lap result. One small-sliding contact of a run: forces on its bodies, fields over cells, friction loss, and slip zones.
 
-On skin. Displacement of the corners of a lap's cells, from that of the first body's skin, for pictures.
+On skin. Displacement of the corners of a contact's cells, from that of the first body's skin, for pictures.
 
-Sliding. How faces have slid and turned on each other as wholes: the rigid motion that slips of cells are nearest to.
+Sliding. Rigid sliding and rotation of the faces against each other: the rigid motion that best fits the slips of the
+cells.
 
-With the slips w_c (2,) along t_1, t_2 of cells at x_c, areas A_c and their middle x, the translation d and the turn
-theta are those of
+With the slips w_c (2,) along t_1, t_2 of cells at x_c, areas A_c and their middle x, the translation d and the rotation
+theta solve
 
     min  sum_c A_c | w_c - T_c (d + theta x (x_c - x)) |^2,        T_c = rows t_1, t_2,
 
-of all that do as well the smallest, with theta measured by the radius of gyration of the cells: what slides no face,
-such as a translation along the normal of a plane, is zero.
+the smallest of all solutions, with theta scaled by the radius of gyration of the cells: motions without sliding, such
+as a translation along the normal of a plane, are zero.
 
-Without friction the engine follows no slips. Places x_c of the first body and y_c of the second, the same at the
-initial pose, are then apart by
+Without friction the engine does not integrate slips. Points x_c of the first body and y_c of the second, which coincide
+at the initial pose, are then displaced against each other by
 
     A_1^T (r_2 + A_2 y_c - r_1) - x_c
 
-in the axes of the first body, with r and A positions and rotations of the user frames: the elastic part is left out.
+in the axes of the first body, with r and A positions and rotations of the user frames: the elastic part is neglected.
 
-Slip zone. The slip zone of a lap in a time, and how well cells resolve it.
+Slip zone. The slip zone of a contact in a time interval, and its resolution by cells.
 
-Where a joint slips in part, the loss is made in a zone between the outline and the stick region, a few cells wide or
-many. Of a bar (stiffness EA) that is pulled at its end by +-F and held by friction tau per length, cells of length a,
-K = EA/a springs between them, each cell gives at most tau a. At f = F/(tau a) = n + 1/2 the n first cells slip, and by
-the differences of forces along the chain, a cycle takes
+In partial slip, energy is dissipated in a zone between the outline and the stick region. Consider a bar (stiffness EA)
+that is pulled at its end by +-F and held by friction tau per length, with cells of length a and springs K = EA/a
+between them; each cell carries at most tau a. At f = F/(tau a) = n + 1/2 the first n cells slip, and the force
+differences along the chain give the loss per cycle
 
     D_cells = 4 (tau a)^2 / K  sum_{j=1..n} j (f - j) = (tau a)^2 / (3 K)  n (n + 1) (2 n + 1),
 
-beside D = 2 F^3/(3 EA tau) of the continuous bar:
+compared with D = 2 F^3/(3 EA tau) of the continuous bar:
 
     D_cells / D = 4 n (n + 1) / (2 n + 1)^2 = 1 - 1/(2 n + 1)^2,        n cells across,
 
-at f = n it is 1 - 1/n^2. `ACROSS` cells leave 1.6 % at most there, one or two cells anything. Zones that are not
-straight, and pressures that fall across them, take more.
+at f = n it is 1 - 1/n^2. With `ACROSS` cells the error is then at most 1.6 %, with one or two cells it is arbitrary.
+Curved zones, and pressures that decrease across them, require more cells.
 """
 
 from __future__ import annotations
@@ -67,13 +68,13 @@ from warpffrf.output.geometry.skin_nodes import SkinNodes
 from warpffrf.output.loops import cycle_times, value_at
 from warpffrf.output.recorded import Recorded
 
-FLAT = 0.8  # of the sum of areas: a cap of 120 degrees around is still seen from above
+FLAT = 0.8  # of the sum of areas: a cap of 120 degrees is still projected
 
 
 @dataclass(frozen=True, eq=False)
 class LapChart:
-    """Triangles (t, 3, 2) [m] of the cells laid flat, the cell (t,) of each, the middles (c, 2) [m] of the cells, and
-    what the two axes of the map are. `radius` [m] of one that was unrolled, else None."""
+    """Triangles (t, 3, 2) [m] of the cells in the chart plane, the cell (t,) of each, the centres (c, 2) [m] of the
+    cells, and the names of the two axes of the map. `radius` [m] if unrolled, else None."""
 
     triangles: np.ndarray
     cell: np.ndarray
@@ -83,7 +84,7 @@ class LapChart:
 
 
 def lap_chart(view: LapView) -> LapChart:
-    """The chart of a lap's cells, in the axes of the first body."""
+    """The chart of a contact's cells, in the axes of the first body."""
     normals, area = view.frames[:, 0], view.area
     corners, cell = view.triangles
     mean = area @ normals / area.sum()
@@ -109,7 +110,7 @@ def lap_chart(view: LapView) -> LapChart:
 
 
 def _plane(normal: np.ndarray) -> tuple[np.ndarray, tuple[str, str]]:
-    """Two axes (2, 3) across `normal`, right-handed with it, near axes of the body, and their names."""
+    """Two axes (2, 3) normal to `normal`, right-handed with it, near axes of the body, and their names."""
     order = np.argsort(np.abs(normal))[:2]
     first = np.eye(3)[np.min(order)]
     a = first - (first @ normal) * normal
@@ -125,7 +126,7 @@ def _plane(normal: np.ndarray) -> tuple[np.ndarray, tuple[str, str]]:
 
 
 def _nearest_to_lines(points: np.ndarray, normals: np.ndarray, across: np.ndarray) -> np.ndarray:
-    """The place (3,) in the plane of `across` (2, 3) that is nearest to the lines along `normals`."""
+    """The point (3,) in the plane of `across` (2, 3) nearest to the lines along `normals`."""
     n = normals @ across.T
     n = n / np.maximum(np.linalg.norm(n, axis=1, keepdims=True), 1e-300)
     side = np.stack([-n[:, 1], n[:, 0]], axis=1)
@@ -134,29 +135,29 @@ def _nearest_to_lines(points: np.ndarray, normals: np.ndarray, across: np.ndarra
 
 
 OPEN, STICK, SLIP = 0, 1, 2
-SLIDES = 0.5  # of the size of a cell: faces that slide further have other partners than those of the run
+SLIDES = 0.5  # of the size of a cell: faces that slide further touch other partners than those of the run
 
 
 class LapResult(reprs.Shown):
-    """One lap of a run; arrays have one row per saved step, SI units.
+    """One small-sliding contact of a run; arrays have one row per saved step, SI units.
 
-    Forces act on the second face in world axes, the torque about the middle of the first face's cells; their opposite
-    on the first. Fields are over cells (c), means over each, along its frame (n, t_1, t_2), n outwards of the first
-    face; frames and places are in the user frame of the first body, and move with it.
+    Forces act on the second face in world axes, the torque about the centre of the first face's cells; their opposites
+    act on the first. Fields are over cells (c), averages over each, along its frame (n, t_1, t_2), n outwards from the
+    first face; frames and positions are in the user frame of the first body, and move with it.
     """
 
     _hidden = frozenset({"history", "view"})
 
     force = Recorded("(T, 3) N, on the second face, world axes.")
-    torque = Recorded("(T, 3) N m, on the second face about the middle of the first face's cells, world axes.")
+    torque = Recorded("(T, 3) N m, on the second face about the centre of the first face's cells, world axes.")
     normal_force = Recorded("(T,) N, of all cells, whatever their directions.")
     pressure = Recorded("(T, c) Pa, of the cells.")
     traction = Recorded("(T, c, 2) Pa, on the second face along t_1, t_2.")
     gap = Recorded("(T, c) m, of the cells.")
-    slip = Recorded("(T, c, 2) m, of the second face against the first so far, along t_1, t_2.")
+    slip = Recorded("(T, c, 2) m, accumulated, of the second face against the first, along t_1, t_2.")
     state = Recorded("(T, c) the number of the state: 0 open, 1 stick, 2 slip.")
-    cell_loss = Recorded("(T, c) J, by friction so far.", "history.loss")
-    points = Recorded("(c, 3) m, user frame of the first body: middles of the cells.", "view.points")
+    cell_loss = Recorded("(T, c) J, accumulated friction loss.", "history.loss")
+    points = Recorded("(c, 3) m, user frame of the first body: centres of the cells.", "view.points")
     frames = Recorded("(c, 3, 3), rows n, t_1, t_2, user axes.", "view.frames")
     area = Recorded("(c,) m2, areas of the cells.", "view.area")
 
@@ -166,7 +167,7 @@ class LapResult(reprs.Shown):
         self.name = view.name
         self.time = time  # (T,) s
         self._bodies = bodies
-        self.friction = view.friction  # the coefficient, -
+        self.friction = view.friction  # coefficient of friction, -
 
     @property
     def cells(self) -> int:
@@ -175,13 +176,13 @@ class LapResult(reprs.Shown):
 
     @property
     def size(self) -> np.ndarray:
-        """(c,) m, edges of squares of the cells' areas."""
+        """(c,) m, edges of squares with the cells' areas."""
         return np.sqrt(self.area)
 
     @property
     def polygons(self) -> tuple[np.ndarray, np.ndarray]:
-        """Corners (t, 3, 3) [m, user frame of the first body] of the triangles that the cells consist of, outwards, and
-        the cell (t,) of each."""
+        """Corners (t, 3, 3) [m, user frame of the first body] of the triangles of the cells, oriented outwards, and the
+        cell (t,) of each."""
         return self.view.triangles
 
     # --- fields ---
@@ -193,13 +194,14 @@ class LapResult(reprs.Shown):
 
     @cached_property
     def shift(self) -> np.ndarray:
-        """(T, c, 2) m, how far the second face is from its place on the first, along t_1 and t_2: `slip`, and without
-        friction, where slips are not followed, what the user frames of the bodies have moved."""
+        """(T, c, 2) m, displacement of the second face from its initial position on the first, along t_1 and t_2:
+        `slip`; without friction, where slips are not integrated, the relative displacement of the user frames of the
+        bodies."""
         return self.slip if self.friction > 0.0 else of_user_frames(self.view, self._bodies)
 
     @cached_property
     def shift_distance(self) -> np.ndarray:
-        """(T, c) m, length of `shift`: how far partners are apart, not the way there."""
+        """(T, c) m, length of `shift`: the distance between partners, not the path length."""
         return np.linalg.norm(self.shift, axis=2)
 
     @cached_property
@@ -211,7 +213,7 @@ class LapResult(reprs.Shown):
 
     @cached_property
     def loss(self) -> np.ndarray:
-        """(T,) J, taken by friction since the scene began: the sum of `cell_loss`."""
+        """(T,) J, friction loss since the start of the scene: the sum of `cell_loss`."""
         return self.cell_loss.sum(axis=1)
 
     @cached_property
@@ -221,17 +223,17 @@ class LapResult(reprs.Shown):
 
     @cached_property
     def counts(self) -> np.ndarray:
-        """(T, states) numbers of cells that are open, stick and slip."""
+        """(T, states) numbers of open, sticking and slipping cells."""
         return np.stack([(self.state == state).sum(axis=1) for state in (OPEN, STICK, SLIP)], axis=1)
 
     @cached_property
     def stick_area(self) -> np.ndarray:
-        """(T,) m2 of the cells that stick."""
+        """(T,) m2 of sticking cells."""
         return (self.state == STICK) @ self.area
 
     @cached_property
     def slip_area(self) -> np.ndarray:
-        """(T,) m2 of the cells that slip under pressure."""
+        """(T,) m2 of cells that slip under pressure."""
         return (self.state == SLIP) @ self.area
 
     @cached_property
@@ -240,37 +242,37 @@ class LapResult(reprs.Shown):
 
     @property
     def sliding(self) -> np.ndarray:
-        """(T, 3) m, by how much the second face as a whole has slid on the first, in user axes of the first body, at
-        the middle of the cells: the rigid motion nearest to `shift` (`sliding.py`)."""
+        """(T, 3) m, rigid sliding of the second face on the first, in user axes of the first body, at the centre of the
+        cells: the rigid motion nearest to `shift` (`sliding.py`)."""
         return self._sliding[0]
 
     @property
     def turning(self) -> np.ndarray:
-        """(T, 3) rad, by how much it has turned, user frame of the first body, likewise."""
+        """(T, 3) rad, rotation of the second face against the first, user frame of the first body, likewise."""
         return self._sliding[1]
 
     # --- cycles ---
 
     def loss_between(self, begin: float, end: float) -> float:
-        """Energy [J] that friction took between two times, `begin` and `end` [s], straight between saved steps. Raises
-        `InputError` for times outside of the run."""
+        """Friction loss [J] between the times `begin` and `end` [s], linear between saved steps. Raises `InputError`
+        for times outside of the run."""
         first, last = value_at(self.time, self.loss, np.array([begin, end]), f"lap '{self.name}'")
         return float(last - first)
 
     def loss_per_cycle(self, cycles: float | Sequence[float] | np.ndarray) -> np.ndarray:
-        """Energy (cycles,) [J] that friction took in each cycle, D_k = loss(t_(k+1)) - loss(t_k).
+        """Friction loss (cycles,) [J] in each cycle, D_k = loss(t_(k+1)) - loss(t_k).
 
-        cycles: the period [s], for whole cycles from the first saved step on; or the times [s] at which cycles begin
-        and end, ascending. Of a load that is repeated the first cycle differs from those that follow, as the joint
-        begins without tractions. Raises `InputError` for a period longer than the run, and times outside of it.
+        cycles: the period [s], for whole cycles from the first saved step on; or the ascending times [s] at which
+        cycles begin and end. Under a repeated load the first cycle differs from the others, because the joint starts
+        without tractions. Raises `InputError` for a period longer than the run, and times outside of it.
         """
         label = f"lap '{self.name}'"
         return np.diff(value_at(self.time, self.loss, cycle_times(self.time, cycles, label), label))
 
     def slip_zone(self, begin: float | None = None, end: float | None = None) -> SlipZone:
-        """Cells that lost energy between the times `begin` and `end` [s]: which, their area, and how many there are
-        across (`slip_zone.py`). Without a begin what they lost before the first saved step counts, too, as in the
-        equilibrium that a run starts from. Raises `InputError` for times outside of the run."""
+        """Cells that dissipated energy between the times `begin` and `end` [s]: which, their area, and their number
+        across the zone (`slip_zone.py`). Without `begin` the loss before the first saved step is included, such as that
+        of the equilibrium from which a run starts. Raises `InputError` for times outside of the run."""
         times = np.array([self.time[0] if begin is None else begin, self.time[-1] if end is None else end])
         first, last = value_at(self.time, self.cell_loss, times, f"lap '{self.name}'")
         rows = (self.time >= times[0]) & (self.time <= times[1])
@@ -280,8 +282,8 @@ class LapResult(reprs.Shown):
         return slip_zone(self.points, self.area, last - first, pressed)
 
     def warnings(self) -> list[str]:
-        """What makes results of this lap uncertain: faces that slid far beside their cells, whose partners are fixed,
-        slip zones of few cells, and skins that do not know what the lap does to them."""
+        """Sources of uncertainty of this contact: faces that slid far from their cells, whose partners are fixed, slip
+        zones of few cells, and skins without a response to the forces of the contact."""
         bodies = (self.view.first_body, self.view.second_body)
         found = left_out({body.name: body for body in bodies}.values())
         ratio = self.shift_distance / self.size
@@ -289,7 +291,7 @@ class LapResult(reprs.Shown):
             row, cell = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
             found.append(
                 f"cell {cell} slid by {self.shift_distance[row, cell] * 1e3:.4g} mm, {ratio[row, cell]:.2g} of its "
-                f"size {self.size[cell] * 1e3:.4g} mm, and partners of cells are fixed: beyond {SLIDES:g} of a cell "
+                f"size {self.size[cell] * 1e3:.4g} mm, but partners of cells are fixed: beyond {SLIDES:g} of a cell "
                 "forces act at other places than they would; model such motion as a contact"
             )
         zone = self.slip_zone()
@@ -304,12 +306,12 @@ class LapResult(reprs.Shown):
         return {"name": self.name, "cells": self.cells, "rows": len(self.time)}
 
 
-NEAREST = 3  # nodes of the face beside a corner; a corner on a node has its displacement
+NEAREST = 3  # nodes of the face around a corner; a corner on a node has its displacement
 
 
 class LapOnSkin:
-    """The corners (t, 3, 3) of the triangles that the cells of a lap consist of, on the deformed skin of the first
-    body: each moves as the nodes of the skin next to it, weighed by the inverse of their distance squared."""
+    """The corners (t, 3, 3) of the triangles of a contact's cells on the deformed skin of the first body: each moves
+    with the nearest nodes of the skin, weighted by the inverse of the squared distance."""
 
     def __init__(self, view: LapView, skin: Skin) -> None:
         self.skin = skin
@@ -330,14 +332,14 @@ class LapOnSkin:
 
 
 INVERSE = np.array([-1.0, -1.0, -1.0, 1.0])  # times a unit quaternion
-RANK = 1e-6  # of the largest singular value: rigid motions that slide the cells by less are none
+RANK = 1e-6  # of the largest singular value: rigid motions below it do not slide the cells
 
 
 def rigid_sliding(
     points: np.ndarray, frames: np.ndarray, area: np.ndarray, slip: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Translation (T, 3) [m] at the middle of the cells and turn (T, 3) [rad] of the second face against the first, in
-    the axes of `points` (c, 3) and `frames` (c, 3, 3); slip (T, c, 2) [m]."""
+    """Translation (T, 3) [m] at the centre of the cells and rotation (T, 3) [rad] of the second face against the first,
+    in the axes of `points` (c, 3) and `frames` (c, 3, 3); slip (T, c, 2) [m]."""
     middle = area @ points / area.sum()
     arm = points - middle
     gyration = float(np.sqrt(area @ np.sum(arm**2, axis=1) / area.sum())) or 1.0
@@ -350,8 +352,8 @@ def rigid_sliding(
 
 
 def of_user_frames(view: LapView, bodies: Mapping[str, BodyHistory]) -> np.ndarray:
-    """(T, c, 2) m along t_1 and t_2, by how much the user frame of the second body has moved against that of the first
-    at the cells; zero within one body."""
+    """(T, c, 2) m along t_1 and t_2, displacement of the user frame of the second body against that of the first at the
+    cells; zero within one body."""
     first, second = bodies[view.first_body.name], bodies.get(view.second_body.name)
     found = np.empty((len(first.position), len(view.area), 2))
     for i, (position, rotation) in enumerate(zip(first.position, first.rotation, strict=True)):
@@ -361,14 +363,14 @@ def of_user_frames(view: LapView, bodies: Mapping[str, BodyHistory]) -> np.ndarr
     return found
 
 
-ACROSS = 8.0  # cells across the slip zone, below which the loss per cycle is uncertain (1/n^2, module docstring)
-LEAST = 1e-6  # of the largest loss of a cell: below it is what tolerances leave of sticking
+ACROSS = 8.0  # cells across the slip zone; with fewer the loss per cycle is uncertain (1/n^2, module docstring)
+LEAST = 1e-6  # of the largest loss of a cell: smaller losses result from tolerances in sticking cells
 
 
 @dataclass(frozen=True, eq=False)
 class SlipZone:
-    """Cells of a lap that friction took energy in: `slips` (c,) bool, `area` [m2] of them, and `across`: the farthest
-    of them from the cells that pressed and stuck, in cells; NaN where none slips, or no cell sticks."""
+    """Cells of a contact that dissipated energy: `slips` (c,) bool, `area` [m2] of them, and `across`: the largest
+    distance of a slipping cell from the cells that stuck under pressure, in cells; NaN if none slips or none sticks."""
 
     slips: np.ndarray
     area: float
@@ -381,13 +383,13 @@ class SlipZone:
 
     @property
     def coarse(self) -> bool:
-        """True where the zone has fewer than `ACROSS` cells across, so that the loss is uncertain."""
+        """True if the zone has fewer than `ACROSS` cells across, so that the loss is uncertain."""
         return bool(self.across < ACROSS)
 
 
 def slip_zone(points: np.ndarray, area: np.ndarray, loss: np.ndarray, pressed: np.ndarray) -> SlipZone:
-    """Of cells at `points` (c, 3) [m] with `area` (c,) [m2] that lost `loss` (c,) [J], and were `pressed` (c,) at some
-    time."""
+    """The slip zone of cells at `points` (c, 3) [m] with `area` (c,) [m2] and loss `loss` (c,) [J]; `pressed` (c,):
+    under pressure at some time."""
     slips = loss > LEAST * max(float(loss.max(initial=0.0)), np.finfo(float).tiny)
     sticks = pressed & ~slips
     across = float("nan")

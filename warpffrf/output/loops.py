@@ -1,19 +1,19 @@
-r"""Loops of force against displacement: what a cycle takes, equivalent damping, stiffness against load.
+r"""Loops of force against displacement: loss per cycle, equivalent damping, stiffness against load.
 
-Channels. One number of a run over time, by the name of what it is of and its component: what loops are drawn of.
+Channels. One scalar history of a run, by the name of its owner and its component, as an axis of a loop.
 
-("push", "x")              x of a force, a joint's reaction, a lap, contact or film [N], of a body's place [m]
+("push", "x")              x of a force, a joint's reaction, a lap, contact or film [N], of a body's position [m]
 ("push", "torque_z")       a torque [N m]
 ("tip", "x")               a component of a sensor
 "hinge"                    a joint's coordinate, a sensor with one component, a spring with one deformation
-("joint", "hinge", "x")    with its kind, where things of several kinds have the name
-array (T,)                 whatever was worked out
+("joint", "hinge", "x")    with its kind, if items of several kinds have the name
+array (T,)                 any history
 
-Cycles. Times at which cycles begin and end, and what there is between saved steps.
+Cycles. Times at which cycles begin and end, and values between saved steps.
 
-Hysteresis. Force against displacement over a run: loops, what they take, equivalent damping, stiffness against load.
+Hysteresis. Force against displacement over a run: loops, their losses, equivalent damping, stiffness against load.
 
-Of a cycle from t_0 to t_1, with the force F that does work on the displacement x, straight between saved steps,
+For a cycle from t_0 to t_1, with the force F that does work on the displacement x, linear between saved steps,
 
     W = int F dx = sum_i (F_i + F_(i+1)) (x_(i+1) - x_i) / 2,       the ends joined        work [J]
     D = |W|                                                         loss per cycle [J]
@@ -22,14 +22,14 @@ Of a cycle from t_0 to t_1, with the force F that does work on the displacement 
     U = F_a x_a / 2                                                 of a spring k_s the strain energy at the reversal
     zeta = D / (4 pi U)                                             equivalent damping ratio [-]
 
-zeta is the damping ratio of the linear oscillator of stiffness k_s that loses as much in a cycle of the same amplitude
-at its eigenfrequency (L. S. Jacobsen, Trans. ASME 52 (1930) 169). An elastic loop has 0; a force that slides at a
-constant bound has D = 4 F_a x_a, the whole of the box around the loop, and 2/pi, the most there is. Energy of preloads
-that stay does not count in U, as only ranges do. The sign of W is that of the force as it was given, a reaction's or an
-applied one's; D has none.
+zeta is the damping ratio of the linear oscillator of stiffness k_s with the same loss per cycle at the same amplitude
+and at its eigenfrequency (L. S. Jacobsen, Trans. ASME 52 (1930) 169). An elastic loop has 0; sliding at a constant
+friction bound has D = 4 F_a x_a, the bounding box of the loop, and 2/pi, the maximum. U does not include the energy of
+constant preloads, because only ranges enter. The sign of W is that of the given force, a reaction or an applied one; D
+has no sign.
 
-Moments against angles do as well, in N m and rad. The trapezoid is exact where force and displacement are straight
-between saved steps; of a loop of n steps of equal length that is smooth it is short by some (2 pi/n)^2/6.
+Moments against angles are treated in the same way, in N m and rad. The trapezoidal rule is exact if force and
+displacement are linear between saved steps; for a smooth loop of n equal steps it is too small by about (2 pi/n)^2/6.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ AXES = "xyz"
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """Values (T,), what they are called, and their unit."""
+    """Values (T,), their name, and their unit."""
 
     values: np.ndarray
     label: str
@@ -59,8 +59,8 @@ Components = dict[str, tuple[np.ndarray, str]]
 
 
 def channel(result: Any, what: Any, unit: str, label: str) -> Channel:
-    """The channel that `what` names (module docstring) in a `Result`; an array is `label` in `unit`. Raises
-    `InputError`, listing what there is, for a name, kind or component that there is not."""
+    """The channel named by `what` (module docstring) in a `Result`; an array gets `label` and `unit`. Raises
+    `InputError`, listing the available ones, for an unknown name, kind or component."""
     if not isinstance(what, str | tuple):
         values = np.asarray(what, dtype=float)
         if values.shape != (len(result.time),):
@@ -111,7 +111,7 @@ def _vectors(force: np.ndarray, torque: np.ndarray | None = None) -> Components:
     return found
 
 
-_VECTORS = {*AXES, *(f"torque_{axis}" for axis in AXES)}  # components that a bare name does not mean
+_VECTORS = {*AXES, *(f"torque_{axis}" for axis in AXES)}  # components that are not the default of a bare name
 
 
 def _joint(result: Any, name: str) -> Components:
@@ -157,12 +157,12 @@ _OWNERS: dict[str, Owner] = {
 }
 
 
-SAME = 1e-9  # of the run: times that differ by less are one
+SAME = 1e-9  # of the run: times closer than this are equal
 
 
 def cycle_times(time: np.ndarray, cycles: float | Sequence[float] | np.ndarray, label: str) -> np.ndarray:
-    """Begins and ends (n + 1,) [s] of n cycles: of a period [s] the whole ones from the first saved time on, else the
-    times given. Raises `InputError`, naming `label`, for a period that is not positive or longer than the run, and
+    """Begins and ends (n + 1,) [s] of n cycles: with a period [s] the whole cycles from the first saved time on, else
+    the given times. Raises `InputError`, naming `label`, for a period that is not positive or longer than the run, and
     times that do not ascend."""
     given = np.asarray(cycles, dtype=float)
     span = float(time[-1] - time[0]) if len(time) else 0.0
@@ -180,7 +180,7 @@ def cycle_times(time: np.ndarray, cycles: float | Sequence[float] | np.ndarray, 
 
 
 def value_at(time: np.ndarray, values: np.ndarray, at: np.ndarray, label: str) -> np.ndarray:
-    """`values` (T, ...) at the times `at` (n,) [s], straight between saved steps: (n, ...). Raises `InputError`, naming
+    """`values` (T, ...) at the times `at` (n,) [s], linear between saved steps: (n, ...). Raises `InputError`, naming
     `label`, for times outside of the run."""
     if not len(time):
         raise InputError(f"{label}: the run has no saved row")
@@ -199,7 +199,7 @@ def value_at(time: np.ndarray, values: np.ndarray, at: np.ndarray, label: str) -
 
 
 def piece(time: np.ndarray, values: np.ndarray, begin: float, end: float, label: str) -> tuple[np.ndarray, np.ndarray]:
-    """Times and `values` (T, ...) from `begin` to `end` [s], both among them, with the saved steps between."""
+    """Times and `values` (T, ...) from `begin` to `end` [s], both included, with the saved steps in between."""
     ends = value_at(time, values, np.array([begin, end]), label)
     inside = (time > begin) & (time < end)
     return (
@@ -208,14 +208,14 @@ def piece(time: np.ndarray, values: np.ndarray, begin: float, end: float, label:
     )
 
 
-STANDS = 1e-9  # of the range of displacements: steps over less have no tangent stiffness
+STANDS = 1e-9  # of the range of displacements: smaller steps have no tangent stiffness
 LOOP, LAST = "#9db4c6", "#1b6ca8"
 SECANT, TANGENT = "#1b6ca8", "#d1495b"
 
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """One cycle: `time`, `force` and `displacement` (n,), as given; numbers as in the module's docstring."""
+    """One cycle: `time`, `force` and `displacement` (n,), as given; quantities as in the module docstring."""
 
     time: np.ndarray
     force: np.ndarray
@@ -223,13 +223,13 @@ class Loop:
 
     @cached_property
     def work(self) -> float:
-        """int F dx over the cycle [J], its ends joined by a straight line."""
+        """int F dx over the cycle [J], with the ends joined by a straight line."""
         F, x = np.append(self.force, self.force[0]), np.append(self.displacement, self.displacement[0])
         return float(np.trapezoid(F - F.mean(), x - x.mean()))
 
     @property
     def loss(self) -> float:
-        """Energy that the cycle takes [J], the area of the loop."""
+        """Loss per cycle [J], the area of the loop."""
         return abs(self.work)
 
     @property
@@ -259,8 +259,8 @@ class Loop:
 
     @property
     def open(self) -> float:
-        """How far begin and end are apart, of displacement or force over its range, the larger of the two: 0 of a
-        closed loop; above some hundredths loss and damping are those of no cycle."""
+        """Distance between begin and end over the range, of displacement or force, whichever is larger: 0 for a closed
+        loop; above a few hundredths loss and damping are not meaningful."""
         apart = [
             abs(float(v[-1] - v[0])) / float(np.ptp(v)) for v in (self.force, self.displacement) if np.ptp(v) > 0.0
         ]
@@ -269,14 +269,14 @@ class Loop:
 
 def equivalent_damping(loss: float, strain_energy: float) -> float:
     """Damping ratio D/(4 pi U) [-] of a loss per cycle [J] and the peak strain energy of the cycle [J], such as the
-    loss of a lap beside the energy of its machine; NaN without strain energy."""
+    loss of a joint interface and the energy of its machine; NaN without strain energy."""
     return loss / (4.0 * np.pi * strain_energy) if strain_energy > 0.0 else float("nan")
 
 
 @dataclass(frozen=True, eq=False)
 class Stiffness:
-    """Stiffness against load along a history: `load` and `displacement` (T,), `secant` (T,) from the first row,
-    (F - F_0)/(x - x_0), and `tangent` (T,) of the step that led to each row, dF/dx; NaN where nothing moved."""
+    """Stiffness against load along a history: `load` and `displacement` (T,), `secant` (T,) from the first row, (F -
+    F_0)/(x - x_0), and `tangent` (T,) of the step before each row, dF/dx; NaN without motion."""
 
     load: np.ndarray
     displacement: np.ndarray
@@ -309,20 +309,20 @@ class Hysteresis:
     displacement_unit: str = "m"
 
     def loop(self, begin: float | None = None, end: float | None = None) -> Loop:
-        """The cycle between two times [s], the whole history if None. Raises `InputError` for times outside of it."""
+        """The cycle between two times [s], None: the whole history. Raises `InputError` for times outside of it."""
         begin = float(self.time[0]) if begin is None else begin
         end = float(self.time[-1]) if end is None else end
         time, both = piece(self.time, np.stack([self.force, self.displacement], axis=1), begin, end, "hysteresis")
         return Loop(time, both[:, 0], both[:, 1])
 
     def cycles(self, cycles: float | Sequence[float] | np.ndarray) -> list[Loop]:
-        """Each cycle, of a period [s] or between times [s] as of `LapResult.loss_per_cycle`."""
+        """Each cycle, for a period [s] or between times [s] as in `LapResult.loss_per_cycle`."""
         edges = cycle_times(self.time, cycles, "hysteresis")
         return [self.loop(float(begin), float(end)) for begin, end in zip(edges[:-1], edges[1:], strict=True)]
 
     def stiffness(self, begin: float | None = None, end: float | None = None) -> Stiffness:
-        """Secant and tangent stiffness between two times [s], such as a load that grows slowly. Raises `InputError`
-        for times outside of the run."""
+        """Secant and tangent stiffness between two times [s], such as a slowly increasing load. Raises `InputError` for
+        times outside of the run."""
         part = self.loop(begin, end)
         F, x = part.force, part.displacement
         least = STANDS * float(np.ptp(x))
@@ -334,8 +334,8 @@ class Hysteresis:
         return Stiffness(F, x, secant, tangent, label, f"{self.force_unit}/{self.displacement_unit}")
 
     def draw(self, ax: Any, cycles: float | Sequence[float] | np.ndarray | None = None) -> None:
-        """Force against displacement on matplotlib axes; with `cycles` the last one is drawn on top, with its loss and
-        equivalent damping. `save_panels` takes it beside other plots."""
+        """Draw force against displacement on matplotlib axes; with `cycles` the last cycle is drawn on top, with its
+        loss and equivalent damping. `save_panels` accepts it like other plots."""
         ax.plot(self.displacement, self.force, lw=1.0, color=LOOP if cycles is not None else LAST)
         title = "Hysteresis"
         if cycles is not None:

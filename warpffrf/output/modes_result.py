@@ -1,20 +1,20 @@
-r"""Modes of a scene as users see them: frequencies, damping, shapes, a table and a plot.
+r"""Modes of a scene: frequencies, damping, shapes, a table and a plot.
 
-Frequency errors. What the bases of bodies leave out of the frequencies of a machine.
+Frequency errors. Errors of the frequencies of a machine due to the truncated bases of bodies.
 
-Vibration modes of the finite elements that a basis holds are exact. Of those beyond, k, loads on interfaces have the
-static response and the first term of their inertia, g_k (1 + (f/f_k)^2) of g_k/(1 - (f/f_k)^2) at the frequency f,
-which attachment modes match; missing is a part of what follows, g_k (f/f_k)^4. A flexibility that has the share s of
-the strain energy of a mode and errs by e changes its frequency by s e/2 (Rayleigh), so that with the attachment modes
-a, of frequencies f_a and shares s_a, in place of the modes k
+Vibration modes of the finite-element model that the basis includes are exact. For the other modes, k, the response to
+interface loads at the frequency f, g_k/(1 - (f/f_k)^2), is represented by its static part and the first inertia term,
+g_k (1 + (f/f_k)^2), which attachment modes match; part of the next term, g_k (f/f_k)^4, is missing. An error e of a
+flexibility with the share s of the strain energy of a mode changes the frequency by s e/2 (Rayleigh). With the
+attachment modes a, of frequencies f_a and shares s_a, in place of the modes k
 
     error = PART/2 sum_a s_a (f/f_a)^4,
 
-`PART` as measured (tests/output/test_frequency_errors.py: of beams with two to eight modes, free and with a mass at
-the end, of the errors above 0.1 % nine of ten are known to a factor of three; those of bodies without vibration modes
-are up to ten times less). Local modes under pressures have no inertia, and g_k alone: e = r^2/(1 - r^2) at most, r = f
-over the frequency up to which bodies hold their vibrations. Their share is at most what bodies leave of the energy
-where a contact is closed, springs and joints with it. What meshes make of frequencies is not in it.
+`PART` as measured (tests/output/test_frequency_errors.py: for beams with two to eight modes, free and with an end mass,
+nine of ten errors above 0.1 % are estimated to a factor of three; errors of bodies without vibration modes are up to
+ten times smaller). Local modes under pressures have no inertia, only g_k: e = r^2/(1 - r^2) at most, with r = f over
+the frequency up to which the bodies include their vibrations. Their share is at most the remaining energy if a contact
+is closed, including springs and joints. Mesh errors are not included.
 """
 
 from __future__ import annotations
@@ -41,16 +41,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-UNDAMPED = 1e-6  # ratio: what the linearisation of an undamped machine about the end of a run leaves, some 1e-7
-NAMED_SHARE = 0.01  # of the kinetic energy: bodies with less are not named in the table
+UNDAMPED = 1e-6  # ratio: residual damping of an undamped machine linearised about the end of a run is about 1e-7
+NAMED_SHARE = 0.01  # of the kinetic energy: bodies with a smaller share are not named in the table
 SIZE = (7.0, 4.2)  # inches
 
 
 class Modes(reprs.Shown):
-    """Modes of a scene about a state, by rising frequency; made by `eigenmodes`.
+    """Modes of a scene about a state, by ascending frequency; returned by `eigenmodes`.
 
-    A motion is the real part of `shape * exp(eigenvalue * t)`. SI units, world axes. `about` says which state, `notes`
-    what was neglected. `modes[i]`-style numbers count from 0.
+    A motion is the real part of `shape * exp(eigenvalue * t)`. SI units, world axes. `about` names the state, `notes`
+    list neglected effects. Mode indices such as in `modes[i]` start at 0.
     """
 
     def __init__(self, found: SceneModes) -> None:
@@ -72,7 +72,8 @@ class Modes(reprs.Shown):
 
     @property
     def eigenvalues(self) -> np.ndarray:
-        """(n,) complex [1/s]; of conjugates the one with positive imaginary part, of an overdamped motion both."""
+        """(n,) complex [1/s]; of a conjugate pair the one with positive imaginary part, of an overdamped motion
+        both."""
         return self.found.eigenvalues
 
     @property
@@ -88,8 +89,8 @@ class Modes(reprs.Shown):
 
     @property
     def frequency_errors(self) -> np.ndarray:
-        """(n,) by which fraction frequencies err by what the bases of flexible bodies leave out, NaN where that is not
-        known; what meshes make of them is not in it. See `warpffrf.output.modes_result`."""
+        """(n,) relative errors of the frequencies due to the truncated bases of flexible bodies, NaN if unknown; mesh
+        errors are not included. See `warpffrf.output.modes_result`."""
         return frequency_errors(self.found)
 
     def shape(self, i: int, body: str) -> BodyShape:
@@ -129,20 +130,21 @@ class Modes(reprs.Shown):
         cycles: int = 3,
         steps: int = 48,
     ) -> EquivalentDamping:
-        """What the laps of the scene take from a vibration in mode i, and how soft they make it, at given amplitudes.
+        """Damping and stiffness that the friction of small-sliding contacts gives a vibration in mode i, at given
+        amplitudes.
 
-        amplitude: one or several, the displacement [m] of the port `at` by the mode, `body["interface"]` or
-        `body.at((x, y, z))`; without `at` that of the mode's coordinate [m kg^(1/2)], whose modal mass is 1. The laps
-        go through `cycles` (3 or more) quasi-static cycles of `steps` steps, from the state that the modes are about,
-        and the last counts; bodies, springs and contacts are linear, and give way as the slip asks for. More steps find
-        frequency and loss better. Raises InputError for scenes without laps, states in motion, modes that are no
-        standing vibration, ports that do not move, and amplitudes at which nothing holds the mode. How it
-        is done: `warpffrf.online.vibrations.rubbing`.
+        amplitude: one or several, the displacement [m] of the port `at` in the mode, `body["interface"]` or
+        `body.at((x, y, z))`; without `at` that of the mode's coordinate [m kg^(1/2)], whose modal mass is 1. The
+        contacts undergo `cycles` (3 or more) quasi-static cycles of `steps` steps about the reference state of the
+        modes, and the last one is evaluated; bodies, springs and other contacts are linear, and deform with the slip.
+        More steps improve frequency and loss. Raises InputError for scenes without small-sliding contacts, states in
+        motion, modes that are no standing vibration, ports that do not move, and amplitudes at which nothing constrains
+        the mode. Method: `warpffrf.online.vibrations.rubbing`.
         """
         return equivalent_damping(self.found, self._index(i), amplitude, at=at, cycles=cycles, steps=steps)
 
     def report(self) -> str:
-        """Table of the modes, frequencies, damping, the bodies that move most, and notes: plain text."""
+        """Table of the modes, frequencies, damping, the bodies with the largest motion, and notes: plain text."""
         lines = [f"modes about the {self.about}, t = {self.found.time:.6g} s", ""]
         lines.append(f"{'mode':>4}  {'frequency Hz':>14}  {'damping %':>10}  moves")
         for i, (f, zeta) in enumerate(zip(self.frequencies, self.damping_ratios, strict=True)):
@@ -152,7 +154,7 @@ class Modes(reprs.Shown):
         if any(body.reduced is not None for body in self.scene.bodies):
             lines += ["", *_errors_told(self.frequency_errors)]
         if np.any(self.damping_ratios < -UNDAMPED):
-            lines += ["", "Damping below zero: the motion grows, the state is unstable."]
+            lines += ["", "Negative damping: the motion grows, the state is unstable."]
         if len(self.notes):
             lines += ["", *(f"note: {note}" for note in self.notes)]
         return "\n".join(lines)
@@ -161,7 +163,7 @@ class Modes(reprs.Shown):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the share of each body in each mode, modes labelled with frequency and damping, on the matplotlib axes
-        `ax` (new ones when None); returns them."""
+        `ax` (new ones if None); returns them."""
         if ax is None:
             ax = _new_axes()
         left = np.zeros(len(self))
@@ -178,12 +180,12 @@ class Modes(reprs.Shown):
         return ax
 
     def plot_shape(self, i: int, ax: Axes | None = None, *, scale: float = 0.06) -> Axes:
-        """Draw mode i on the matplotlib axes `ax` (new ones when None) and return them: deformed skins in colour, red
-        where the mode moves most, over the undeformed ones in grey, at the moment at which they are farthest; rigid
-        bodies as boxes of their mass and inertia. scale [-]: largest displacement drawn, as a fraction of the extent of
-        the bodies.
+        """Draw mode i on the matplotlib axes `ax` (new ones if None) and return them: deformed skins in colour, red at
+        the largest motion, over the undeformed ones in grey, at the instant of the largest displacement; rigid bodies
+        as boxes of the same mass and inertia. scale [-]: largest displacement drawn, as a fraction of the extent of the
+        bodies.
 
-        Raises InputError for an unknown mode, a scale that is not positive.
+        Raises InputError for an unknown mode and a scale that is not positive.
         """
         drawn_on: Any = _new_axes() if ax is None else ax
         draw_shape(drawn_on, skins_of(self, self._index(i)), self._title(i), drawn=_scale(scale))
@@ -210,18 +212,18 @@ class Modes(reprs.Shown):
 
 
 def _errors_told(errors: np.ndarray) -> list[str]:
-    """What a report says of the errors of frequencies."""
+    """Text of the report on the errors of frequencies."""
     known = np.flatnonzero(np.isfinite(errors))
     lines = []
     if len(known):
         told = ", ".join(f"{number}: {percent(errors[number])}" for number in known if errors[number] >= FLOOR)
-        lines.append(f"errors of frequencies by the bases of bodies: {told + '; others ' if told else ''}{SMALL}")
+        lines.append(f"frequency errors due to the bases of bodies: {told + '; others ' if told else ''}{SMALL}")
     if missing := [str(number) for number in np.flatnonzero(np.isnan(errors))]:
         lines.append(
             f"not estimated: those of modes {', '.join(missing)} (bases that do not say which vibrations they hold, or "
             "hold none so high where a contact is closed)"
         )
-    return [*lines, "not estimated: what the meshes make of frequencies (it takes the bodies on other ones)"]
+    return [*lines, "not estimated: mesh errors of frequencies (require the bodies on other meshes)"]
 
 
 def _new_axes() -> Any:
@@ -239,13 +241,12 @@ def _scale(scale: float) -> float:
 
 @named_arguments
 def eigenmodes(scene: Scene, count: int = 20, *, about: Result | str | None = None, progress: bool = True) -> Modes:
-    """The `count` lowest modes of `scene`: complex modes of its small motions, damping and joints included.
+    """The `count` lowest modes of `scene`: complex modes of its small motions, with damping and joints.
 
-    about: None for its equilibrium, "initial" for its initial positions and velocities, or the Result of a run, or of
-    `equilibrium`, of this scene, whose last state is meant with its velocities: of a turning machine the modes then
-    have their gyroscopic and centrifugal parts, in axes that turn with the bodies. progress: what takes long, on
-    stderr. Raises InputError for wrong input and where there is no equilibrium. How it is done:
-    `warpffrf.online.vibrations.linearise`.
+    about: None for its equilibrium, "initial" for its initial positions and velocities, or the Result of a run or
+    `equilibrium` of this scene, whose last state is used with its velocities: modes of a rotating machine then include
+    gyroscopic and centrifugal terms, in axes that rotate with the bodies. progress: report the progress on stderr.
+    Raises InputError for wrong input and if there is no equilibrium. Method: `warpffrf.online.vibrations.linearise`.
     """
     if not hasattr(scene, "bodies") or not hasattr(scene, "content_hash"):
         raise InputError(f"eigenmodes: a Scene is needed, got {scene!r}")
@@ -269,8 +270,8 @@ ROUND_OFF = 1e-9  # share of the energy
 
 
 def frequency_errors(found: SceneModes) -> Array:
-    """(n,) fractions of the frequencies; NaN where a basis does not say which vibrations it holds, and of vibrations of
-    closed contacts above those; 0 at 0 Hz."""
+    """(n,) relative errors of the frequencies; NaN if a basis does not state which vibrations it includes, and for
+    vibrations of closed contacts above those; 0 at 0 Hz."""
     rate = np.abs(found.eigenvalues)
     moves, error, lowest = rate > 0.0, np.zeros(len(rate)), np.inf
     left = moves.astype(float)

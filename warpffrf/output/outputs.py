@@ -1,8 +1,9 @@
-"""Files of one call of `simulate`: what may be written is checked before it, what was done is kept during it, and what
-goes wrong after it loses no result.
+"""Files of one call of `simulate`: paths are checked before the run, completed parts are saved during it, and errors
+after the run lose no results.
 
-A run that ends writes its results, then the folder beside them goes (`files.unfinished`). One that is interrupted
-leaves both: the results up to there, and what it takes to go on. Where the results cannot be written, the folder stays.
+A completed run writes its results and then removes the folder of the unfinished run (`files.unfinished`). An
+interrupted run leaves both: the results so far, and the data required to continue. If the results cannot be written,
+the folder remains.
 """
 
 from __future__ import annotations
@@ -29,9 +30,9 @@ from warpffrf.output.files.unfinished import UnfinishedRun, different
 from warpffrf.output.result import Result
 from warpffrf.output.written import Written
 
-KEEP_EVERY = 20.0  # s of wall time between two parts of a run
+KEEP_EVERY = 20.0  # s of wall time between two saved parts of a run
 RECORD_SUFFIXES = (".rrd",)
-FREE_OPTIONS = ("device", "progress")  # that do not make another run
+FREE_OPTIONS = ("device", "progress")  # options that do not change the run
 
 log = logging.getLogger("warpffrf")
 
@@ -39,18 +40,18 @@ Kind = TypeVar("Kind", bound=Result)
 
 
 class Whole:
-    """The results of one run: the file, and the folder of the run while it is under way."""
+    """The results of one run: the file, and the folder of the unfinished run."""
 
     def __init__(self, path: Path, run: UnfinishedRun) -> None:
         self.path, self.run, self.done = path, run, False
 
     def written(self, result: Kind) -> Kind:
-        """Say how the run has ended, and write the results."""
+        """Report how the run ended, and write the results."""
         _tell_end(result)
         return self.kept(result)
 
     def kept(self, result: Kind) -> Kind:
-        """Write the results; they go with a note where that is not possible."""
+        """Write the results; if that fails, the result gets a note."""
         self.run.settle()
         result.history.notes.extend(self.run.troubles)
         with deferred_interrupts() as asked:
@@ -61,18 +62,18 @@ class Whole:
 
 
 class NoFile(Whole):
-    """Results that nobody wants on disk."""
+    """Results that are not written to disk."""
 
     def __init__(self) -> None:
         self.path = None
 
     def kept(self, result: Kind) -> Kind:
-        """The result as it is."""
+        """Returns the result unchanged."""
         return result
 
 
 class Outputs:
-    """How files of a call are written; see `simulate`."""
+    """File options of a call; see `simulate`."""
 
     def __init__(self, overwrite: bool, resume: bool = False, keep_every: float = KEEP_EVERY) -> None:
         self.overwrite, self.resume, self.keep_every = overwrite, resume, keep_every
@@ -86,7 +87,7 @@ class Outputs:
 
     @contextmanager
     def locked(self, results: Any, options: dict[str, str] | None = None) -> Iterator[Whole]:
-        """The results of a run, which no other process writes meanwhile."""
+        """The results of a run, locked against other processes."""
         if results is None:
             yield NoFile()
             return
@@ -103,7 +104,7 @@ class Outputs:
         self, scene: Any, call: Callable[..., History], start: Any, duration: float, step: float,
         options: dict[str, Any], results: Any,
     ) -> Result:  # fmt: skip
-        """One run, or what is left of it, and its results."""
+        """One run, or the remainder of an unfinished one, and its results."""
         named = run_options(scene, start, duration, step, options)
         with self.locked(results, named) as whole:
             keeper = None
@@ -119,7 +120,7 @@ class Outputs:
             return whole.written(Result(history))
 
     def _finished(self, path: Path, options: dict[str, str]) -> Result | None:
-        """The run that is to go on, where it has ended."""
+        """The run to resume, if it is complete."""
         if not self.resume or self.overwrite or not path.exists():
             return None
         found = Result.load(path)
@@ -134,11 +135,11 @@ class Outputs:
         return found
 
     def _unfinished(self, run: UnfinishedRun, start: Any) -> Any:
-        """Where the run starts: from what it has done before, if it is to go on."""
+        """Start of the run: the last checkpoint if it is resumed."""
         if self.resume and not self.overwrite:
             found = run.load()
             if found is not None:
-                log.info("results: going on from '%s', %d parts", run.folder, run.parts)
+                log.info("results: continuing from '%s', %d parts", run.folder, run.parts)
             return start if found is None else replace(found, start=start)
         if run.has_checkpoint() and not self.overwrite:
             raise InputError(
@@ -149,9 +150,9 @@ class Outputs:
         return start
 
     def record(self, result: Kind, path: Any, every: int | None, progress: bool) -> Kind:
-        """Write the recording where there are rows to draw; the result goes with a note where that is not possible.
+        """Write the recording if there are rows to draw; if that fails, the result gets a note.
 
-        every: draw every so many saved rows; None: so many that there are not too many frames.
+        every: number of saved rows per frame; None: limits the number of frames.
         """
         if path is not None and len(result.time):
             _tried(result, "recording", Path(path), lambda: _record(result, path, every, progress))
@@ -159,7 +160,7 @@ class Outputs:
 
 
 def _tell_end(result: Result) -> None:
-    """What a run has to say when it is over; of stages each has said it by itself."""
+    """Log the status and the notes of a finished run; stages have each logged their own notes."""
     if result.status != "completed":
         after = f"; {what_follows()}" if result.status == INTERRUPTED else ""
         log.warning("run ended early: %s: %s%s", result.status, result.message, after)
@@ -179,13 +180,13 @@ def _record(result: Result, path: Any, every: int | None, progress: bool) -> Pat
 
 
 def _tried(result: Result, what: str, path: Path, write: Callable[[], Path]) -> bool:
-    """Whether `write` wrote what is wanted; else the result says what went wrong."""
+    """Whether `write` succeeded; otherwise the result records the error."""
     begin = time.perf_counter()
     try:
         written = Written.of(what, write(), time.perf_counter() - begin)
     except KeyboardInterrupt:
         trouble = f"{what}: '{path}' was not written: interrupted by the user"
-    except Exception as error:  # a full disk makes libraries raise anything
+    except Exception as error:  # a full disk makes libraries raise any exception
         trouble = f"{what}: '{path}' could not be written: {error or type(error).__name__}; save it elsewhere"
     else:
         log.info("%s: %s", what, written)
@@ -198,7 +199,7 @@ def _tried(result: Result, what: str, path: Path, write: Callable[[], Path]) -> 
 
 
 def run_options(scene: Any, start: Any, duration: float, step: float, options: dict[str, Any]) -> dict[str, str]:
-    """What tells a run from others, as text: the scene, where it starts, and its options."""
+    """What identifies a run, as text: the scene, its start, and its options."""
     found = {"scene": scene.content_hash(), "start": _start_name(start), "duration": repr(float(duration))}
     found["step"] = repr(float(step))
     return found | {name: repr(value) for name, value in options.items() if name not in FREE_OPTIONS}

@@ -1,4 +1,4 @@
-"""Quantities of a history that a result hands on as they are, each with what it is, its shape, unit and frame."""
+"""Histories that a result exposes unchanged, with their meaning, shape, unit and frame."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 
 class Recorded:
-    """An array that stands in the result's `history`, or where `place` says ("view.points"), with its meaning."""
+    """Descriptor of an array in the result's `history`, or at `place` ("view.points"), with its meaning."""
 
     def __init__(self, meaning: str, place: str = "") -> None:
         self.__doc__, self.place = meaning, place
@@ -28,4 +28,4 @@ class Recorded:
         return self if result is None else self.read(result)
 
     def __set__(self, result: Any, value: Any) -> None:
-        raise AttributeError(f"{type(result).__name__}.{self.__name__} is what was recorded, and stays")
+        raise AttributeError(f"{type(result).__name__}.{self.__name__} is a recorded quantity and cannot be set")

@@ -1,5 +1,4 @@
-"""The result of a run as the user sees it: histories by name, derived quantities, a report, and ways out (files,
-plots)."""
+"""The result of a run: histories by name, derived quantities, report, files and plots."""
 
 from __future__ import annotations
 
@@ -53,22 +52,22 @@ if TYPE_CHECKING:
 
 @named_arguments
 class Result(reprs.Shown):
-    """What a run left behind. Arrays have one row per saved step; SI units; positions in the world, quaternions
-    (x, y, z, w).
+    """Result of a run. Arrays have one row per saved step; SI units; positions in the world frame, quaternions (x, y,
+    z, w).
 
-    `status` is "completed", or says why the run ended early: the arrays then hold everything up to there and
-    `message` names the cure.
+    `status` is "completed" or the reason why the run ended early. In the latter case the arrays hold all data up to
+    that time and `message` states the remedy.
     """
 
     def __init__(self, history: History) -> None:
         self.history = history
-        self.written: list[Written] = []  # files that `simulate` has written, with their seconds
-        self.unwritten: list[str] = []  # what `simulate` could not write, and why
+        self.written: list[Written] = []  # files written by `simulate`, with their write times
+        self.unwritten: list[str] = []  # files that `simulate` could not write, with the reason
         self.view: SceneView = scene_view(history.scene)
 
     @property
     def time(self) -> np.ndarray:
-        """(T,) s."""
+        """Saved times (T,) [s]."""
         return self.history.time
 
     @property
@@ -78,29 +77,29 @@ class Result(reprs.Shown):
 
     @property
     def message(self) -> str:
-        """What happened and what to do about it; empty when the run completed."""
+        """What happened and the remedy; empty if the run completed."""
         return self.history.message
 
     @property
     def energy(self) -> dict[str, np.ndarray]:
-        """The energy ledger, line -> (T,) J; see `warpffrf.online.history.history.ENERGY_LINES`."""
+        """The energy ledger, line -> (T,) [J]; see `warpffrf.online.history.history.ENERGY_LINES`."""
         return self.history.energy
 
     @property
     def scene(self) -> Scene:
-        """The scene of the run, to go on with: of `simulate(accuracy=)` with what was chosen. Raises InputError for a
-        result that was read from a file."""
+        """The scene of the run, to continue with; after `simulate(accuracy=)` with the chosen settings. Raises
+        InputError for a result that was read from a file."""
         if not hasattr(self.history.scene, "content_hash") or not hasattr(self.history.scene, "contacts"):
             raise InputError("the result was read from a file, which holds no scene; build the scene anew")
         return self.history.scene
 
     @property
     def contact_names(self) -> list[str]:
-        """Names of the contact pairs."""
+        """Names of the contacts."""
         return list(self.history.contacts)
 
     def body(self, name: str) -> BodyHistory:
-        """Motion of the body called `name`; raises InputError when there is none.
+        """Motion of the body called `name`; raises InputError if there is none.
 
         >>> result.body("upper").position.shape  # (T, 3) m
         (11, 3)
@@ -108,11 +107,11 @@ class Result(reprs.Shown):
         return _named(self.history.bodies, "body", name)
 
     def joint(self, name: str) -> JointHistory:
-        """Reaction and coordinate of the joint called `name`; raises InputError when there is none."""
+        """Reaction and coordinate of the joint called `name`; raises InputError if there is none."""
         return _named(self.history.joints, "joint", name)
 
     def force(self, name: str) -> ForceHistory:
-        """Force, torque and deformation of the force element called `name`; raises InputError when there is none.
+        """Force, torque and deformation of the force element called `name`; raises InputError if there is none.
 
         >>> result.force("press").deformation.shape  # (T, 1) m, of the guide
         (11, 1)
@@ -125,7 +124,8 @@ class Result(reprs.Shown):
         return list(self.history.lumped_contacts)
 
     def lumped_contact(self, name: str) -> LumpedHistory:
-        """Force, place, approach and slip of the lumped contact called `name`; raises InputError when there is none."""
+        """Force, position, approach and slip of the lumped contact called `name`; raises InputError if there is
+        none."""
         return _named(self.history.lumped_contacts, "lumped contact", name)
 
     @property
@@ -134,7 +134,7 @@ class Result(reprs.Shown):
         return list(self.history.films)
 
     def film(self, name: str) -> FilmResult:
-        """The oil film called `name`; raises InputError when there is none."""
+        """The oil film called `name`; raises InputError if there is none."""
         return _named(self._films, "film", name)
 
     @cached_property
@@ -143,12 +143,12 @@ class Result(reprs.Shown):
 
     @property
     def lap_names(self) -> list[str]:
-        """Names of the laps."""
+        """Names of the small-sliding contacts."""
         return list(self.history.laps)
 
     def lap(self, name: str) -> LapResult:
-        """The lap called `name`: pressures, tractions, slips, losses and slip zones; raises InputError when there is
-        none."""
+        """The small-sliding contact called `name`: pressures, tractions, slips, losses and slip zones; raises
+        InputError if there is none."""
         return _named(self._laps, "lap", name)
 
     @cached_property
@@ -160,50 +160,50 @@ class Result(reprs.Shown):
 
     @property
     def bearing_names(self) -> list[str]:
-        """Names of the whole bearings."""
+        """Names of the rolling bearings."""
         return list(self.view.bearings)
 
     def bearing(self, name: str) -> BearingResult:
         """The bearing called `name`: loads, contact angles and patches of its elements, motion of its rings, lives;
-        raises InputError when there is none."""
+        raises InputError if there is none."""
         return BearingResult(self.history, _named(self.view.bearings, "bearing", name))
 
     def bearing_stiffness(self, name: str, row: int = -1) -> BearingStiffness:
         """Stiffness (6, 6) [N/m, N/rad, N m/rad] of the bearing called `name` about the saved step `row`, by central
-        differences of twelve equilibria (`warpffrf.output.bearings.stiffness`); `.left_out` names friction and loads of
-        elements that are not in it. NaN, with `.reason`, of a bearing without load. Raises InputError for flexible
-        rings that nothing holds, and for a result that was read from a file."""
+        differences of twelve equilibria (`warpffrf.output.bearings.stiffness`). `.left_out` names the friction and the
+        loads of elements that are not included. NaN, with `.reason`, for a bearing without load. Raises InputError for
+        unconstrained flexible rings and for a result that was read from a file."""
         from warpffrf.output.bearings.stiffness import bearing_stiffness
 
         return bearing_stiffness(self.scene, name, self.history, row)
 
     def hysteresis(self, force: Any, against: Any) -> Hysteresis:
-        """A force against a displacement over the run: loops with their losses and equivalent damping
-        (`.loop(begin, end)`, `.cycles(period)`), stiffness against load (`.stiffness()`), and plots (`.draw(ax)`).
+        """Force against displacement over the run: loops with their losses and equivalent damping (`.loop(begin, end)`,
+        `.cycles(period)`), stiffness against load (`.stiffness()`), and plots (`.draw(ax)`).
 
-        force, against: an array (T,) [N, m], or what it is of: `("push", "x")`, of a force, sensor, joint, lap,
-        contact, film or body and its component, or a name alone where it has one, as a joint's coordinate or a sensor;
-        see `warpffrf.output.loops`. Raises InputError for what there is not.
+        force, against: an array (T,) [N, m], or an item and its component, `("push", "x")`, of a force, sensor, joint,
+        small-sliding contact, contact, film or body; the name alone if it has one component, such as a joint coordinate
+        or a sensor; see `warpffrf.output.loops`. Raises InputError for unknown names.
         """
         F = channel(self, force, "N", "force")
         x = channel(self, against, "m", "displacement")
         return Hysteresis(self.time, F.values, x.values, F.label, x.label, F.unit, x.unit)
 
     def spectrum(self, history: str | np.ndarray) -> Spectrum:
-        """Amplitudes of a history by frequency: `.place` [Hz], `.amplitude`, `.peaks()`, `.report()`, `.draw(ax)`.
+        """Amplitude spectrum of a history: `.place` [Hz], `.amplitude`, `.peaks()`, `.report()`, `.draw(ax)`.
 
-        history: the name of a column of `to_dataframe`, as "contact_force_z[roller on plate]", or an array (T,). Raises
-        InputError for a name that there is not, fewer than 8 rows and rows without a value.
+        history: the name of a column of `to_dataframe`, such as "contact_force_z[roller on plate]", or an array (T,).
+        Raises InputError for an unknown name, fewer than 8 rows, and rows without a value.
         """
         from warpffrf.output.spectrum import frequency_spectrum
 
         return frequency_spectrum(self.time, *self._history(history))
 
     def orders(self, history: str | np.ndarray, body: str, axis: Any = None) -> Spectrum:
-        """The same of a `history` by orders, `.place` [1/turn], of the rotation of the body called `body` about `axis`
-        (3,) in the world, that of its mean angular velocity if None; also while its speed changes.
+        """Order spectrum of a `history`, `.place` [1/rev], over the rotation of the body called `body` about `axis`
+        (3,) in the world frame (None: its mean angular velocity); also for variable speed.
 
-        Raises InputError as `spectrum`, and for a body that turns fewer than 2 times, or back.
+        Raises InputError as `spectrum`, and for a body that rotates by fewer than 2 revolutions or reverses.
         """
         from warpffrf.output.spectrum import order_spectrum
 
@@ -213,12 +213,12 @@ class Result(reprs.Shown):
     def waterfall(
         self, history: str | np.ndarray, speed: str | None = None, *, window: float | None = None, axis: Any = None
     ) -> Waterfall:
-        """Spectra of consecutive windows of a history, as of `spectrum`, over time: `.time` (w,) [s], `.frequency` (n,)
-        [Hz], `.amplitude` (w, n), `.report()`, `.draw(ax)`; or over the speed of rotation of the body called `speed`
-        about `axis` as of `orders`: `.speed` (w,) [turns/s], drawn with lines of orders.
+        """Spectra, as of `spectrum`, of consecutive windows of a history over time: `.time` (w,) [s], `.frequency` (n,)
+        [Hz], `.amplitude` (w, n), `.report()`, `.draw(ax)`; or over the rotational speed of the body called `speed`
+        about `axis` as of `orders`: `.speed` (w,) [rev/s], drawn with lines of constant order.
 
-        window: length of a window [s], an eighth of the run if None; frequencies are told to 1 over it. Raises
-        InputError as `spectrum`, for fewer than 3 windows or 16 rows in one, and for a speed that does not change.
+        window: length of a window [s], an eighth of the run if None; its inverse is the frequency resolution. Raises
+        InputError as `spectrum`, for fewer than 3 windows or 16 rows per window, and for a speed that does not vary.
         """
         from warpffrf.output.waterfall import over_speed, waterfall
 
@@ -243,8 +243,8 @@ class Result(reprs.Shown):
         return [*self.history.sensors, *self._late_sensors]
 
     def sensor(self, name: str) -> SensorHistory:
-        """The sensor called `name`: `.values` (T, components), `.components`, `.unit`; raises InputError when there is
-        none. A stress is evaluated when it is first asked for.
+        """The sensor called `name`: `.values` (T, components), `.components`, `.unit`; raises InputError if there is
+        none. Stresses are evaluated at the first request.
 
         >>> result.sensor("place").unit
         'm'
@@ -256,12 +256,12 @@ class Result(reprs.Shown):
 
     @property
     def _late_sensors(self) -> dict[str, Sensor]:
-        """Sensors of a live scene that are evaluated when they are asked for; a file holds the values of all."""
+        """Sensors of a live scene that are evaluated on request; a file holds the values of all sensors."""
         sensors = getattr(self.history.scene, "sensors", [])
         return {s.name: s for s in sensors if s.name not in self.history.sensors}
 
     def contact(self, name: str) -> PairResult:
-        """The contact pair called `name`; raises InputError when there is none.
+        """The contact called `name`; raises InputError if there is none.
 
         >>> pair = result.contact("lower-upper")
         >>> bool(pair.force[-1, 2] < 0.0 and pair.half_width[-1] > pair.half_width[0])  # on the lower roller; m
@@ -294,13 +294,13 @@ class Result(reprs.Shown):
         rows: Sequence[int] | np.ndarray | None = None,
         only: Sequence[int] | None = None,
     ) -> StressResult:
-        """Stress [Pa] of the body at the `points` that were named when it was reduced (`reduce(..., stress={name:
-        points})`): `.tensor` (T, p, 6), `.von_mises`, `.principal`, `.max_shear`.
+        """Stress [Pa] of the body at the `points` named in its reduction (`reduce(..., stress={name: points})`):
+        `.tensor` (T, p, 6), `.von_mises`, `.principal`, `.max_shear`.
 
-        rows: numbers (r,) of the saved steps wanted, negative ones from the end; only: numbers (p,) of the points
-        wanted; all if None, which takes 48 bytes per point and step: of many points name the rows. Raises InputError
-        for a body without stress points of that name, the message lists those there are, and for rows and points that
-        there are not.
+        rows: index numbers (r,) of saved steps, negative ones from the end; only: index numbers (p,) of points; None:
+        all, which takes 48 bytes per point and step, so select rows if there are many points. Raises InputError for a
+        body without stress points of that name (the message lists the available names), and for rows and points that do
+        not exist.
         """
         from warpffrf.output.bodies.stress import stress_result
 
@@ -309,13 +309,13 @@ class Result(reprs.Shown):
     def stress_below(
         self, contact: str | None = None, row: int | None = None, depth: np.ndarray | None = None
     ) -> list[StressBelow]:
-        """Stress [Pa] in the half-space below the centre of the patch of a contact pair, the first one if None, of the
-        pressure of the saved step `row`, the last one that touches if None, without tractions: `.depth` (n,) [m],
-        `.tensor` (n, 6), `.von_mises`, `.max_shear`; one for each of Poisson's ratios of its bodies.
+        """Stress [Pa] in the half-space below the centre of the patch of a contact (None: the first one), due to the
+        pressure at the saved step `row` (None: the last row in contact), without tractions: `.depth` (n,) [m],
+        `.tensor` (n, 6), `.von_mises`, `.max_shear`; one result for each Poisson's ratio of its bodies.
 
-        depth: (n,) [m] from the surface, down to 3 half-widths if None. It needs no stress points of the bodies; how it
-        is made: `warpffrf.output.bodies.stress_below`. Raises InputError for a pair or row that there is not, a row in
-        which nothing touches, and bodies that do not say their material.
+        depth: (n,) [m] below the surface, None: down to 3 half-widths. Stress points of the bodies are not required;
+        method: `warpffrf.output.bodies.stress_below`. Raises InputError for an unknown contact or row, a row without
+        contact, and bodies without material data.
         """
         from warpffrf.output.bodies.stress_below import stress_below
 
@@ -331,8 +331,8 @@ class Result(reprs.Shown):
 
     @cached_property
     def energy_scale(self) -> float:
-        """The largest energy at hand in the run [J]: stored, or moved by forces, drives, gravity, dampers and friction.
-        Lines that were not booked (NaN) do not count."""
+        """The largest energy of the run [J]: stored, or transferred by forces, drives, gravity, dampers and friction.
+        Lines that were not computed (NaN) are ignored."""
         energy = {line: np.nan_to_num(values, nan=0.0) for line, values in self.energy.items()}
         zero = np.zeros(len(self.time))
         stored = sum((np.abs(energy.get(k, zero)) for k in ("kinetic", "strain", "contact")), zero)
@@ -345,21 +345,21 @@ class Result(reprs.Shown):
 
     @property
     def energy_residual(self) -> np.ndarray:
-        """(T,) [-] what closes the energy balance (ledger line "numerical") over the largest energy at hand;
-        positive means gained; NaN where it was not booked."""
+        """(T,) [-] residual of the energy balance (ledger line "numerical") over the largest energy of the run;
+        positive: energy was gained; NaN if it was not computed."""
         numerical = np.asarray(self.energy.get("numerical", np.zeros(len(self.time))))
         return numerical / self.energy_scale if self.energy_scale > 0.0 else np.zeros_like(numerical)
 
     def error_budget(self, *, progress: bool = False) -> list[BudgetLine]:
-        """What each source of error does to the results: time step, contact grid, sampling points, mesh, inertia terms,
-        local modes, iteration (`warpffrf.output.budget`), of equilibria too, and for each figure that a report prints;
-        lines of the source "not estimated" say why nothing is known. Made when first asked for, by stepping the run, or
-        parts of it, once more with twice the step, and short parts with a quarter of it: up to the time of a short run,
-        a fifth of that of a long one. It goes into a file with the results that are saved afterwards. progress: how far
-        it is, on stderr.
+        """Effect of each source of error on the results: time step, contact grid, sampling points, mesh, inertia terms,
+        local modes, iteration (`warpffrf.output.budget`), also for equilibria, and for each quantity that a report
+        prints. Lines of the source "not estimated" state why no estimate exists. It is computed at the first request by
+        repeating the run, or parts of it, with twice the step, and short parts with a quarter of the step: up to the
+        time of a short run, a fifth of that of a long one. Results that are saved afterwards include it. progress:
+        report the progress on stderr.
 
-        Where it cannot be made, of results from a file without one and of the check integrators, it is one line "not
-        estimated" of size NaN, whose `basis` is the reason.
+        If no estimate is possible (results from a file without one, check integrators), it is one line "not estimated"
+        of size NaN, whose `basis` is the reason.
         """
         from warpffrf.output.budget import budget
 
@@ -371,11 +371,11 @@ class Result(reprs.Shown):
         return self.history.budget
 
     def report(self, *, progress: bool = True, pairs: Pairs = "folded") -> str:
-        """Status, counters, contact figures at the last saved step, energy balance, the error budget, and everything
-        neglected or capped. progress: how far the error budget is, on stderr, where it is made and takes long. pairs:
-        four and more contacts, joints, forces or notes that differ in figures and in numbers within names alone are
-        "folded" into one, with the least and the largest of each figure and whose they are; "all" tells each by
-        itself. Raises InputError for another word.
+        """Status, counters, contact quantities at the last saved step, energy balance, error budget, and all neglected
+        or limited effects. progress: report the progress on stderr if the error budget is computed here and takes long.
+        pairs: four or more contacts, joints, forces or notes that differ only in numbers, also within names, are
+        "folded" into one entry with the minimum and maximum of each quantity and the names that have them; "all" lists
+        each one. Raises InputError for another word.
 
         >>> print(result.report(progress=False))  # doctest: +ELLIPSIS
         status            completed
@@ -399,14 +399,14 @@ class Result(reprs.Shown):
         row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
         bearing: str | None = None,
     ) -> Axes:  # fmt: skip
-        """Draw one kind of plot on the matplotlib axes `ax` (new ones when None) and return them.
+        """Draw one kind of plot on the matplotlib axes `ax` (new ones if None) and return them.
 
-        contact: the pair whose patch is drawn, by name; the first one (with friction, where that is drawn) if None.
-        film, lap, bearing: likewise the oil film, the lap and the bearing; row: the saved step of their maps and loads,
-        the last one if None. channel: of "spectrum" and "waterfall" the history, as of `spectrum`; speed: the body over
-        whose rotation it is drawn, by orders or speed, over frequency or time if None. Kinds: docs/plots.md,
-        `warpffrf plot --list`. Raises InputError for an unknown kind, pair, film, lap, bearing, history or body, and
-        what a run has not.
+        contact: name of the contact whose patch is drawn; None: the first one (with friction, for friction plots).
+        film, lap, bearing: likewise the oil film, small-sliding contact and bearing; row: saved step of their maps and
+        loads, the last one if None. channel: history of "spectrum" and "waterfall", as of `spectrum`; speed: body whose
+        rotation is the reference, for orders or speed instead of frequency or time (None). Kinds: docs/plots.md,
+        `warpffrf plot --list`. Raises InputError for an unknown kind, contact, film, lap, bearing, history or body, and
+        for data that the run does not have.
 
         >>> axes = result.plot("ripple", contact="lower-upper")
         """
@@ -417,7 +417,7 @@ class Result(reprs.Shown):
     def summary(
         self, *, contact: str | None = None, film: str | None = None, row: int | None = None, lap: str | None = None
     ) -> Figure:
-        """A matplotlib Figure with every plot that the run has data for; contact, film, row, lap: as of `plot`. Raises
+        """A matplotlib Figure with every plot for which the run has data; contact, film, row, lap: as of `plot`. Raises
         InputError as `plot`.
 
         >>> result.summary().savefig("summary.png")
@@ -430,14 +430,14 @@ class Result(reprs.Shown):
         self, path: str | os.PathLike[str], field: str = "displacement", *, time: float | None = None,
         deformation_factor: float | None = None, overwrite: bool = False,
     ) -> Path:  # fmt: skip
-        """Draw the bodies at the saved step next to `time` [s], the last one if None, into the picture `path` (.png,
-        .pdf, .svg); needs neither screen nor viewer.
+        """Draw the bodies at the saved step nearest to `time` [s], the last one if None, into the picture `path` (.png,
+        .pdf, .svg); requires neither screen nor viewer.
 
-        field: what skins are coloured by: "displacement", "pressure", with friction "traction", "slip", "state" and
-        "wear", and "von_mises" of bodies reduced with `stress={"skin": "skin"}`. deformation_factor [-]: magnification
-        of the elastic displacement, chosen from 1, 2, 5, 10, ... if None. Raises InputError for a field that no body
-        has, a time outside of the run, a factor that is not positive, and a file that exists, unless `overwrite` is set
-        and warpffrf wrote it.
+        field: quantity of the skin colours: "displacement", "pressure", with friction "traction", "slip", "state" and
+        "wear", and "von_mises" for bodies reduced with `stress={"skin": "skin"}`. deformation_factor [-]: magnification
+        of the elastic displacement; None: chosen from 1, 2, 5, 10, ... Raises InputError for a field that no body has,
+        a time outside of the run, a factor that is not positive, and an existing file, unless `overwrite` is set and
+        warpffrf wrote it.
         """
         from warpffrf.output.plots.animation import write_still
 
@@ -447,12 +447,12 @@ class Result(reprs.Shown):
         self, path: str | os.PathLike[str], field: str = "displacement", *, every: int | None = None, fps: float = 15.0,
         deformation_factor: float | None = None, overwrite: bool = False, progress: bool = True,
     ) -> Path:  # fmt: skip
-        """Draw the bodies over the run into `path`, a .gif, or with the program ffmpeg an .mp4; eye and colours hold
-        for all frames.
+        """Draw the bodies over the run into `path`, a .gif, or an .mp4 (requires the program ffmpeg); camera and colour
+        scale are the same in all frames.
 
-        field, deformation_factor, overwrite: as of `picture`. every: a frame for every so many saved steps, at most
-        100 frames if None; fps [1/s]: frames a second; progress: how far it is, on stderr. What is interrupted leaves
-        no file. Raises InputError as `picture`, for another ending, and for an .mp4 without ffmpeg.
+        field, deformation_factor, overwrite: as of `picture`. every: number of saved steps per frame, None: at most 100
+        frames; fps [1/s]: frames per second; progress: report the progress on stderr. An interrupted animation leaves
+        no file. Raises InputError as `picture`, for another file ending, and for an .mp4 without ffmpeg.
         """
         from warpffrf.output.plots.animation import write_animation
 
@@ -463,24 +463,24 @@ class Result(reprs.Shown):
             )  # fmt: skip
 
     def lap_page(self, lap: str | None = None, times: Vector | None = None) -> Figure:
-        """A matplotlib Figure of one lap, the first one if None: its pressure, state and loss at saved steps next to
-        the `times` [s], three of the run if None. Raises InputError for a lap that there is not, and times outside of
-        the run."""
+        """A matplotlib Figure of one small-sliding contact, `lap`, the first one if None: pressure, state and loss at
+        the saved steps nearest to `times` [s], three of the run if None. Raises InputError for an unknown name and for
+        times outside of the run."""
         from warpffrf.output.plots.laps import lap_figure
 
         return lap_figure(self, lap, times)
 
     def to_xarray(self) -> xarray.Dataset:
-        """An `xarray.Dataset` with the names, units and frames of the results file; needs the optional
-        package xarray."""
+        """An `xarray.Dataset` with the names, units and frames of the results file; requires the optional package
+        xarray."""
         from warpffrf.output.files.table import to_xarray
 
         return to_xarray(self)
 
     def to_dataframe(self) -> Any:
-        """A `pandas.DataFrame` of every history, a row for each saved step: index `time` [s], columns as
-        `contact_force_z[roller on plate]`, their units in `.attrs["units"]`; fields over the patch and modal
-        coordinates are left to `to_xarray`. Needs the optional package pandas, without which it raises ImportError.
+        """A `pandas.DataFrame` of every history with one row per saved step: index `time` [s], columns such as
+        `contact_force_z[roller on plate]`, their units in `.attrs["units"]`. Fields over the patch and modal
+        coordinates are only in `to_xarray`. Raises ImportError without the optional package pandas.
 
         >>> bool(result.to_dataframe()["contact_force_z[lower-upper]"].iloc[0] < 0.0)  # N
         True
@@ -490,9 +490,9 @@ class Result(reprs.Shown):
         return to_dataframe(self)
 
     def to_csv(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-        """Write the table of `to_dataframe` as comma-separated values, names and units in the first line; needs no
-        pandas. Raises InputError for a path that does not end in .csv, and for a file that exists, unless `overwrite`
-        is set and it is such a table."""
+        """Write the table of `to_dataframe` as comma-separated values, with names and units in the first line; does not
+        require pandas. Raises InputError for a path that does not end in .csv, and for an existing file, unless
+        `overwrite` is set and it is such a table."""
         from warpffrf.output.files.table import write_csv
 
         return write_csv(self, path, overwrite=overwrite)
@@ -500,12 +500,12 @@ class Result(reprs.Shown):
     def to_vtu(
         self, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False, progress: bool = True
     ) -> Path:
-        """Write every `stride`-th saved step as a VTK time series, path: a .pvd, a folder of .vtu comes beside it, that
-        ParaView and pyvista open: displacement, pressure, friction, and of bodies that were reduced with
-        `stress={"skin": "skin"}` stress and von Mises stress, on the skins. progress: how far it is, on stderr.
+        """Write every `stride`-th saved step as a VTK time series for ParaView and pyvista: the .pvd file `path` and a
+        folder of .vtu files of the same name. Fields on the skins: displacement, pressure, friction, and for bodies
+        reduced with `stress={"skin": "skin"}` stress and von Mises stress. progress: report the progress on stderr.
 
         Raises InputError for a path that does not end in .pvd, a stride below 1, a scene without flexible bodies, and
-        a .pvd that exists, unless `overwrite` is set.
+        an existing .pvd, unless `overwrite` is set.
         """
         from warpffrf.output.files.vtu import write_time_series
 
@@ -513,8 +513,8 @@ class Result(reprs.Shown):
             return write_time_series(self, path, stride=stride, overwrite=overwrite, progress=progress)
 
     def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-        """Write the run as one HDF5 file at `path`; `Result.load` reads it back, also to continue the run. Raises
-        InputError for a file that exists, unless `overwrite` is set and warpffrf wrote it."""
+        """Write the run as one HDF5 file at `path`; `Result.load` reads it, also to continue the run. Raises InputError
+        for an existing file, unless `overwrite` is set and warpffrf wrote it."""
         from warpffrf.output.files.results import write_results
 
         return write_results(self, path, overwrite=overwrite)

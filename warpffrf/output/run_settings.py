@@ -1,8 +1,9 @@
-"""In what the making of two runs differs, as text.
+"""Differences between the settings of two runs, as text.
 
-Options, scene and bodies are compared by what they are: the scene number by number as `Scene.describe` has it, a
-flexible body by the settings of its reduction, and by its arrays where these are the same. What is known by a content
-hash alone is one or another. Numbers that differ by round-off, of their row or of places in the machine, are counted.
+Options, scene and bodies are compared by value: the scene number by number as in `Scene.describe`, a flexible body by
+the settings of its reduction, and by its arrays if the settings are equal. Items of which only a content hash is known
+are either equal or different. Numbers that differ by round-off, relative to their row or to the size of the machine,
+are counted.
 """
 
 from __future__ import annotations
@@ -18,9 +19,9 @@ from warpffrf.output.files.unfinished import HASH
 from warpffrf.output.result import Result
 
 NONE = "-"
-ROUND_OFF = 1e-12  # of the largest number of a row, of places of the size of the machine
+ROUND_OFF = 1e-12  # relative to the largest number of a row, or for positions to the size of the machine
 PLACES = ("position", "center_of_mass", "point")
-SHOWN = 6  # numbers of a row of them; of more the first that differs
+SHOWN = 6  # numbers of a row that are printed; of longer rows the first that differs
 KINDS = {
     "bodies": "body", "joints": "joint", "drives": "drive", "forces": "force", "contacts": "contact",
     "lumped_contacts": "lumped contact", "films": "film", "laps": "lap",
@@ -28,8 +29,8 @@ KINDS = {
 
 
 def settings_apart(a: Result, b: Result, length: float) -> tuple[dict[str, tuple[str, str]], list[str]]:
-    """What differs of how two runs of a machine of the size `length` [m] were made, name -> (of a, of b), and notes on
-    the rest."""
+    """Differences of the settings of two runs of a machine of size `length` [m], name -> (of a, of b), and notes on the
+    remaining ones."""
     found, notes = _Settings(length), []
     first, second = a.history.options, b.history.options
     for name in dict.fromkeys([*first, *second]):
@@ -47,14 +48,14 @@ def settings_apart(a: Result, b: Result, length: float) -> tuple[dict[str, tuple
 
 
 class _Settings:
-    """What has been found to differ, name -> texts of both; `slight` numbers differ by round-off."""
+    """Differences found, name -> texts of both; `slight` counts numbers that differ by round-off."""
 
     def __init__(self, length: float) -> None:
         self.texts: dict[str, tuple[str, str]] = {}
         self.length, self.slight, self.first_slight = length, 0, ""
 
     def compare(self, name: str, a: Any, b: Any) -> None:
-        """Two values, the parts of tables and rows by themselves."""
+        """Compare two values; tables and rows are compared item by item."""
         if a == b:
             return
         if isinstance(a, Mapping) and isinstance(b, Mapping):
@@ -71,7 +72,7 @@ class _Settings:
             self.texts[name] = texts if texts[0] != texts[1] else (texts[0], f"another {texts[1].removeprefix('a ')}")
 
     def _numbers(self, name: str, a: np.ndarray, b: np.ndarray) -> None:
-        """Rows of as many numbers, some of which differ."""
+        """Compare rows of equal length."""
         size = float(np.max(np.abs([a, b])))
         if name.rpartition(".")[2].rpartition(" ")[2] in PLACES:
             size = max(size, self.length)
@@ -88,7 +89,7 @@ class _Settings:
         self.texts[name] = texts[0] + where, texts[1]
 
     def reductions(self, label: str, a: Any, b: Any) -> None:
-        """Two reduced bodies, None of a rigid one."""
+        """Compare two reduced bodies; None for a rigid one."""
         if a is None or b is None:
             self.compare(label, *("rigid" if body is None else "flexible" for body in (a, b)))
             return
@@ -108,7 +109,7 @@ class _Settings:
 
 
 def _by_item(description: Mapping[str, Any]) -> dict[str, Any]:
-    """A description with what has names under these, "joint hinge"."""
+    """A description whose named items are keyed by kind and name, "joint hinge"."""
     found = {name: value for name, value in description.items() if name not in KINDS}
     for where, kind in KINDS.items():
         found |= {f"{kind} {item['name']}": item for item in description.get(where, ())}
@@ -116,7 +117,7 @@ def _by_item(description: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _of_reduction(body: Any) -> dict[str, Any]:
-    """The settings of a reduction, its mesh in words."""
+    """The settings of a reduction, with the mesh as text."""
     found = _plain(body.provenance.get("settings", {}))
     if "mesh" in found:
         said = f"a mesh '{body.provenance.get('mesh_name', '')}', {len(body.surface.points)} nodes on its skin"
@@ -125,7 +126,7 @@ def _of_reduction(body: Any) -> dict[str, Any]:
 
 
 def _apart(a: np.ndarray, b: np.ndarray) -> float:
-    """The largest difference over the largest number; infinite of other shapes."""
+    """The largest difference over the largest number; infinite for different shapes."""
     if a.shape != b.shape:
         return np.inf
     if a.dtype.kind not in "fiu" or not a.size:
@@ -135,7 +136,7 @@ def _apart(a: np.ndarray, b: np.ndarray) -> float:
 
 
 def _plain(document: Any) -> Any:
-    """It as a file gives it back."""
+    """The value as read back from a file."""
     return json.loads(json.dumps(document))
 
 
@@ -144,7 +145,7 @@ def _rows(value: Any) -> bool:
 
 
 def _shape(value: Any) -> tuple[int, ...] | None:
-    """That of an array of numbers, () of one; None of what is none."""
+    """Shape of an array of numbers, () of a scalar, None otherwise."""
     if not _rows(value):
         return () if isinstance(value, int | float) and not isinstance(value, bool) else None
     parts = {_shape(v) for v in value}

@@ -1,4 +1,4 @@
-"""`simulate` and `equilibrium` as users call them: check the outputs, run, wrap, write."""
+"""Public functions `simulate` and `equilibrium`: check the outputs, run, wrap the result, write the files."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ log = logging.getLogger("warpffrf")
 
 
 class StagedResult(Result):
-    """The result of a whole run in stages; `stages` holds the result of each, name -> Result, to start another from."""
+    """Result of a run in stages; `stages` maps each stage name to its Result, from which another run can start."""
 
     def __init__(self, history: Any, stages: dict[str, Result]) -> None:
         super().__init__(history)
         self.stages = stages
 
     def error_budget(self, *, progress: bool = False) -> list[BudgetLine]:
-        """Of each source and quantity the largest over the stages; raises InputError as that of a Result."""
+        """The largest line over the stages for each source and quantity; raises InputError as `Result.error_budget`."""
         if not self.history.budget:
             lines = [line for stage in self.stages.values() for line in stage.error_budget(progress=progress)]
             self.history.budget = largest_of_each(lines)
@@ -78,46 +78,45 @@ def simulate(
     keep_every: float = KEEP_EVERY,
     kind: Literal["dynamic", "static"] = "dynamic",
 ) -> Result:
-    """Simulate `scene` for `duration` [s] with steps of `step` [s], or in `stages` instead of the two.
+    """Simulate `scene` for `duration` [s] with steps of `step` [s], or simulate the `stages`.
 
-    start: "initial" (positions and velocities of the scene), "equilibrium" (static state under load first), or the
-    Result, or results file, of an earlier run or equilibrium of the same scene, which is continued bit for bit (to
-    round-off with laps, some 1e-9). Saved are every
-    `save_every`th step and the last. project_start: change initial velocities that do not agree with the joints as
-    little as possible, with a note, instead of refusing them; a drive changes them in any case, it says what the
-    velocity is. stages: see
-    `warpffrf.online.stages`; returns a StagedResult. integrator: GeneralizedAlpha, HHT or Newmark; RungeKutta4 and
-    EnergyMomentum for checks on free bodies; None: GeneralizedAlpha(rho_inf=0.8).
-    accuracy: the error wanted of forces, motions and deformations (0.01 for one per cent;
-    pressures may err by twice): chooses step, inertia levels, stiffening, contact grids and cells from the error
-    budgets of coarse runs (`warpffrf.output.accuracy`), says in the notes what and why, and what only another
-    reduction could give; `step` may be left out, or is the longest. What the scene sets itself is kept, and the
-    scene is not changed: go on with `result.scene`. step_error: halve steps whose local error exceeds it (positions
-    by the radius of gyration, rotations in rad; stiff local modes do not count); `step` is then the longest.
-    energy_tolerance: of the energy at hand, what a step of an impact may gain before it is halved, 2.5e-4 where it
-    is left out. local: treatment of the local modes, "quasi_static", or "hht", "exponential", "auto" or a
-    LocalDynamics, for bodies reduced with local_dynamics=True. results, record: files to write (.h5, .rrd); both
-    are also written when the run is interrupted (Ctrl-C, SIGTERM) or fails, with what there is; what cannot be
-    written is in `unwritten` of the Result and in its notes. A script goes on with an interrupted result: after Ctrl-C
-    it may run more, after SIGTERM it ends (exit code 143) where it would begin another run. record_every: the recording
-    shows every so many saved steps, None: at most 300 of them. device: "cpu" or "cuda:0", None for what the environment
-    variable WARPFFRF_DEVICE names, else the CPU. progress: what is being done, and the notes of the run, on stderr:
-    bars on a terminal, lines elsewhere; through `logging` alone where the application has set that up. With stages,
-    results "run.h5" also means "run.NAME.h5" at the end of each stage: a checkpoint to start from. A solver that fails
-    does not raise, see `status` and `message` of the Result; with check a run that does not complete raises `RunError`,
-    whose `result` has what was computed, after its files were written. Wrong input raises InputError before the run.
-    Threads may call it at once, and get the same bits: steps go on side by side, all else one after the other
+    start: "initial" (positions and velocities of the scene), "equilibrium" (static equilibrium under load first), or
+    the Result or results file of an earlier run or equilibrium of the same scene, which is continued bit for bit (to
+    round-off, about 1e-9, with small-sliding contacts). Every `save_every`th step and the last step are saved.
+    project_start: change initial velocities that violate the joints as little as possible and add a note, instead of
+    refusing them; velocities prescribed by a drive are always imposed. stages: see `warpffrf.online.stages`; the
+    function then returns a StagedResult. integrator: GeneralizedAlpha, HHT or Newmark; RungeKutta4 and EnergyMomentum
+    for checks on free bodies; None: GeneralizedAlpha(rho_inf=0.8). accuracy: required relative error of forces, motions
+    and deformations (0.01 for 1 %; pressures may err by twice as much). Step, inertia levels, stiffening, contact grids
+    and cells are chosen from the error budgets of coarse runs (`warpffrf.output.accuracy`); the notes state the
+    choices, their reasons, and what only another reduction could improve. `step` may be omitted; if given it is the
+    largest step. Settings made in the scene are kept, and the scene is not modified: continue with `result.scene`.
+    step_error: halve steps whose local error exceeds this value (positions relative to the radius of gyration,
+    rotations in rad; stiff local modes are excluded); `step` is then the largest step. energy_tolerance: relative
+    energy gain [-] of an impact step above which the step is halved; default 2.5e-4. local: treatment of the local
+    modes, "quasi_static", "hht", "exponential", "auto" or a LocalDynamics, for bodies reduced with local_dynamics=True.
+    results, record: files to write (.h5, .rrd); both are also written, with the data computed so far, if the run is
+    interrupted (Ctrl-C, SIGTERM) or fails; files that cannot be written are listed in `unwritten` of the Result and in
+    its notes. A script continues with an interrupted result: after Ctrl-C it may start further runs, after SIGTERM it
+    exits (exit code 143) when it would start another run. record_every: number of saved steps per frame of the
+    recording; None: at most 300 frames. device: "cpu" or "cuda:0"; None: the environment variable WARPFFRF_DEVICE, else
+    the CPU. progress: report the progress and the notes of the run on stderr, as bars on a terminal and as lines
+    elsewhere; only through `logging` if the application has configured it. With stages, results "run.h5" also writes
+    "run.NAME.h5" at the end of each stage, a checkpoint to start from. A failing solver does not raise, see `status`
+    and `message` of the Result; with check, a run that does not complete raises `RunError`, whose `result` has the data
+    computed, after its files were written. Wrong input raises InputError before the run. Threads may call this function
+    concurrently and obtain the same bits: steps run in parallel, everything else one after the other
     (`warpffrf.online.turn`).
 
-    overwrite: replace files of an earlier run; without it existing ones are refused, and files that warpffrf did not
-    write always. While it runs, what it has done is put into the folder `run.h5.unfinished` every `keep_every` [s] of
-    wall time, by a thread beside it (less often where a checkpoint takes more than 2 % of that). resume: go on from
-    there, or from an interrupted run, with the same options, bit for bit as if it had not been stopped (with laps to
-    round-off), with every integrator; a finished run is read, and one that never began is begun.
+    overwrite: replace files of an earlier run; otherwise existing files are refused. Files that warpffrf did not write
+    are always refused. During the run, completed parts are saved to the folder `run.h5.unfinished` every `keep_every`
+    [s] of wall time by a separate thread (less often if a checkpoint takes more than 2 % of that time). resume:
+    continue from this folder, or from an interrupted run, with the same options, bit for bit as if it had not been
+    stopped (to round-off with small-sliding contacts), with every integrator; a finished run is read, and a run without
+    a folder is started.
 
-    device: where kernels run, "cpu" or "cuda:0". kind: "dynamic", or "static" for equilibria at the end of every step,
-    under the forces and prescribed motions of that time, friction with its history (`warpffrf.online.load_steps`); of
-    stages each has its own.
+    kind: "dynamic", or "static" for equilibria at the end of every step, under the forces and prescribed motions of
+    that time, with the friction history (`warpffrf.online.load_steps`); stages have their own kind.
 
     >>> result = wf.simulate(scene, 2e-3, step=2e-4, start="equilibrium", results="press.h5", progress=False)
     >>> result.status
@@ -133,7 +132,7 @@ def simulate(
             energy_tolerance=energy_tolerance, project_start=project_start or None, stages=stages,
         )  # fmt: skip
     if resume and results is None:
-        raise InputError("simulate: resume goes on from what stands beside the results; give results")
+        raise InputError("simulate: resume continues from the files of a run; give results")
     require_number(keep_every, "simulate: keep_every", positive=True)
     if record_every is not None:
         require_count(record_every, "simulate: record_every", 1, most=MOST_COUNTED)
@@ -174,20 +173,20 @@ def _run(
     scene: Any, duration: float, *, integrator: Any, energy_tolerance: float | None = None, kind: str = "dynamic",
     **options: Any,
 ) -> History:  # fmt: skip
-    """The run by its kind."""
+    """Run `scene` by its kind, dynamic or static."""
     log.info("%s", _what_is_run(scene, duration, options["step"], options["start"], kind))
     if kind == "static":
         own = {name: value for name, value in options.items() if name not in ("step_error", "project_start")}
         return run_static(scene, duration, **own)
     if energy_tolerance is not None:
         if isinstance(integrator, CHECK_INTEGRATORS):
-            raise InputError("simulate: energy_tolerance halves steps, and these are all alike here; leave it out")
+            raise InputError("simulate: energy_tolerance halves steps, which this integrator cannot; leave it out")
         options["settings"] = Settings(energy_tolerance=energy_tolerance)
     return run(scene, duration, integrator=DEFAULT_INTEGRATOR if integrator is None else integrator, **options)
 
 
 def _what_is_run(scene: Any, duration: Any, step: Any, start: Any, kind: str) -> str:
-    """One line on a run that begins."""
+    """One line that describes the run that starts."""
     holds = _holds(scene)
     first = "the equilibrium, then " if start == "equilibrium" and kind != "static" else ""
     what = "load steps" if kind == "static" else "steps"
@@ -195,7 +194,7 @@ def _what_is_run(scene: Any, duration: Any, step: Any, start: Any, kind: str) ->
 
 
 def _holds(scene: Any) -> str:
-    """What a scene is made of, in a few words."""
+    """Number of items of each kind in a scene, as text."""
     kinds = {"body": scene.bodies, "joint": scene.joints, "contact": scene.contacts, "film": scene.films}
     counts = [(len(items), kind) for kind, items in kinds.items() if len(items)]
     named = (f"{n} {kind if n == 1 else kind.replace('y', 'ie') + 's'}" for n, kind in counts)
@@ -203,17 +202,17 @@ def _holds(scene: Any) -> str:
 
 
 def refuse_in_statics(where: str, **options: Any) -> None:
-    """Raises `InputError` for an option that says nothing of equilibria."""
+    """Raises `InputError` for an option that does not apply to static runs."""
     for name, value in options.items():
         if value is not None:
-            raise InputError(f"{where}: {name} is for runs in time, and kind='static' has none; leave one of them out")
+            raise InputError(f"{where}: {name} is for runs in time, not for kind='static'; leave one of them out")
 
 
 def _accurate(
     scene: Any, beginning: Any, duration: float, step: float | None, limits: Limits, options: dict[str, Any],
     outputs: Outputs, results: Any,
 ) -> Result:  # fmt: skip
-    """The run whose error budget is within the limits."""
+    """Run whose error budget is within the limits."""
     require_number(duration, "simulate: duration", positive=True)
     if step is not None:
         require_number(step, "simulate: step", positive=True)
@@ -241,7 +240,7 @@ def _accurate(
 def _staged(
     scene: Any, stages: list[Stage], beginning: Any, results: Any, options: dict[str, Any], outputs: Outputs
 ) -> StagedResult:
-    """The stages one after the other, each from the checkpoint of the one before."""
+    """The stages in sequence, each from the checkpoint of the previous stage."""
     for stage in stages:
         as_local_dynamics(stage.options.get("local", options["local"]))
         known_integrator(stage.options.get("integrator"), f"stage {stage.name!r}")
@@ -269,9 +268,9 @@ def _staged(
             except KeyboardInterrupt:
                 if not parts:
                     raise
-                interrupted = f"interrupted before stage {stage.name!r} had begun"
+                interrupted = f"interrupted before stage {stage.name!r} started"
                 break
-            part.history.scene = scene  # of a stage that was read, what its file tells of it
+            part.history.scene = scene  # a stage read from a file has only the scene data of the file
             parts[stage.name], beginning = part, part.history
             if part.status != "completed":
                 break
@@ -288,7 +287,7 @@ def _in_its_loads(scene: Any, staged: Any) -> Callable[..., History]:
         if isinstance(start, History):
             start = replace(start, checkpoint=with_potential(start.checkpoint, scene, staged))
         history = _run(staged, duration, start=start, **options)
-        # loads of one stage do not make another machine: it is continued with the scene
+        # the loads of a stage do not change the system: it is continued with the scene
         history.scene = scene
         history.checkpoint = with_potential(history.checkpoint, staged, scene)
         return history
@@ -297,7 +296,7 @@ def _in_its_loads(scene: Any, staged: Any) -> Callable[..., History]:
 
 
 def stage_file(results: str | os.PathLike[str], name: str) -> Path:
-    """Where the results of the stage called `name` go: run.h5 -> run.NAME.h5."""
+    """Path of the results file of the stage called `name`: run.h5 -> run.NAME.h5."""
     path = Path(results)
     return path.with_name(f"{path.stem}.{name}{path.suffix or '.h5'}")
 
@@ -314,15 +313,15 @@ def equilibrium(
     check: bool = False,
     overwrite: bool = False,
 ) -> Result:
-    """The static state of `scene` under its loads and prescribed motions at time 0, as a Result with one row.
+    """The static equilibrium of `scene` under its loads and prescribed motions at time 0, as a Result with one row.
 
-    friction: whether friction of joints and contacts acts, and answers the slip from where the scene begins, that of
-    contact surfaces from where they are pressed together, as that of laps does in any case
-    (`warpffrf.online.start.rub_to_rest`, with the path of loads that this means). Runs that `start` from the Result, in
-    time or static, go on with it.
-    Not converging is a status; with check it raises `RunError`. Wrong input raises InputError. results, record: files
-    to write (.h5, .rrd). device: where kernels run, "cpu" or "cuda:0". progress: what is being done, and the notes, on
-    stderr. overwrite: replace files of an earlier call.
+    friction: include friction of joints and contacts. Friction acts on the slip from the initial configuration, that of
+    contact surfaces on the slip from the start of contact; friction of small-sliding contacts is always included
+    (`warpffrf.online.start.rub_to_rest` describes the load path that this implies). Dynamic and static runs that
+    `start` from the Result continue this friction history. Non-convergence is a status; with check it raises
+    `RunError`. Wrong input raises InputError. results, record: files to write (.h5, .rrd). device: where kernels run,
+    "cpu" or "cuda:0". progress: report the progress and the notes on stderr. overwrite: replace files of an earlier
+    call.
 
     >>> rest = wf.equilibrium(scene, progress=False)
     >>> round(float(rest.contact("lower-upper").force_magnitude[0]))  # N, of the spring and the push
@@ -338,7 +337,7 @@ def equilibrium(
 
 
 def checked(result: Kind, check: bool) -> Kind:
-    """The `result`. Raises `RunError` for one that did not complete, if `check`."""
+    """Returns `result`; raises `RunError` if `check` and the run did not complete."""
     if check and result.status != "completed":
         raise RunError(result)
     return result

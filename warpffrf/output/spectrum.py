@@ -1,17 +1,17 @@
-r"""Amplitudes in a history by frequency, or by orders of a body's rotation.
+r"""Amplitude spectrum of a history by frequency, or by orders of a body's rotation.
 
-With N values x_n at equal distances d of time, or of turns, and Hann's window w_n = sin^2(pi n/N),
+With N values x_n at equal distances d in time, or in revolutions, and the Hann window w_n = sin^2(pi n/N),
 
     A_k = 2 |sum_n w_n (x_n - m) e^(-2 pi i k n/N)| / sum_n w_n,      m = sum_n w_n x_n / sum_n w_n,
 
-at k/(N d) for k = 0 .. N/2, once instead of twice in the last one of an even N: a sine of amplitude A at one of these
-places has A_k = A there and A/2 in both neighbours; between two places the nearer one shows at least 8/(3 pi) = 0.85 of
-it. Two lines are told apart when they are 4 places apart. Linear interpolation, where it is needed, takes (2 pi/m)^2/12
-off the amplitude of what has m rows a period.
+at k/(N d) for k = 0 .. N/2, without the factor 2 in the last line of an even N: a sine of amplitude A at one of these
+frequencies has A_k = A there and A/2 in both neighbours; between two of them the nearer one shows at least 8/(3 pi) =
+0.85 of A. Two lines are resolved if they are 4 places apart. Linear interpolation, if necessary, reduces the amplitude
+of a signal with m rows per period by (2 pi/m)^2/12.
 
-Orders count per turn: values are taken at equal angles of the body, over the whole number of turns that ends with the
-run, so that what goes with the rotation stands at one place also while the speed changes. The angle is the integral of
-the angular velocity about the axis, by the trapezoidal rule over the saved rows.
+Orders count per revolution: values are sampled at equal angles of the body, over the whole number of revolutions that
+ends with the run, so that excitations locked to the rotation stay at one order even if the speed changes. The angle is
+the integral of the angular velocity about the axis, by the trapezoidal rule over the saved rows.
 """
 
 from __future__ import annotations
@@ -23,24 +23,24 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, require_direction
 
-ROUND_OFF = 1e-14  # of the largest value: less is none
-LEAST = 1e-6  # likewise: less may be round-off, or what iterations leave
-EVEN = 1e-6  # of the distance between rows: times that differ by less are evenly spaced
+ROUND_OFF = 1e-14  # of the largest value: smaller amplitudes are zero
+LEAST = 1e-6  # likewise: smaller ones may be round-off, or tolerance of iterations
+EVEN = 1e-6  # of the distance between rows: smaller deviations are evenly spaced
 FEWEST_ROWS = 8
 FEWEST_TURNS = 2
-FLOOR = 1e-6  # of the largest amplitude: where the axis of a plot ends
+FLOOR = 1e-6  # of the largest amplitude: lower limit of a plot's axis
 TURN = 2.0 * np.pi
 LINE = "#1b6ca8"
 
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Amplitudes of the history `label`, `largest` in size, in `units`: `place` (n,) [Hz], of orders [1/turn], and
-    `amplitude` (n,) of a sine there. `of` says which of both; `notes` what was done to the values before."""
+    """Amplitudes of the history `label`, `largest` in magnitude, in `units`: `place` (n,) [Hz], for orders [1/rev],
+    and `amplitude` (n,) of a sine there. `of` names the abscissa; `notes` list the preprocessing of the values."""
 
     label: str
     units: str
-    of: str  # "frequency [Hz]" or "order of the rotation of 'shaft' [1/turn]"
+    of: str  # "frequency [Hz]" or "order of the rotation of 'shaft' [1/rev]"
     place: np.ndarray
     amplitude: np.ndarray
     notes: list[str] = field(default_factory=list)
@@ -48,11 +48,11 @@ class Spectrum:
 
     @property
     def resolution(self) -> float:
-        """Distance of two places [Hz or 1/turn]."""
+        """Spacing of the spectrum [Hz or 1/rev]."""
         return float(self.place[1] - self.place[0])
 
     def peaks(self, count: int = 5) -> list[tuple[float, float]]:
-        """(place, amplitude) of the largest local maxima, largest first, at most `count`; zeros are none."""
+        """(place, amplitude) of the largest local maxima, largest first, at most `count`; zeros are excluded."""
         a = self.amplitude
         count = require_count(count, "peaks: count", 1)
         inner = np.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:])) + 1
@@ -61,7 +61,7 @@ class Spectrum:
         return [(float(self.place[k]), float(a[k])) for k in best]
 
     def report(self, count: int = 5) -> str:
-        """The largest peaks, `count` of them, as a table."""
+        """The `count` largest peaks as a table."""
         lines = [f"{self.label}: amplitudes by {self.of}, resolution {self.resolution:.4g}"]
         lines += [f"note: {note}" for note in self.notes]
         peaks = self.peaks(count)
@@ -69,9 +69,9 @@ class Spectrum:
         return "\n".join(lines) + doubt(float(self.amplitude.max()), self.largest) * bool(peaks)
 
     def draw(self, ax: Any, *, logarithmic: bool = True) -> None:
-        """Draw on the matplotlib axes `ax`, amplitudes on a logarithmic scale down to 1e-6 of the largest, or a linear
-        one."""
-        first = 1 if logarithmic else 0  # without the mean there is nothing at 0
+        """Draw on the matplotlib axes `ax`, amplitudes on a logarithmic scale down to 1e-6 of the largest, or on a
+        linear one."""
+        first = 1 if logarithmic else 0  # zero frequency is empty because the mean is removed
         ax.plot(self.place[first:], self.amplitude[first:], lw=1.0, color=LINE)
         most = float(self.amplitude.max())
         if logarithmic and most > 0.0:
@@ -87,14 +87,14 @@ class Spectrum:
 
 def frequency_spectrum(time: np.ndarray, values: np.ndarray, label: str, units: str) -> Spectrum:
     """The `Spectrum` by frequency of `values` (T,) at `time` (T,) [s]; rows at uneven times are interpolated linearly
-    to even ones, which a note says. Raises InputError for fewer than 8 rows and values that are no numbers."""
+    to even ones, with a note. Raises InputError for fewer than 8 rows and values that are not finite."""
     values, step, notes = even_rows(time, values, label)
     place, amplitude = amplitudes(values, step)
     return Spectrum(label, units, "frequency [Hz]", place, amplitude, notes, float(np.max(np.abs(values))))
 
 
 def even_rows(time: np.ndarray, values: np.ndarray, label: str) -> tuple[np.ndarray, float, list[str]]:
-    """`values` (T,) at even times, their distance [s], and notes: interpolated linearly where rows are uneven. Raises
+    """`values` (T,) at even times, their spacing [s], and notes: interpolated linearly if rows are uneven. Raises
     InputError as `frequency_spectrum`."""
     _check(time, values, label)
     even = np.linspace(time[0], time[-1], len(time))
@@ -106,8 +106,8 @@ def even_rows(time: np.ndarray, values: np.ndarray, label: str) -> tuple[np.ndar
 
 
 def turning_rate(time: np.ndarray, spin: np.ndarray, axis: Any = None) -> np.ndarray:
-    """(T,) rad/s about `axis` (3,), or that of the mean of the angular velocity `spin` (T, 3), in the sense in which it
-    turns on the whole."""
+    """(T,) rad/s about `axis` (3,), or about the mean of the angular velocity `spin` (T, 3), positive in the overall
+    sense of rotation."""
     mean = np.trapezoid(spin, time, axis=0) if axis is None else require_direction(axis, "orders: axis")
     size = np.linalg.norm(mean)
     rate = spin @ (mean / size) if size > 0.0 else np.zeros(len(time))
@@ -118,8 +118,9 @@ def order_spectrum(
     time: np.ndarray, values: np.ndarray, spin: np.ndarray, label: str, units: str, body: str, axis: Any = None
 ) -> Spectrum:
     """The `Spectrum` by orders of the rotation of `body`, whose angular velocity is `spin` (T, 3) [rad/s, world]; axis:
-    direction (3,) in the world, that of the mean angular velocity if None. Raises InputError for a body that turns
-    fewer than 2 times, or back, about the axis, for too few rows a turn, and as `frequency_spectrum`."""
+    direction (3,) in the world, None: that of the mean angular velocity. Raises InputError for a body that rotates by
+    fewer than 2 revolutions or reverses about the axis, for too few rows per revolution, and as `frequency_spectrum`.
+    """
     _check(time, values, label)
     rate = turning_rate(time, spin, axis)
     turns = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(time))]) / TURN
@@ -130,17 +131,17 @@ def order_spectrum(
             f"{FEWEST_TURNS}; simulate longer, or look at frequencies with spectrum"
         )
     if np.any(np.diff(turns) < 0.0):
-        raise InputError(f"orders: body '{body}' turns back on the way; look at frequencies with spectrum instead")
+        raise InputError(f"orders: body '{body}' reverses during the run; look at frequencies with spectrum instead")
     begin = max(turns[-1] - whole, 0.0)
     count = int(np.count_nonzero(turns > begin))
     if count < 2 * whole:
         raise InputError(
-            f"orders: {count} rows in {whole} turns of body '{body}' tell no order; save more of them, save_every=1"
+            f"orders: {count} rows in {whole} turns of body '{body}' resolve no order; save more rows, save_every=1"
         )
     even = begin + (turns[-1] - begin) * np.arange(count) / count
     place, amplitude = amplitudes(np.interp(even, turns, values), (even[1] - even[0]))
     notes = [f"the last {whole} turns of {turns[-1]:.4g}, interpolated linearly to {count} equal angles"]
-    of = f"order of the rotation of '{body}' [1/turn]"
+    of = f"order of the rotation of '{body}' [1/rev]"
     return Spectrum(label, units, of, place, amplitude, notes, float(np.max(np.abs(values))))
 
 
@@ -158,7 +159,7 @@ def amplitudes(values: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndar
 
 
 def doubt(most: float, size: float) -> str:
-    """What to say where the largest amplitude, `most`, of values up to `size` may be round-off."""
+    """Note if the largest amplitude, `most`, of values up to `size` may be round-off."""
     return f"\nall below {LEAST:g} of the largest value, may be round-off" if most < LEAST * size else ""
 
 

@@ -1,4 +1,4 @@
-"""`simulate_worlds` as users call it: many scenes at once, each with its Result."""
+"""Public function `simulate_worlds`: many scenes at once, each with its Result."""
 
 from __future__ import annotations
 
@@ -62,29 +62,28 @@ def simulate_worlds(
 ) -> list[Result]:
     """Simulate many scenes at once, for `duration` [s] with steps of `step` [s], as worlds of one graph.
 
-    Returns the Result of each, in their order, the same as `simulate` gives it: bit for bit on the CPU. There the
-    set-up is done once for all, which pays where runs are short; a GPU steps all worlds side by side. A world whose
-    solver fails ends by itself, with its `status` and `message`, and the others go on; one that takes longer to its
-    equilibrium, or halves steps, does so by itself, too. Seconds in `counters` are wall times, in which the others
-    were at work as well.
+    Returns the Result of each scene, in their order, identical to that of `simulate`: bit for bit on the CPU. On the
+    CPU the set-up is shared, which saves time for short runs; a GPU steps all worlds in parallel. A world whose solver
+    fails ends alone, with its `status` and `message`, and the others continue; slow equilibria and halved steps also
+    affect only their own world. Seconds in `counters` are wall times, which include the work on other worlds.
 
-    scenes: of one kind, so that they differ in numbers only: loads, speeds, prescribed motions, stiffnesses,
-    coefficients of friction, masses, places, initial velocities, profiles, as long as there are the same bodies,
-    joints, contacts and so on, of the same modes and grids, in the same order, and contact windows of the same size.
-    One scene may stand there several times. Their reduced bodies are best the same objects.
+    scenes: scenes of the same structure, which differ only in numbers: loads, speeds, prescribed motions, stiffnesses,
+    coefficients of friction, masses, positions, initial velocities, profiles. They must have the same bodies, joints,
+    contacts and so on, with the same modes and grids, in the same order, and contact windows of the same size. A scene
+    may be listed several times. Reduced bodies should be shared objects.
 
-    results: a folder, with a file each, world_000.h5 and so on, written when all have ended; overwrite: replace those
-    of an earlier call, and remove those it has left of more scenes. The others as of `simulate`, for all scenes alike.
-    start: "initial", or "equilibrium" of each. kind: "dynamic", or "static" for load steps. local: treatment of the
-    local modes. integrator: None for GeneralizedAlpha(rho_inf=0.8). step_error: local error of a step [m, rad] beyond
-    which it is halved. energy_tolerance: what a step of an impact may gain [J/J of the energy at hand]. save_every:
-    save every so many steps, and the last. device: "cpu" or "cuda:0", None for what WARPFFRF_DEVICE names. progress:
-    bar and notes on stderr, notes that several scenes share once. project_start: change initial velocities that do not
-    fit the joints.
-    Stages, accuracy, going on from a Result, resume, recordings and check integrators are for single runs.
+    results: a folder with one file per scene, world_000.h5 and so on, written when all have ended; overwrite: replace
+    those of an earlier call, and remove surplus ones. Other options: as of `simulate`, for all scenes alike. start:
+    "initial", or "equilibrium" of each. kind: "dynamic", or "static" for load steps. local: treatment of the local
+    modes. integrator: None for GeneralizedAlpha(rho_inf=0.8). step_error: local error of a step [m, rad] above which it
+    is halved. energy_tolerance: relative energy gain of an impact step [J/J] above which it is halved. save_every:
+    number of steps between saved ones; the last is also saved. device: "cpu" or "cuda:0", None: the environment
+    variable WARPFFRF_DEVICE. progress: bar and notes on stderr; notes of several scenes are shown once. project_start:
+    change initial velocities that violate the joints. Stages, accuracy, continuation from a Result, resume, recordings
+    and check integrators are for single runs.
 
-    Raises InputError before the run for wrong input, with the number of the scene, counted from 0, in front; and where
-    scenes are of another kind than the first, with what differs.
+    Raises InputError before the run for wrong input, with the index of the scene, from 0, in front; and if a scene has
+    a different structure from the first, with the difference.
 
     >>> results = wf.simulate_worlds([scene, scene], 2e-3, step=2e-4, start="equilibrium", progress=False)
     >>> [result.status for result in results]
@@ -154,7 +153,7 @@ def _known_scenes(scenes: Any) -> list[Scene]:
 
 
 def _files(results: Any, count: int, outputs: Outputs) -> tuple[list[Path | None], list[Path]]:
-    """The results files of the worlds, and those of an earlier call that are to go. Raises `InputError` for files that
+    """The results files of the worlds, and those of an earlier call to remove. Raises `InputError` for files that
     cannot be written, or must not be replaced or removed."""
     if results is None:
         return [None] * count, []
@@ -181,7 +180,7 @@ def _remove(left_over: Sequence[Path]) -> None:
 
 
 def _tell_ends(found: Sequence[Result]) -> None:
-    """What the runs have to say when all are over, what several say once."""
+    """Log the ends of all runs; messages shared by several runs are logged once."""
     said: dict[str, int] = {}
     for i, result in enumerate(found):
         if result.status != "completed":

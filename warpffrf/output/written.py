@@ -1,4 +1,4 @@
-"""A file that a run has written: where it is, how large it is, and how long that took."""
+"""A file written by a run: path, size, and write time."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from warpffrf.model.files.paths import size_text
 
 @dataclass(frozen=True)
 class Written:
-    """A file of a run. `what`: "results" or "recording"; `size` [byte]; `seconds`: of wall time that it took."""
+    """A file of a run. `what`: "results" or "recording"; `size` [byte]; `seconds`: wall time of writing."""
 
     what: str
     path: Path
@@ -19,7 +19,7 @@ class Written:
 
     @classmethod
     def of(cls, what: str, path: Path, seconds: float) -> Written:
-        """The file at `path`, as it is now."""
+        """The file at `path` with its current size."""
         return cls(what, path, path.stat().st_size, seconds)
 
     def __str__(self) -> str:

@@ -1,5 +1,5 @@
-"""Many runs of one scene: `speed_error` weighs the time of settings against their errors, `sweep` runs the scene at
-many values of its parameters. They are loaded when first used."""
+"""Many runs of one scene: `speed_error` compares the computing time and the errors of settings, `sweep` runs the scene
+at many values of its parameters. The modules are loaded at first use."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 __all__ = ["open_sweep", "speed_error", "sweep"]
 
-# public name -> module; rooms have other names than what they give, or importing one would hide the other
+# public name -> module; packages must not have the names of their functions, or importing one would hide the other
 _WHERE = {
     "open_sweep": "warpffrf.study.sweeps.outcome",
     "speed_error": "warpffrf.study.speed_against_error.study",

@@ -1,8 +1,8 @@
-"""The unit U in which step times are given: one LAPACK Cholesky factor-and-solve of size 128, float64, one thread.
+"""The unit U of step times: one LAPACK Cholesky factorisation and solution of size 128, float64, one thread.
 
-Step times in seconds say more about a machine than about a program. U is dense arithmetic of the size and kind that the
-contact solve does, so `step / U` can be compared between machines. It is timed in a process of its own, because the
-thread count of a BLAS is settled when it is loaded.
+Step times in seconds depend on the machine more than on the program. U is dense arithmetic of the size and kind of the
+contact solution, so that `step / U` can be compared between machines. It is timed in a separate process, because the
+thread count of a BLAS is fixed when it is loaded.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from typing import Any
 from warpffrf.model.reduced.body import library_versions
 
 SIZE = 128
-REPEATS = 50  # of one sample: 5 ms, far above the clock's resolution
-SAMPLES = 20  # the fastest counts: everything that disturbs only slows down
+REPEATS = 50  # per sample: 5 ms, far above the clock's resolution
+SAMPLES = 20  # the fastest is used: disturbances only increase times
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 
@@ -32,7 +32,7 @@ def unit_seconds() -> float:
 
 
 def timed_here() -> float:
-    """The same in this process, with the threads that its BLAS happens to have."""
+    """The same in this process, with the present number of BLAS threads."""
     import numpy as np
     from scipy.linalg import get_lapack_funcs
 
@@ -51,7 +51,7 @@ def timed_here() -> float:
 
 
 def processor() -> str:
-    """The model of the processor, as exactly as the system tells it."""
+    """The model of the processor, as reported by the system."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
@@ -61,7 +61,7 @@ def processor() -> str:
 
 
 def machine() -> dict[str, Any]:
-    """What the times were taken on."""
+    """Description of the machine of the timings."""
     return {
         "machine": {
             "platform": platform.platform(),

@@ -1,4 +1,4 @@
-"""Tables of the pages that comparisons and studies write."""
+"""Tables for the pages of comparisons and studies."""
 
 from __future__ import annotations
 

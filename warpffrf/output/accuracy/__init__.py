@@ -1,1 +1,1 @@
-"""A run to a wanted accuracy: what a scene needs is chosen from the error budgets of coarse runs, see `choose`."""
+"""A run to a required accuracy: settings are chosen from the error budgets of coarse runs, see `choose`."""

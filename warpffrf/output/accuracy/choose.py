@@ -1,20 +1,20 @@
-r"""A run to a wanted accuracy: `simulate(..., accuracy=0.01)`.
+r"""A run to a required accuracy: `simulate(..., accuracy=0.01)`.
 
-The error budget of a run (`output.budget`) says of each source what it does, without a run to compare with. So the
-machine is run with few steps first (`first`), and what its budget asks for is chosen for the next (`demands`), until a
-budget asks for nothing more; that run is the result. As errors fall with the square of the step, the runs before it
-take a part of its time:
+The error budget of a run (`output.budget`) estimates the effect of each source of error without a reference run. The
+machine is first run with few steps (`first`); the settings of the next run follow from the budget (`demands`), until it
+requires no change; that run is the result. Because errors decrease with the square of the step, the earlier runs take a
+fraction of its time:
 
     n_k+1 = 1.15 n_k root(error/limit)        1.2 to 3 times n_k
 
-At most `RUNS` are made. Where `PATIENCE` of them in turn, each with more steps, do not lower the error of the step, or
-two leave it as it is, more would not either: hats of a surface that rolls pass faster than the steps. A contact that
-was put on hats then gets its cells back; if there is none, the run ends there, and its result says so, as it says of
-all else that is above the wanted accuracy, with what would lower it: mostly another reduction.
+There are at most `RUNS` runs. If `PATIENCE` consecutive runs, each with more steps, do not reduce the error of the
+step, or two leave it unchanged, further steps will not either: nodes of a rolling surface pass faster than the steps. A
+contact on the nodes of the contact grid is then set back to cells; if there is none, the iteration ends, and the notes
+state every error above the required accuracy with its remedy, mostly another reduction.
 
-Choices follow from results alone, never from the clock: the same call chooses the same again.
+Choices depend only on results, never on computing time: the same call makes the same choices.
 
-First. What a run to a wanted accuracy begins with: few steps, which still see what the scene says of its time.
+First. Initial settings of a run to a required accuracy: few steps, which resolve the time scales stated by the scene.
 """
 
 from __future__ import annotations
@@ -46,11 +46,11 @@ from warpffrf.output.result import Result
 
 RUNS = 10
 MOST_STEPS = 1_000_000
-AFTER_FAILURE = 4  # times the steps, where a run does not get through
-FAILURES = 2  # in turn, after a run that got through, which then is the result
-FALLS = 0.8  # of the error before: with 1.2 times the steps it is 0.7 at second order
-STANDS = 0.05, 2  # an error that changes by less from run to run, twice in turn, is not one of the step
-PATIENCE = 3  # runs in turn whose error does not fall: vibrations that more steps begin to see let it rise
+AFTER_FAILURE = 4  # factor of the steps after a failed run
+FAILURES = 2  # consecutive failures after a successful run, which then is the result
+FALLS = 0.8  # of the previous error: with 1.2 times the steps it is 0.7 at second order
+STANDS = 0.05, 2  # an error that changes by less between runs, twice in a row, is not one of the step
+PATIENCE = 3  # consecutive runs whose error does not decrease: vibrations first resolved by more steps may increase it
 
 Run = Callable[[Setting], History]
 
@@ -61,10 +61,10 @@ def run_to_accuracy(
     scene: Scene, duration: float, limits: Limits, longest: float | None, run: Run, *, local: Any,
     energy_tolerance: float | None, start: Any, progress: bool,
 ) -> Result:  # fmt: skip
-    """The run of `scene` over `duration` [s] that is within `limits`, or the last one that got through. longest:
-    step [s] that the user allows. run: makes a run of the scene with a setting. local: treatment of local modes
-    that he asked for. energy_tolerance: that he set, None where it is left to the program. start: where it begins;
-    one that goes on from another run has the options of that, and only its steps are chosen."""
+    """The run of `scene` over `duration` [s] within `limits`, or the last successful one. longest: largest step [s]
+    allowed by the user. run: runs the scene with a setting. local: treatment of local modes given by the user.
+    energy_tolerance: given by the user, None: chosen here. start: start of the run; a continued run keeps the options
+    of the earlier one, and only its steps are chosen."""
     begin = time.perf_counter()
     continued = isinstance(start, History)
     at = time_of(start.checkpoint) if isinstance(start, History) else 0.0
@@ -112,7 +112,7 @@ def run_to_accuracy(
             break
         now = wanted
     result.history.counters["accuracy_runs"] = number
-    result.history.counters["accuracy_seconds"] = own - begin  # of the runs before
+    result.history.counters["accuracy_seconds"] = own - begin  # of the earlier runs
     if now.energy_tolerance is not None:
         result.history.counters["energy_tolerance"] = now.energy_tolerance
     if refused:
@@ -125,13 +125,13 @@ def run_to_accuracy(
 
 
 class Stuck:
-    """Whether the error of the step falls from run to run."""
+    """Detects whether the error of the step decreases from run to run."""
 
     def __init__(self) -> None:
         self.steps, self.size, self.times, self.stood, self.told = 0, 0.0, 0, 0, ""
 
     def look(self, steps: int, lines: list[BudgetLine]) -> bool:
-        """Look at the budget of a run of so many `steps`; whether it is time to give up."""
+        """Evaluate the budget of a run of `steps` steps; returns whether to give up."""
         known = [line for line in of_the_step(lines) if line.found]
         if not known:
             return False
@@ -148,7 +148,7 @@ class Stuck:
 
 
 def _with_cells(scene: Scene, now: Setting) -> Setting:
-    """`now` with cells again for contacts that could have them and were put on hats."""
+    """`now` with cells for contacts that can have them and were set to nodes of the contact grid."""
     options = dict(now.options)
     for contact in scene.contacts:
         if options.get((GRID, contact.name)) == HATS:
@@ -157,7 +157,7 @@ def _with_cells(scene: Scene, now: Setting) -> Setting:
 
 
 def _told(result: Result, duration: float, limits: Limits, now: Setting, why: list[str]) -> Result:
-    """The result with what was chosen for it and why, and what is above the wanted accuracy."""
+    """The result with notes on the choices and their reasons, and on errors above the required accuracy."""
     head = f"accuracy {limits.accuracy:g}"
     tolerance = "" if now.energy_tolerance is None else f" with energy_tolerance={now.energy_tolerance:.2g}"
     step = f"{head}: step={duration / now.steps:.6g}{tolerance} was chosen" + (f", {why[0]}" if why else "")
@@ -174,7 +174,7 @@ def _told(result: Result, duration: float, limits: Limits, now: Setting, why: li
 
 
 def refuse_other_options(*, stages: Any, step_error: Any, fixed: bool, resume: bool) -> None:
-    """Raises `InputError` for what `simulate` does not take beside accuracy=."""
+    """Raises `InputError` for options of `simulate` that exclude accuracy=."""
     if stages is not None:
         raise InputError(
             "simulate: accuracy= is that of one run; run the stages one after the other, each from the result before "
@@ -191,17 +191,17 @@ def refuse_other_options(*, stages: Any, step_error: Any, fixed: bool, resume: b
         )
 
 
-FEWEST = 64  # steps: below, twice the step says little
-A_RISE = 4  # steps in the quickest rise of a signal: a load that begins and ends between two steps is not seen
-TURN = 0.5  # rad in a step, of what is driven or turns at the start
-MOST = 4000  # steps of the first run, whatever signals say: the error of the step is measured then
+FEWEST = 64  # steps: with fewer, twice the step is not meaningful
+A_RISE = 4  # steps in the fastest rise of a signal: a load between two steps would not be resolved
+TURN = 0.5  # rad per step, of driven or initially rotating bodies
+MOST = 4000  # steps of the first run, whatever the signals: the error of the step is then measured
 
 
 def first_setting(
     scene: Scene, begin: float, duration: float, longest: float | None, local: Any, limits: Limits
 ) -> Setting:
-    """Of a run from `begin` [s] on, with what the scene itself would take. longest: step [s] that the user allows, None
-    for any."""
+    """Setting of the first run, starting at `begin` [s], with the defaults of the scene. longest: largest step [s]
+    allowed by the user, None for any."""
     steps = math.ceil(min(max(FEWEST, steps_to_see(scene, begin, duration)), MOST))
     if longest is not None:
         steps = max(steps, math.ceil(duration / longest * (1.0 - 1e-9)))
@@ -218,6 +218,7 @@ def first_setting(
 
 
 def steps_to_see(scene: Scene, begin: float, duration: float) -> float:
-    """Steps of a run from `begin` [s] on that see what signals do, and what the scene states of its turning."""
+    """Number of steps of a run starting at `begin` [s] that resolves the signals and the rotations stated by the
+    scene."""
     rise = quickest_rise(scene, begin, begin + duration)
     return duration * max(A_RISE / rise, fastest_turning(scene) / TURN)

@@ -1,20 +1,19 @@
-"""What the error budget of a run asks for: other options of bodies and contacts, another step.
+"""Settings required by the error budget of a run: options of bodies and contacts, and the step.
 
-    inertia level    the least that keeps every term above the limit (`online.diagnosis.indicator`)
-    stiffening       where the deformed inertia, which is of its size, is above the limit
-    contact grid     hats of the material grid in place of cells, where they are right enough for all contacts
-    cells            smaller ones, where other cells differ by more than the limit
-    gaps             at points, where lines of centres leave out more of a moment than the limit
-    energy tolerance a tenth, where the ledger of a run is off whose steps were halved in impacts
-    step             h (limit/error)^(1/2), of second order; errors are those of the step, energy from nowhere, and
+    inertia level    the lowest that keeps every term above the limit (`online.diagnosis.indicator`)
+    stiffening       if the deformed inertia, which is of the same size, is above the limit
+    contact grid     nodes of the body-fixed grid instead of cells, if accurate enough for all contacts
+    cells            smaller ones, if other cells differ by more than the limit
+    gaps             at closest points, if parallel-axes kinematics neglects more of a moment than the limit
+    energy tolerance a tenth, if the ledger of a run with steps halved in impacts is off
+    step             h (limit/error)^(1/2), of second order; errors are those of the step, spurious energy, and
                     friction of patches that advance too fast
 
-Options that the user has set are kept: an inertia level other than "auto", a grid other than "auto", stiffening. What
-has been chosen once is only ever made finer, so that runs do not swing between two settings; a run whose budget asks
-for nothing finer is the result, even where something coarser would have done, for it is there. Friction has no rule
-that says how hats err: with such a contact on cells all grids stay. The treatment of local modes stays as it is: faces
-that have mass chatter in an impact, with forces that do not settle with shorter steps; the budget says what their
-missing inertia is.
+Options set by the user are kept: an inertia level other than "auto", a grid other than "auto", stiffening. Choices are
+only ever refined, so that runs do not alternate between two settings; a run whose budget requires nothing finer is the
+result, even if coarser settings would suffice. There is no error rule for friction on nodes of the contact grid: with
+such a contact on cells all grids are kept. The treatment of local modes is kept: faces with mass chatter in an impact,
+with forces that do not converge with the step; the budget states the effect of the missing inertia.
 """
 
 from __future__ import annotations
@@ -39,17 +38,17 @@ from warpffrf.output.budget import contacts, time_step
 from warpffrf.output.budget.budget import percent
 from warpffrf.output.budget.figures import is_main
 
-ON_MESH = 2.0  # times the rule: linear cells as wide as the spacing of hats add as much again (`grid_rule`)
-FINER = 1.15  # times the steps that second order asks for
-LEAST, MOST = 1.2, 3.0  # times the steps of the run before: more overshoots where vibrations are not resolved yet
-CELLS = 2.0, 4.0  # times finer than before in `cell_error`: less is the same number of cells, more twice as many strips
-TIGHTER, LEAST_TOLERANCE = 0.1, 1e-8  # times the energy tolerance before, down to this
-WITHOUT_ESTIMATE = 2.0  # times the steps, where twice the step fails
+ON_MESH = 2.0  # times the rule: linear cells as wide as the node spacing add the same error again (`grid_rule`)
+FINER = 1.15  # times the steps according to second order
+LEAST, MOST = 1.2, 3.0  # times the steps of the previous run: more would overshoot while vibrations are not resolved
+CELLS = 2.0, 4.0  # refinement factors: less gives the same cells, more gives twice as many strips
+TIGHTER, LEAST_TOLERANCE = 0.1, 1e-8  # factor of the energy tolerance, and its smallest value
+WITHOUT_ESTIMATE = 2.0  # factor of the steps if a run with twice the step fails
 
 
 @dataclass(frozen=True)
 class Choice:
-    """Value of an `option` of the body or contact `name`, and `why`."""
+    """Value of an `option` of the body or contact `name`, and the reason `why`."""
 
     option: str
     name: str
@@ -58,7 +57,7 @@ class Choice:
 
 
 def inertia_choices(scene: Scene, result: Any, limits: Limits) -> list[Choice]:
-    """Levels and stiffening of flexible bodies; `scene`: as the user gave it, `result`: of the run."""
+    """Levels and stiffening of flexible bodies; `scene`: as given by the user, `result`: of the run."""
     plans = InertiaPlan.of(result.history.scene).bodies
     levels = {body.name: plan.level for body, plan in zip(scene.bodies, plans, strict=True)}
     sizes = term_sizes(result.history.scene, result.history.bodies, levels)
@@ -84,7 +83,7 @@ def _largest(sizes: Sequence[TermSize], name: str) -> float:
 
 
 def contact_choices(scene: Scene, result: Any, lines: Sequence[BudgetLine], limits: Limits) -> list[Choice]:
-    """Grids and cells of contacts that were loaded; `scene`: as the user gave it."""
+    """Grids and cells of loaded contacts; `scene`: as given by the user."""
     found = _grids(scene, result, limits)
     leaning = {line.of: line for line in lines if line.source == contacts.GAPS and line.size > limits.force}
     for contact in scene.contacts:
@@ -102,20 +101,20 @@ def contact_choices(scene: Scene, result: Any, lines: Sequence[BudgetLine], limi
 
 
 def _over(line: BudgetLine, limits: Limits) -> float:
-    """Size over its limit."""
+    """Size relative to its limit."""
     return line.size / (limits.pressure if line.of.startswith(contacts.PRESSURE) else limits.force)
 
 
 def _power(line: BudgetLine) -> float:
-    """Of `cell_error` an error goes with 1/power: forces as it, with the square of the cells; pressures as a field with
-    its root."""
+    """Power p such that an error varies with `cell_error`^(1/p): 1 for forces, with the square of the cells; 2 for
+    pressures as a field."""
     return 2.0 if line.of.startswith(contacts.PRESSURE) else 1.0
 
 
 def _grids(scene: Scene, result: Any, limits: Limits) -> list[Choice]:
-    """Of contacts whose grid is left to the program and that can have cells: hats, if they are right enough for all of
-    them, since one body has no contacts on both; else what the program takes by itself. None without a rule for each.
-    """
+    """Grids of contacts that are left to the program and can have cells: nodes of the body-fixed grid if accurate
+    enough for all of them, since a body cannot have contacts of both kinds; else the default. Empty unless the rule
+    covers each."""
     runs = {contact.name: result.contact(contact.name) for contact in scene.contacts}
     chosen = {contact.name for contact in result.history.scene.contacts if contact.grid == HATS}
     free = [
@@ -130,14 +129,15 @@ def _grids(scene: Scene, result: Any, limits: Limits) -> list[Choice]:
 
 
 def _told(force: float, pressure: float) -> str:
-    """Errors of hats in words."""
+    """Errors of the nodes of the contact grid, as text."""
     if np.isnan(force + pressure):
-        return "no rule tells how hats would err"
-    return f"hats would err by {percent(force)} of the force, {percent(pressure)} of pressures"
+        return "there is no error rule for nodes of the contact grid"
+    return f"errors at nodes of the contact grid: {percent(force)} of the force, {percent(pressure)} of pressures"
 
 
 def _hats_errors(contact: Any, loaded: Any) -> tuple[float, float]:
-    """Of force and pressures on the material grid of a contact, for its patch as it was `loaded`; NaN without rule."""
+    """Errors of force and pressures on the body-fixed grid of a contact, for its patch as it was `loaded`; NaN without
+    a rule."""
     grid, shape = contact.a.surface.grid, loaded.view.first.shape
     spacing = float(shape.radius_at(0.5 * (grid.z[0] + grid.z[-1]))) * float(grid.pitch)
     force, pressure = (contacts.hats_error(loaded, spacing, of) for of in (contacts.FORCE, contacts.PRESSURE))
@@ -145,13 +145,13 @@ def _hats_errors(contact: Any, loaded: Any) -> tuple[float, float]:
 
 
 def of_the_step(lines: Sequence[BudgetLine]) -> list[BudgetLine]:
-    """Errors that a smaller step lowers."""
+    """Errors that a smaller step reduces."""
     sources = time_step.SOURCE, contacts.SOURCE, contacts.ADVANCE
     return [line for line in lines if line.source in sources and is_main(line)]
 
 
 def steps_wanted(steps: int, lines: Sequence[BudgetLine], limits: Limits) -> tuple[int, str]:
-    """Steps of the next run, `steps` where these are enough, and the largest error of the step in words."""
+    """Steps of the next run, `steps` if these suffice, and the largest error of the step as text."""
     own = of_the_step(lines)
     known = [line for line in own if line.found]
     if len(known) < len(own):
@@ -169,7 +169,8 @@ def steps_wanted(steps: int, lines: Sequence[BudgetLine], limits: Limits) -> tup
 def next_setting(
     scene: Scene, result: Any, now: Setting, lines: Sequence[BudgetLine], limits: Limits, *, first: bool
 ) -> tuple[Setting, list[str]]:
-    """The setting that the run of `now` asks for, `now` itself where it is enough, and why, one line a choice."""
+    """The setting required by the run of `now`, or `now` itself if it suffices, and the reasons, one line per
+    choice."""
     options, why, finer = dict(now.options), [], False
     for choice in [*inertia_choices(scene, result, limits), *contact_choices(scene, result, lines, limits)]:
         key = choice.option, choice.name
@@ -194,7 +195,8 @@ def next_setting(
 def energy_tolerance_wanted(
     now: float | None, result: Any, lines: Sequence[BudgetLine], limits: Limits
 ) -> float | None:
-    """That of the next run. Steps of impacts are halved to it, so that it rules their energy, not the step."""
+    """Energy tolerance of the next run. Impact steps are halved according to it, so it governs their energy, not the
+    step."""
     off = [line for line in lines if line.source == contacts.SOURCE and line.found and line.size > limits.force]
     tighter = TIGHTER * (Settings.energy_tolerance if now is None else now)
     halved = result.history.counters.get("rejected_steps", 0) > 0
@@ -202,7 +204,7 @@ def energy_tolerance_wanted(
 
 
 def _finer(choice: Choice, before: Any) -> bool:
-    """Whether a choice is finer than what was chosen before."""
+    """Whether a choice is finer than the previous one."""
     if choice.option == INERTIA:
         return any(wanted and not kept for wanted, kept in zip(LEVELS[choice.value], LEVELS[before], strict=True))
     if choice.option == GRID:
@@ -213,13 +215,13 @@ def _finer(choice: Choice, before: Any) -> bool:
 
 
 def _both(choice: Choice, before: Any) -> Any:
-    """The choice, of an inertia level with the terms of the one before."""
+    """The choice; for an inertia level with the terms of the previous one."""
     if choice.option != INERTIA or before is None:
         return choice.value
     return least_level([one or other for one, other in zip(LEVELS[choice.value], LEVELS[before], strict=True)])
 
 
 def _even(steps: float) -> int:
-    """An even number of steps, so that twice the step takes a whole number too."""
+    """An even number of steps, so that twice the step also gives a whole number."""
     whole = math.ceil(steps)
     return whole + whole % 2

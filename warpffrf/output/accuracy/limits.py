@@ -1,8 +1,8 @@
-"""How much of a wanted accuracy each source of error may take.
+"""Fraction of a required accuracy available to each source of error.
 
-Sources are independent, and several of about the same size may meet: each that can be chosen may take half. The field
-of pressures, whose edge no grid meets, may err by twice what forces may, and its grid may take three quarters of that:
-of what else it errs by forces tell.
+Sources are independent, and several of similar size may occur: each that can be chosen may take half. The field of
+pressures, whose edge never coincides with the grid, may err by twice as much as forces, and its grid may take three
+quarters of that: the remaining error also appears in the forces.
 """
 
 from __future__ import annotations
@@ -13,18 +13,18 @@ from warpffrf.model.errors import InputError, require_number
 
 SHARE, OF_PRESSURES = 0.5, 0.75
 PRESSURES = 2.0
-FINEST, COARSEST = 1e-5, 0.2  # accuracies that budgets can tell of: below, round-off of second differences shows
+FINEST, COARSEST = 1e-5, 0.2  # range that budgets can resolve: below, round-off of second differences dominates
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Largest errors of a source for a wanted `accuracy`, a fraction."""
+    """Largest errors of a source for a required `accuracy`, a fraction."""
 
     accuracy: float
 
     @classmethod
     def of(cls, accuracy: object) -> Limits:
-        """Raises `InputError` for what is no fraction between FINEST and COARSEST."""
+        """Raises `InputError` for values that are not a fraction between FINEST and COARSEST."""
         wanted = require_number(accuracy, "simulate: accuracy", positive=True)
         if not FINEST <= wanted <= COARSEST:
             raise InputError(
@@ -35,10 +35,10 @@ class Limits:
 
     @property
     def force(self) -> float:
-        """Of forces, motions and deformations."""
+        """Limit for forces, motions and deformations."""
         return SHARE * self.accuracy
 
     @property
     def pressure(self) -> float:
-        """Of pressures."""
+        """Limit for pressures."""
         return OF_PRESSURES * PRESSURES * self.accuracy

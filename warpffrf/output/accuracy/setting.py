@@ -1,7 +1,7 @@
-"""What is chosen for a run: its step, energy tolerance and treatment of local modes, and options of bodies and
-contacts of its scene.
+"""Settings chosen for a run: its step, energy tolerance and treatment of local modes, and options of bodies and
+contacts.
 
-The scene of the user is left as it is: a run has a copy of its own, around the same reduced bodies.
+The user's scene is not modified: a run has its own copy, with the same reduced bodies.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from warpffrf.model.scene import Scene
 
 INERTIA, STIFFENING = "inertia", "stiffening"  # of bodies
 GRID, CELL_ERROR, KINEMATICS = "grid", "cell_error", "kinematics"  # of contacts
-AUTO = "auto"  # left to the program
+AUTO = "auto"  # chosen by the program
 HATS = "body_fixed"  # a grid
 
 
 @dataclass(frozen=True)
 class Setting:
     """`steps` of the whole run, treatment of `local` modes, `options` {(option, name of body or contact): value}, and
-    the `energy_tolerance` of steps of impacts; what is not in `options` is as the scene has it, no tolerance the usual
-    one."""
+    the `energy_tolerance` of impact steps; options not listed are those of the scene, no tolerance means the default.
+    """
 
     steps: int
     local: Any

@@ -1,4 +1,4 @@
-"""Whole bearings in a result: loads of the elements, contact angles and patches, motion of the rings, lives, stiffness.
+"""Rolling bearings in a result: loads of the elements, contact angles, patches, motion of the rings, lives, stiffness.
 
-bearing_result.py   BearingResult     patches.py   Hertz's patches, and what shoulders cut off     stiffness.py   6 x 6
+bearing_result.py   BearingResult     patches.py   Hertz patches, and truncation by shoulders     stiffness.py   6 x 6
 """

@@ -1,19 +1,19 @@
-r"""One bearing of a run: a column for each rolling element, and what follows for the whole.
+r"""One bearing of a run: one column per rolling element, and quantities of the whole bearing.
 
-Patches. Hertz's patches of elements on raceways, from their loads, and how much of an ellipse a shoulder cuts off.
+Patches. Hertz patches of elements on raceways, from their loads, and truncation of an ellipse by a shoulder.
 
 A ball's patch is an ellipse across the groove, whose half-axes a >= b follow from the load, from the relative
-curvatures at the contact angle (`BallRaceways.curvatures`) and from E*. A roller's is that of a line in every lamina:
-with a load Q of a lamina of the width w, p0 = sqrt(Q E*/(pi R w)), R the relative radius; the largest counts.
+curvatures at the contact angle (`BallRaceways.curvatures`) and from E*. A roller has a line contact in every lamina:
+with the load Q and width w of a lamina, p0 = sqrt(Q E*/(pi R w)), R the relative radius; the largest is used.
 
-**Shoulder.** The groove of radius r ends where it has risen by h over its bottom, at the angle arccos(1 - h/r) from
-there. The patch is centred on the contact angle alpha and reaches a/r to either side of it along the groove. What lies
-beyond,
+**Shoulder.** The groove of radius r ends at the height h over its bottom, at the angle arccos(1 - h/r) from there. The
+patch is centred on the contact angle alpha and extends a/r to either side of it along the groove. The part beyond the
+shoulder,
 
     t = r (arccos(1 - h/r) - |alpha|) < a,
 
-is cut off: with s = t/a between -1 and 1, a share (2 + s)(1 - s)^2/4 of the force of the whole ellipse, whose pressure
-has the section (3/4)(1 - s^2) across it, if it went on as in the middle.
+is truncated: with s = t/a between -1 and 1, the fraction (2 + s)(1 - s)^2/4 of the force of the whole ellipse, whose
+pressure has the section (3/4)(1 - s^2) across it, if the groove continued.
 """
 
 from __future__ import annotations
@@ -36,20 +36,21 @@ from warpffrf.model.messages import reprs
 from warpffrf.online.history.history import BodyHistory, History
 from warpffrf.output.contact.hertz import hertz_point
 
-LOADED = 1e-9  # of the largest load: an element below carries nothing that has a direction
+LOADED = 1e-9  # of the largest load: an element below is unloaded, without a direction of force
 GROUND = "ground"
 MM, UM, MPA = 1e3, 1e6, 1e-6
-ROUND_OFF = 1e-9  # of the largest figure of a column: smaller ones are shown as 0
+ROUND_OFF = 1e-9  # of the largest value of a column: smaller ones are shown as 0
 NO_TILT = 1e-9  # rad
 
 
 class BearingResult(reprs.Shown):
-    """A bearing as `result.bearing(name)` gives it; SI units, arrays (T, Z): a row for each saved step, a column for
-    each element.
+    """A bearing as returned by `result.bearing(name)`; SI units, arrays (T, Z): one row per saved step, one column per
+    element.
 
-    Directions are those of the bearing's frame, that of the outer ring: towards where the first element began, a
-    quarter turn on, and along the axis. Of distributed contact, where a ring or the elements are flexible, there are
-    loads, contact angles, peak pressures and what friction takes; the patches are in `result.contact(name)`.
+    Directions are those of the bearing's frame, which is fixed to the outer ring: towards the initial position of the
+    first element, 90 degrees further, and along the axis. For distributed contact, if a ring or the elements are
+    flexible, there are loads, contact angles, peak pressures and friction losses; the patches are in
+    `result.contact(name)`.
     """
 
     _hidden = frozenset({"history", "description"})
@@ -79,7 +80,8 @@ class BearingResult(reprs.Shown):
 
     @cached_property
     def angle(self) -> np.ndarray:
-        """(T, Z) rad: where the elements stand about the axis, from where the first one began, between -pi and pi."""
+        """(T, Z) rad: positions of the elements about the axis, from the initial position of the first one, between -pi
+        and pi."""
         d = self._directions
         return np.arctan2(d[..., 1], d[..., 0])
 
@@ -105,29 +107,29 @@ class BearingResult(reprs.Shown):
 
     @cached_property
     def inner_angle(self) -> np.ndarray:
-        """(T, Z) rad, contact angle on the inner ring, positive where that ring is pushed back against the axis; nan
+        """(T, Z) rad, contact angle on the inner ring, positive if that ring is pushed back against the axis; nan
         without a load."""
         return self._angles("inner")
 
     @cached_property
     def outer_angle(self) -> np.ndarray:
-        """(T, Z) rad, contact angle on the outer ring, counted alike."""
+        """(T, Z) rad, contact angle on the outer ring, with the same sign convention."""
         return self._angles("outer")
 
     @cached_property
     def inner_patches(self) -> Patches:
-        """Hertz's half-axes and peak pressures (T, Z) on the inner ring; lumped contact only."""
+        """Hertz half-axes and peak pressures (T, Z) on the inner ring; lumped contact only."""
         return self._patches("inner")
 
     @cached_property
     def outer_patches(self) -> Patches:
-        """Hertz's half-axes and peak pressures (T, Z) on the outer ring; lumped contact only."""
+        """Hertz half-axes and peak pressures (T, Z) on the outer ring; lumped contact only."""
         return self._patches("outer")
 
     @cached_property
     def peak_pressure(self) -> dict[str, np.ndarray]:
-        """ "inner" and "outer" -> (T, Z) Pa: Hertz's at the load of lumped contact, of distributed contact the largest
-        in its patch."""
+        """ "inner" and "outer" -> (T, Z) Pa: Hertz peak pressure at the load for lumped contact, the largest computed
+        pressure for distributed contact."""
         pairs = self.history.contacts
         return {
             side: self._patches(side).peak_pressure
@@ -138,8 +140,8 @@ class BearingResult(reprs.Shown):
 
     @cached_property
     def slip_speed(self) -> dict[str, np.ndarray]:
-        """ "inner" and "outer" -> (T, Z) m/s, of the element's surface against the raceway where the force acts; of
-        the sides in lumped contact."""
+        """ "inner" and "outer" -> (T, Z) m/s, of the element's surface against the raceway at the point of force; for
+        sides in lumped contact."""
         return {side: self._of_lumped(side, "slip_velocity", norm=True) for side in SIDES if self._lumped(side)}
 
     @cached_property
@@ -158,8 +160,8 @@ class BearingResult(reprs.Shown):
 
     @cached_property
     def spin_to_roll(self) -> dict[str, np.ndarray]:
-        """ "inner" and "outer" -> (T, Z): pivoting of an element on the raceway over its rolling there, the parts of
-        its angular velocity against the ring along and across the line of contact; nan without a load."""
+        """ "inner" and "outer" -> (T, Z): spin-to-roll ratio of an element on the raceway, components of its angular
+        velocity against the ring along and normal to the line of contact; nan without a load."""
         found = {}
         for side in SIDES:
             body = self._body(self.description[side])
@@ -173,12 +175,14 @@ class BearingResult(reprs.Shown):
 
     @cached_property
     def gyroscopic_moment(self) -> np.ndarray:
-        """(T, Z) N m, about the direction around: what turns the rotation of an element with its orbit, I w_c w_r."""
+        """(T, Z) N m, about the circumferential direction: changes the rotation axis of an element along its orbit, I
+        w_c w_r."""
         return np.array(self.description["inertia"]) * self.orbit_speed * self.spin[..., 0]
 
     @cached_property
     def _element_motion(self) -> tuple[np.ndarray, np.ndarray]:
-        """Velocities of the elements [m/s] and places from the axis [m] against the outer ring's centre (T, Z, 3)."""
+        """Velocities of the elements [m/s] and positions from the axis [m] relative to the outer ring's centre (T, Z,
+        3)."""
         bodies = [self.history.bodies[name] for name in self.elements]
         center = self._carried_velocity(self.description["outer"])
         moved = np.stack([body.velocity for body in bodies], axis=1) - center[:, None]
@@ -195,7 +199,8 @@ class BearingResult(reprs.Shown):
 
     @cached_property
     def cage_force(self) -> np.ndarray:
-        """(T, Z) N, of the cage on the elements around the axis, positive where it drives them forward; 0 without."""
+        """(T, Z) N, of the cage on the elements in the circumferential direction, positive if it drives them forward; 0
+        without cage."""
         found = np.zeros((len(self.time), len(self.elements)))
         around = np.stack([-self._directions[..., 1], self._directions[..., 0], 0.0 * self._directions[..., 0]], -1)
         for i in range(len(self.elements)):
@@ -212,8 +217,8 @@ class BearingResult(reprs.Shown):
 
     @cached_property
     def cut_off(self) -> dict[str, np.ndarray]:
-        """ "inner" and "outer" -> (T, Z) -, share of the ellipse beyond the ring's shoulder, where that is known, of
-        sides in lumped contact."""
+        """ "inner" and "outer" -> (T, Z) -, fraction of the ellipse beyond the ring's shoulder, if known, for sides in
+        lumped contact."""
         found = {}
         for side, height in zip(SIDES, self.description["shoulders"], strict=True):
             if height is not None and isinstance(self.raceways, BallRaceways) and self._lumped(side):
@@ -225,14 +230,15 @@ class BearingResult(reprs.Shown):
 
     @cached_property
     def displacement(self) -> np.ndarray:
-        """(T, 3) m, of the inner ring's centre against the outer ring since the initial pose, bearing's frame."""
+        """(T, 3) m, displacement of the inner ring's centre against the outer ring since the initial pose, bearing's
+        frame."""
         moved = self._carried(self.description["inner"]) - self.center
         return np.einsum("tki,ti->tk", self.axes, moved)
 
     @cached_property
     def tilt(self) -> np.ndarray:
         """(T, 3) rad, rotation vector of the inner ring against the outer one since the initial pose, bearing's frame;
-        the third is its turn about the axis."""
+        the third component is the rotation about the axis."""
         inner, outer = (self._turned(self.description[side]) for side in SIDES)
         relative = np.einsum("tji,tjk->tik", outer, inner)
         return Rotation.from_matrix(relative).as_rotvec() @ np.asarray(self.description["axes"]).T
@@ -246,8 +252,8 @@ class BearingResult(reprs.Shown):
 
     @cached_property
     def friction_torque(self) -> np.ndarray:
-        """(T,) N m, of the elements on the inner ring about its own axis by friction, at its ribs too, rolling
-        resistance and pivoting, against a positive speed negative."""
+        """(T,) N m, friction torque of the elements on the inner ring about its axis, including ribs, rolling
+        resistance and pivoting, negative if it opposes a positive speed."""
         body = self._body(self.description["inner"])
         along = self._turned(self.description["inner"]) @ np.asarray(self.description["axes"])[2]
         center = self._carried(self.description["inner"])
@@ -264,9 +270,9 @@ class BearingResult(reprs.Shown):
 
     @cached_property
     def friction_power(self) -> dict[str, np.ndarray]:
-        """ "inner", "outer", "cage" and "flange" -> (T, Z) W: what friction takes there, force times slip speed and
-        moment times angular velocity, of distributed contact summed over its patch. Of the cage in its pockets, of
-        flanges at the ribs of both rings, 0 without."""
+        """ "inner", "outer", "cage" and "flange" -> (T, Z) W: friction power, force times slip speed and moment times
+        angular velocity, for distributed contact integrated over its patch. The cage acts in its pockets, flanges at
+        the ribs of both rings; 0 without them."""
         names = {side: [[name] for name in self._names(side)] for side in SIDES}
         known = self.description["contacts"]
         names["cage"] = [
@@ -296,24 +302,24 @@ class BearingResult(reprs.Shown):
     # --- the whole
 
     def basic_life(self, capacity: float, row: int = -1, *, X: float = 1.0, Y: float = 0.0) -> BasicLife:
-        """ISO 281's life at the load of a saved step: capacity [N], factors X and Y of the catalogue.
+        """Basic rating life of ISO 281 at the load of a saved step: capacity [N], factors X and Y of the catalogue.
 
-        Raises `InputError` where the equivalent load is zero.
+        Raises `InputError` if the equivalent load is zero.
         """
         F = self.force[row]
         return basic_life(self.kind, capacity, float(np.hypot(F[0], F[1])), float(F[2]), X=X, Y=Y)
 
     def reference_life(self, capacity: float, row: int = -1, *, turning: str = "inner") -> ReferenceLife:
-        """ISO/TS 16281's reference life from the loads of the balls, or of the rollers' laminae, at a saved step
-        (`model.bearings.rating`); capacity [N], turning: the ring that turns against the load. Raises `InputError` for
-        rollers in distributed contact, which have no laminae."""
+        """Reference rating life of ISO/TS 16281 from the loads of the balls, or of the rollers' laminae, at a saved
+        step (`model.bearings.rating`); capacity [N], turning: the ring that rotates relative to the load. Raises
+        `InputError` for rollers in distributed contact, which have no laminae."""
         if isinstance(self.raceways, BallRaceways):
             return reference_life(self.raceways, capacity, self.inner_load[row], self.outer_load[row], turning=turning)
         inner, outer = (self._laminae(side)[row] for side in SIDES)
         return reference_life(self.raceways, capacity, inner, outer, turning=turning)
 
     def table(self, row: int = -1) -> dict[str, np.ndarray]:
-        """Of every element at a saved step: name of a column with its unit -> (Z,)."""
+        """Values of every element at a saved step: column name with unit -> (Z,)."""
         columns = {
             "angle [deg]": np.degrees(self.angle[row]),
             "inner load [N]": self.inner_load[row], "outer load [N]": self.outer_load[row],
@@ -333,7 +339,7 @@ class BearingResult(reprs.Shown):
         return columns
 
     def report(self, row: int = -1) -> str:
-        """The table in words, and how the inner ring has moved."""
+        """The table as text, with the motion of the inner ring."""
         table = self.table(row).items()
         shown = {name: _rounded(values, NO_TILT if "deg" in name else 0.0) for name, values in table}
         shown = {name: values for name, values in shown.items() if np.any(np.nan_to_num(values))}
@@ -359,11 +365,9 @@ class BearingResult(reprs.Shown):
         return "\n".join(lines)
 
     def _warnings(self, row: int, loaded: int) -> list[str]:
-        """Of a bearing that carries nothing, or on the flanks that it is not made to carry on."""
+        """Warnings about a bearing without load, or loaded on flanks that are not designed for it."""
         if not loaded:
-            return [
-                "no element is loaded: the inner ring is free within the play, or the load unloads the bearing wholly"
-            ]
+            return ["no element is loaded: the inner ring is free within the play, or the load unloads all elements"]
         nominal = getattr(self.raceways, "contact_angle", 0.0)
         turned = np.count_nonzero(np.nan_to_num(self.inner_angle[row]) * nominal < 0.0)
         if not turned:
@@ -399,8 +403,8 @@ class BearingResult(reprs.Shown):
         return found
 
     def _on_ring(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """(T, 3) N, N m about its origin, world axes: of a distributed contact on the ring; files of before flexible
-        elements have the ring first."""
+        """(T, 3) N, N m about its origin, world axes: of a distributed contact on the ring; files written before
+        flexible elements have the ring first."""
         contact = self.history.contacts[name]
         if name in self.description.get("rings_first", [name]):
             return contact.force, contact.torque
@@ -455,14 +459,14 @@ class BearingResult(reprs.Shown):
         return np.array([rot.matrix(q) @ begin.T for q in body.rotation]).reshape(-1, 3, 3)
 
     def _carried_velocity(self, name: str) -> np.ndarray:
-        """(T, 3) m/s, of the bearing's centre as a ring's body carries it."""
+        """(T, 3) m/s, velocity of the bearing's centre as fixed to a ring's body."""
         body = self._body(name)
         if body is None:
             return np.zeros((len(self.time), 3))
         return body.velocity + np.cross(body.angular_velocity, self._carried(name) - body.position)
 
     def _carried(self, name: str) -> np.ndarray:
-        """(T, 3) m: the centre of the bearing as a ring's body carries it."""
+        """(T, 3) m: the centre of the bearing as fixed to a ring's body."""
         center = np.asarray(self.description["center"])
         body = self._body(name)
         if body is None:
@@ -472,15 +476,15 @@ class BearingResult(reprs.Shown):
 
 
 def _rounded(values: np.ndarray, least: float = 0.0) -> np.ndarray:
-    """`values` with zeros for what is round-off of the largest, or below `least`."""
+    """`values` with round-off of the largest, and values below `least`, set to zero."""
     size = np.abs(values)
     return np.where(size <= max(ROUND_OFF * np.nan_to_num(size).max(initial=0.0), least), 0.0, values)
 
 
 @dataclass(frozen=True)
 class Patches:
-    """Of all elements on one raceway (T, Z): half-axes [m], a along the axis of the bearing across a groove (nan of
-    rollers) and b around it, and peak pressure [Pa]; 0 where nothing is carried."""
+    """Patches of all elements on one raceway (T, Z): half-axes [m], a along the axis of the bearing across a groove
+    (nan for rollers) and b around it, and peak pressure [Pa]; 0 without load."""
 
     half_axis_across: np.ndarray
     half_axis_around: np.ndarray
@@ -488,7 +492,7 @@ class Patches:
 
 
 def ball_patches(raceways: BallRaceways, side: str, load: np.ndarray, angle: np.ndarray, modulus: float) -> Patches:
-    """Of loads [N] and contact angles [rad] (T, Z); modulus E* [Pa]."""
+    """Patches for loads [N] and contact angles [rad] (T, Z); modulus E* [Pa]."""
     across, around, peak = (np.zeros(load.shape) for _ in range(3))
     for at in np.argwhere(load > 0.0):
         i = tuple(at)
@@ -500,7 +504,7 @@ def ball_patches(raceways: BallRaceways, side: str, load: np.ndarray, angle: np.
 
 
 def roller_patches(raceways: RollerRaceways, side: str, laminae: np.ndarray, modulus: float) -> Patches:
-    """Of loads of laminae (T, Z, m) [N]; modulus E* [Pa]."""
+    """Patches for loads of laminae (T, Z, m) [N]; modulus E* [Pa]."""
     line = laminae.max(axis=-1) / (raceways.length / laminae.shape[-1])
     curvature = raceways.curvature(side)
     peak = np.sqrt(line * modulus * curvature / np.pi)
@@ -509,7 +513,7 @@ def roller_patches(raceways: RollerRaceways, side: str, laminae: np.ndarray, mod
 
 
 def cut_off(raceways: BallRaceways, side: str, patches: Patches, angle: np.ndarray, shoulder: float) -> np.ndarray:
-    """Share (T, Z) of the ellipse's force that lies beyond a shoulder of the height [m]; see the module."""
+    """Fraction (T, Z) of the ellipse's force beyond a shoulder of the height [m]; see the module."""
     r = raceways.groove(side)
     room = r * (np.arccos(np.clip(1.0 - shoulder / r, -1.0, 1.0)) - np.abs(angle))
     a = patches.half_axis_across

@@ -1,19 +1,19 @@
-r"""Stiffness of a bearing about a state: how the force and torque on the inner ring change with its pose.
+r"""Stiffness of a bearing about a state: derivative of the force and torque on the inner ring with respect to its pose.
 
-The rings and the cage are held where the state has them, the outer one for good and the inner one displaced by +-h in
-each of six ways, three translations and three turns about the bearing's centre as that ring carries it; every element
-finds its equilibrium anew. A flexible ring is held by its interfaces, as the joints to the ground have it in the scene,
-and deforms anew as well; then it is the other, rigid one that moves. With the reaction R(x) of what holds the inner
-ring,
+The rings and the cage are fixed in the poses of the state, and the inner ring is displaced by +-h in each of six
+directions, three translations and three rotations about the bearing's centre as fixed to that ring; the equilibrium of
+every element is recomputed. A flexible ring is fixed at its interfaces, as by the joints to the ground in the scene,
+and its deformation is also recomputed; then the other, rigid ring is displaced. With the constraint reaction R(x) of
+the inner ring,
 
     K_ij = -(R_i(+h_j) - R_i(-h_j))/(2 h_j),
 
 central differences of equilibria, of second order in h. Torques are about the centre that moves with the ring. K is
-symmetric, as forces have a potential, but for the turns, which do not commute: a torque M at hand leaves entries of its
-size there. `asymmetry` says how far K is from that, which is a check of what was found. Contact laws stay those of the
-machine: Hertz's stiffness is not taken anew from the displaced pose. Elements rest under contact forces alone:
-friction, rolling resistance, gravity, other loads on them and the centrifugal force of a state that turns are left out,
-and `left_out` names those that there are.
+symmetric, because forces have a potential, except for rotations, which do not commute: an existing torque M leaves
+entries of its size there. `asymmetry` measures the deviation as a check. Contact laws are those of the machine: the
+Hertz stiffness is not updated at the displaced pose. Elements are in equilibrium under contact forces alone: friction,
+rolling resistance, gravity, other loads on them and centrifugal forces are neglected, and `left_out` names those that
+are present.
 """
 
 from __future__ import annotations
@@ -35,19 +35,19 @@ from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, find_equilibrium
 
-MOVE = 1e-3  # of the largest approach under load: far above what an equilibrium leaves, squares of it 1e-6 of K
+MOVE = 1e-3  # of the largest approach under load: far above the equilibrium tolerance, quadratic error 1e-6 of K
 LEAST = 1e-9  # m
-SOFTEST = 0.1  # of the largest of its kind, root of a stiffness that entries are scaled by: none about the axis
+SOFTEST = 0.1  # smallest root of a diagonal entry for scaling, of the largest of its kind: zero about the axis
 SIDES = ("inner", "outer")
 
 
 @dataclass(frozen=True)
 class BearingStiffness:
-    """`matrix` (6, 6) N/m, N/rad, N m/m, N m/rad: change of the force and of the torque about the bearing's centre that
-    displace the inner ring, by its displacement and rotation against the outer ring, in the bearing's frame; symmetric
-    part. `asymmetry`: largest difference of a pair of entries, scaled by the roots of the diagonal. `left_out`: what
-    acts on the elements in that state and not in the stiffness, in words. `reason`: why both are NaN, where they are.
-    """
+    """`matrix` (6, 6) N/m, N/rad, N m/m, N m/rad: derivative of the force and of the torque about the bearing's centre
+    that displace the inner ring, with respect to its displacement and rotation against the outer ring, in the bearing's
+    frame; symmetric part. `asymmetry`: largest difference of a pair of entries, scaled by the roots of the diagonal.
+    `left_out`: effects on the elements in that state that are not in the stiffness, as text. `reason`: why both are
+    NaN, if they are."""
 
     matrix: np.ndarray
     asymmetry: float
@@ -56,15 +56,15 @@ class BearingStiffness:
 
 
 def bearing_stiffness(scene: Scene, name: str, history: History, row: int = -1) -> BearingStiffness:
-    """Of the bearing called `name` of a scene about a saved step; NaN, and the reason, where no element is loaded and
-    where an equilibrium is not found. Raises `InputError` for flexible rings that joints to the ground do not hold, and
-    for two flexible rings."""
+    """Stiffness of the bearing called `name` of a scene about a saved step; NaN, with the reason, if no element is
+    loaded or an equilibrium is not found. Raises `InputError` for flexible rings that are not constrained by joints to
+    the ground, and for two flexible rings."""
     bearing = scene.bearing(name)
     _refuse_rings(scene, bearing)
     both = history.lumped_contacts | history.contacts
     approach = max(float(both[contact.name].approach[row]) for contact in bearing.contacts.values())
     if approach <= 0.0:
-        return _unknown("no element is loaded, and there is no stiffness; load the bearing first")
+        return _unknown("no element is loaded, so the stiffness is zero; load the bearing first")
     h = max(MOVE * approach, LEAST)
     arm = 0.5 * bearing.raceways.pitch_diameter
     steps = np.array([h] * 3 + [h / arm] * 3)
@@ -86,7 +86,7 @@ def _unknown(why: str) -> BearingStiffness:
 
 
 def _left_out(scene: Scene, bearing: Bearing, history: History, row: int) -> tuple[str, ...]:
-    """What acts on the elements at a saved step beside contact forces."""
+    """Effects on the elements at a saved step other than contact forces."""
     loads = [port.body for load in scene.forces for port in load.ports]
     present = {
         "friction": any(contact.friction.acts for contact in bearing.contacts.values()),
@@ -99,8 +99,8 @@ def _left_out(scene: Scene, bearing: Bearing, history: History, row: int) -> tup
 
 
 def _reaction(scene: Scene, name: str, history: History, row: int, move: np.ndarray) -> Any:
-    """Force and torque about the bearing's centre (6,) that hold the inner ring displaced by `move` (6,), bearing's
-    frame; the message of an equilibrium that is not found."""
+    """Force and torque about the bearing's centre (6,) that displace the inner ring by `move` (6,), bearing's frame; or
+    the message of an equilibrium that was not found."""
     alone = _alone(scene, name, history, row)
     bearing = alone.bearing(name)
     rest = scene.bearing(name).describe()["poses"]
@@ -138,11 +138,11 @@ def _held_by(scene: Scene, ring: Body | Ground) -> list[Any]:
 
 
 def _refuse_rings(scene: Scene, bearing: Bearing) -> None:
-    """Raises `InputError` for flexible rings that are not held, or both of them."""
+    """Raises `InputError` for flexible rings that are not constrained, or two of them."""
     flexible = [ring for ring in (bearing.inner, bearing.outer) if ring.reduced is not None]
     if len(flexible) == 2:
         raise InputError(
-            f"bearing {bearing.name!r}: stiffness: both rings are flexible, and none of them moves as a whole; take a "
+            f"bearing {bearing.name!r}: stiffness: both rings are flexible, so neither moves as a rigid body; take a "
             "rigid ring for the one that is held stiffly"
         )
     for ring in flexible:
@@ -159,7 +159,7 @@ def _turned(body: Any, rest: dict[str, Any]) -> Rotation:
 
 
 def _alone(scene: Scene, name: str, history: History, row: int) -> Scene:
-    """The bearing by itself, parts at the poses of the saved step, laws as they are in the machine."""
+    """The bearing alone, with parts at the poses of the saved step and the laws of the machine."""
     laws = {c.name: c.approach() for c in scene.bearing(name).contacts.values() if isinstance(c, LumpedContact)}
     shared = {id(body.reduced): body.reduced for body in scene.bodies if body.reduced is not None}
     alone = copy.deepcopy(scene, shared)

@@ -1,1 +1,1 @@
-"""Fields of a body: its deformed skin, what a patch puts on it, stress."""
+"""Fields of a body: its deformed skin, surface fields of its contacts, stress."""

@@ -1,6 +1,6 @@
 r"""Stress in an elastic half-space under normal pressure on rectangles of its surface, in closed form.
 
-Coordinates (x, y) along the surface, z > 0 the depth below it; a pressure p pushes into the material. With
+Coordinates (x, y) along the surface, z > 0 the depth below it; a positive pressure p acts into the material. With
 
     V = int p/r dA,      chi = int p ln(r + z) dA,      r^2 = X^2 + Y^2 + z^2,      X = x - xi,  Y = y - eta,
 
@@ -14,9 +14,8 @@ and with y for x. A pressure that is bilinear on a rectangle is, seen from (x, y
 
     p = (c0 + c1 x + c2 y + c3 x y) - (c1 + c3 y) X - (c2 + c3 x) Y + c3 X Y,
 
-so that the integrals over the rectangle of a kernel, of X, of Y and of X Y times it are needed. They are differences
-over the corners of functions of (X, Y, z). Sums and products that follow leave the functions of one variable out, which
-those differences do not see. With
+so that the integrals over the rectangle of each kernel times 1, X, Y and X Y are needed. They are differences over the
+corners of functions of (X, Y, z). Functions of one variable cancel in these differences and are omitted below. With
 
     L = ln(r + z),      T = atan(X Y/(z r)),      C_x = atan(Y/X) - atan(z Y/(X r)),      C_x + C_y = T,
 
@@ -37,8 +36,8 @@ from __future__ import annotations
 import numpy as np
 
 Array = np.ndarray
-SHALLOWEST = 1e-6  # of the shortest side of a rectangle: points less deep are taken there, edges have a logarithm at 0
-TOGETHER = 2**20  # values of an array at a time, of all points and corners
+SHALLOWEST = 1e-6  # of the shortest side of a rectangle: smallest depth evaluated; edges have a logarithm at 0
+TOGETHER = 2**20  # values per array, over all points and corners
 
 
 def _logarithm(r: Array, a: Array, square: Array) -> Array:
@@ -113,13 +112,13 @@ class _Corners:
 
 
 def _differences(values: Array) -> Array:
-    """What each corner of a grid of rectangles counts, (columns + 1, rows + 1), of values (columns, rows)."""
+    """Weights of the corners of a grid of rectangles, (columns + 1, rows + 1), from values (columns, rows)."""
     return np.diff(np.diff(np.pad(values, 1), axis=0), axis=1)
 
 
 def under_cells(points: Array, x: Array, y: Array, pressure: Array, poisson_ratio: float) -> Array:
-    """Stress (n, 6) [Pa] at points (n, 3) [m], x, y and depth, under constant pressures (columns, rows) [Pa] between
-    the lines x (columns + 1,) and y (rows + 1,) [m], ascending."""
+    """Stress (n, 6) [Pa] at points (n, 3) [m], x, y and depth, under pressures (columns, rows) [Pa] that are constant
+    between the lines x (columns + 1,) and y (rows + 1,) [m], ascending."""
     weight = _differences(pressure)
     return _summed(points, x, y, lambda corners, *_: np.einsum("njkc,jk->nc", corners.uniform(), weight), poisson_ratio)
 
@@ -147,7 +146,7 @@ def under_hats(points: Array, x: Array, y: Array, pressure: Array, poisson_ratio
 
 
 def _summed(points: Array, x: Array, y: Array, total: object, poisson_ratio: float) -> Array:
-    """`total` of the corners (lines x and y) seen from parts of the points, one after the other."""
+    """`total` of the corners (lines x and y), evaluated for blocks of the points."""
     least = SHALLOWEST * min(float(np.diff(x).min()), float(np.diff(y).min()))
     found = np.empty((len(points), 6))
     count = max(1, TOGETHER // (len(x) * len(y)))

@@ -1,38 +1,37 @@
-r"""Normal loads of one contact pair on one of its bodies: outward hat forces, and the pressure at points of its skin.
+r"""Normal loads of one contact on one of its bodies: outward nodal forces, and the pressure at points of its skin.
 
-Where the pressure stands on hats, it pushes inwards on the pair's first surface and `f = -M p`, with the hat Gram
-matrix `M = M_theta (x) M_z` on the true surface,
+A pressure given at nodes of the contact grid acts inwards on the first surface and `f = -M p`, with the Gram matrix `M
+= M_theta (x) M_z` of the shape functions on the true surface,
 
     M_theta = pitch/6 [1 4 1],     M_z[k, l] = int zeta_k zeta_l R(z) sqrt(1 + R'(z)^2) dz;
 
-on the second surface the run recorded hat forces, positive inwards, and `f = -load_second`. For colours the second
+on the second surface the run recorded nodal forces, positive inwards, and `f = -load_second`. For display the second
 surface's pressure is `load_i / int psi_i dA` (the row-summed Gram matrix: positive, and exact for a constant).
 
-Where it stands on cells that travel with the patch, each one's force, minus pressure times area, acts at its middle; on
-the second body at the place that the poses of both carry it to. It goes to the hats as it does in the simulation, over
-the splines B and the transform Z of the surface (`model.far_splines`),
+For a pressure on cells that move with the patch, the force of each cell, minus pressure times area, acts at its centre;
+on the second body at the corresponding point by the poses of both. It is distributed to the nodes as in the simulation,
+by the splines B and the transform Z of the surface (`model.far_splines`),
 
     f = -Z^T B^T (A p),
 
-which keeps the force, its first and its second moments. The hats' own pressure is then wider than the cells'; what that
-does near the patch is in `patch_stress`. Points of the skin take the bilinear value between the middles of the cells
-around them.
+which preserves the force and its first and second moments. The nodal pressure is then wider than that of the cells; its
+correction near the patch is in `patch_stress`. Points of the skin have the bilinear value between the centres of the
+surrounding cells.
 
-The pressure of an oil film stands on hats, and pushes on its first surface as that of a contact; of a second one that
-yields there are hat forces too.
+The pressure of an oil film is given at nodes, and acts on its first surface as that of a contact; for a flexible second
+surface there are nodal forces too.
 
-Lap faces. Fields of a lap at the nodes of the skin of either of its bodies.
+Lap faces. Fields of a small-sliding contact at the nodes of the skin of either of its bodies.
 
-A face carries the tractions of its cells, those of the lap's cells on the first face, the opposite ones on the second
-face of a pair, and on the second face of another body the forces that its own cells have (`model.laps.face_loads`) over
-their areas, so that both bodies carry the same force also where their meshes differ. A node has the mean of the cells
-that meet in it (`SkinNodes`); the state is that of the one nearest to sliding.
+The first face carries the tractions of the contact's cells, the second face of a pair the opposite ones, and the second
+face of another body the forces on its own cells (`model.laps.face_loads`) over their areas, so that both bodies carry
+the same force also for different meshes. A node has the mean of the adjacent cells (`SkinNodes`); the state is that of
+the one nearest to sliding.
 
-Lap loads. The forces of laps on one flexible body at saved steps, as its responses to them know them.
+Lap loads. The forces of small-sliding contacts on one flexible body at saved steps, as inputs of its responses.
 
-Pressure and traction of a cell times its area are its forces s on the second face; `model.laps.face_loads` has what
-they are on the cells of a body. Skin and stress follow from these and the body's own responses, beyond its global
-modes: what cells yield by themselves.
+Pressure and traction of a cell times its area are its forces s on the second face; `model.laps.face_loads` converts
+them to the cells of a body. Skin and stress follow from these and the body's local responses, beyond its global modes.
 """
 
 from __future__ import annotations
@@ -53,8 +52,7 @@ from warpffrf.output.geometry.skin_nodes import SkinNodes
 
 
 def hat_forces(surface: Any, values: np.ndarray) -> np.ndarray:
-    """`M values`: hat forces (columns, rows) [N] of hat coefficients (columns, rows) [Pa] on the surface's whole
-    grid."""
+    """`M values`: nodal forces (columns, rows) [N] of nodal values (columns, rows) [Pa] on the surface's whole grid."""
     pitch = surface.grid.pitch
     if surface.grid.periodic:
         around = pitch / 6.0 * (np.roll(values, 1, axis=0) + 4.0 * values + np.roll(values, -1, axis=0))
@@ -65,22 +63,22 @@ def hat_forces(surface: Any, values: np.ndarray) -> np.ndarray:
 
 
 def hat_areas(surface: Any) -> np.ndarray:
-    """int psi_i dA of one column's hats (rows,) [m^2]; the hats of all columns inside the surface are alike."""
+    """int psi_i dA of one column's nodes (rows,) [m^2]; all columns inside the surface are equal."""
     return surface.grid.pitch * surface.gram_z.sum(axis=1)
 
 
 class NormalLoads(ABC):
-    """Normal loads of one pair on its first or second body."""
+    """Normal loads of one contact on its first or second body."""
 
     def __init__(self, pair: PairView, history: Any, *, first: bool) -> None:
-        """history: the run's; first: whether the body is the pair's first one."""
+        """history: of the run; first: whether the body is the contact's first one."""
         self.pair, self.first = pair, first
         self.contact, self.bodies = history.contacts[pair.name], history.bodies
         self.surface = pair.first if first else pair.second
 
     @abstractmethod
     def forces(self, i: int) -> np.ndarray:
-        """Outward hat forces (columns, rows) [N] on the body's surface at saved step `i`."""
+        """Outward nodal forces (columns, rows) [N] on the body's surface at saved step `i`."""
 
     @abstractmethod
     def pressure(self, i: int, on: SkinSurface, points: np.ndarray) -> np.ndarray:
@@ -89,17 +87,17 @@ class NormalLoads(ABC):
 
 
 class HatLoads(NormalLoads):
-    """Of a pressure on the hats of the first body's contact grid."""
+    """Loads of a pressure at the nodes of the first body's contact grid."""
 
     def forces(self, i: int) -> np.ndarray:
-        """Outward hat forces (columns, rows) [N]."""
+        """Outward nodal forces (columns, rows) [N]."""
         contact = self.contact
         if self.first:
             return -hat_forces(self.surface, self._coefficients(i))
         return -spread(self.surface, contact.first_column_second[i], contact.load_second[i])
 
     def pressure(self, i: int, on: SkinSurface, points: np.ndarray) -> np.ndarray:
-        """Pressure [Pa] at the points on the surface, bilinear between hats."""
+        """Pressure [Pa] at the points on the surface, bilinear between nodes."""
         return on.interpolate(self._coefficients(i) if self.first else -self.forces(i) / hat_areas(self.surface))
 
     def _coefficients(self, i: int) -> np.ndarray:
@@ -107,14 +105,14 @@ class HatLoads(NormalLoads):
 
 
 class CellLoads(NormalLoads):
-    """Of a pressure on cells that travel with the patch."""
+    """Loads of a pressure on cells that move with the patch."""
 
     def __init__(self, pair: PairView, history: Any, *, first: bool) -> None:
         super().__init__(pair, history, first=first)
         self.places = CellPlaces(pair.first, self.contact.cells, self.contact.pressure.shape[1])
 
     def forces(self, i: int) -> np.ndarray:
-        """Outward hat forces (columns, rows) [N]."""
+        """Outward nodal forces (columns, rows) [N]."""
         splines, grid = self.surface.splines, self.surface.grid
         pressure = self.contact.pressure[i]
         j, k = np.nonzero(pressure)
@@ -126,8 +124,8 @@ class CellLoads(NormalLoads):
         return -splines.theta_transform.T @ on_splines @ splines.z_transform
 
     def on_surface(self, i: int, theta: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Places (theta on its grid, z) (n,) of the body's surface at, or opposite to, places (n,) of the first surface
-        at saved step `i`."""
+        """Coordinates (theta on its grid, z) (n,) on the body's surface of, or opposite to, points (n,) of the first
+        surface at saved step `i`."""
         if self.first:
             return theta, z
         shape = self.pair.first.shape
@@ -138,7 +136,7 @@ class CellLoads(NormalLoads):
         return wrapped(self.surface, there - grid_theta_offset(self.surface), float(np.mean(grid.theta[[0, -1]]))), z
 
     def pressure(self, i: int, on: SkinSurface, points: np.ndarray) -> np.ndarray:
-        """Pressure [Pa] at the points on the surface, bilinear between the middles of cells, 0 beside them."""
+        """Pressure [Pa] at the points on the surface, bilinear between cell centres, 0 outside of the cells."""
         points, places, first = points[on.nodes], self.places, self.pair.first
         if not self.first:
             own, other = poses(self.pair, self.bodies, i)
@@ -146,12 +144,12 @@ class CellLoads(NormalLoads):
         theta, z, distance = first.shape.chart(points)
         center = float(places.center[i])
         theta = wrapped(first, theta - grid_theta_offset(first), center)
-        column = (theta - center) / places.pitch[i] - places.offset[0] + 1.0  # among strips with an empty one before
+        column = (theta - center) / places.pitch[i] - places.offset[0] + 1.0  # with an empty strip in front
         lines = places.z_edges[i]
         row = np.interp(z, places.z[i], np.arange(len(lines) - 1.0))
         width = places.width[i] * places.columns
         inside = (np.abs(distance) < NEAR * width) & (column > 0.0) & (column < places.columns + 1.0)
-        inside &= (z > lines[0] - 1e-6 * width) & (z < lines[-1] + 1e-6 * width)  # with nodes on the end planes
+        inside &= (z > lines[0] - 1e-6 * width) & (z < lines[-1] + 1e-6 * width)  # includes nodes on the end planes
         padded = np.pad(self.contact.pressure[i], ((1, 1), (0, 1)))
         found = np.zeros(len(points))
         column, row = column[inside], row[inside]
@@ -164,20 +162,19 @@ class CellLoads(NormalLoads):
 
 
 class FilmLoads(NormalLoads):
-    """Of the pressure of an oil film, and of the asperities beside it, on its first body, or on the second if that
-    yields."""
+    """Loads of the pressure of an oil film and of its asperities on its first body, or on a flexible second one."""
 
     def __init__(self, pair: FilmView, history: Any, *, first: bool = True) -> None:
         self.pair, self.first, self.surface = pair, first, pair.first if first else pair.second
         self.film = history.films[pair.name]
 
     def forces(self, i: int) -> np.ndarray:
-        """Outward hat forces (columns, rows) [N]."""
+        """Outward nodal forces (columns, rows) [N]."""
         return -hat_forces(self.surface, self._whole(i)) if self.first else -self.film.load_second[i]
 
     def pressure(self, i: int, on: SkinSurface, points: np.ndarray) -> np.ndarray:
-        """Pressure [Pa] at the points on the surface, bilinear between hats; of the second that of its hats' forces,
-        even over each."""
+        """Pressure [Pa] at the points on the surface, bilinear between nodes; on the second surface nodal forces over
+        nodal areas."""
         if self.first:
             return on.interpolate(self._whole(i))
         area = hat_forces(self.surface, np.ones(self.film.load_second.shape[1:]))
@@ -188,7 +185,7 @@ class FilmLoads(NormalLoads):
 
 
 def film_loads(films: Any, history: Any, body: str) -> list[FilmLoads]:
-    """Of all `films`, views of a scene, on one flexible body, whichever of theirs it is."""
+    """Loads of all `films`, views of a scene, on one flexible body, on either side."""
     found = []
     for film in films:
         if film.first_body.name == body:
@@ -199,7 +196,7 @@ def film_loads(films: Any, history: Any, body: str) -> list[FilmLoads]:
 
 
 def normal_loads(pair: PairView, history: Any, *, first: bool) -> NormalLoads:
-    """The loads of `pair` on its first or second body, as its pressure stands in `history`."""
+    """The loads of `pair` on its first or second body, by the grid of its pressure in `history`."""
     kind = HatLoads if history.contacts[pair.name].cells is None else CellLoads
     return kind(pair, history, first=first)
 
@@ -208,14 +205,14 @@ Array = np.ndarray
 
 
 class LapFace:
-    """One face of a lap on the skin of its body."""
+    """One face of a small-sliding contact on the skin of its body."""
 
     def __init__(
         self, lap: LapHistory, view: LapView, tractions: sp.csr_matrix, normals: Array, at: sp.csr_matrix, owner: Array
     ) -> None:
-        """tractions (3 k, 3 c): from the forces of the lap's cells to tractions on the k cells of the face, user axes;
-        normals (k, 3) of these, outwards; at (n, k): means of cells at nodes; owner (k,): the cell of the lap that
-        each has its state of, -1 none."""
+        """tractions (3 k, 3 c): from the forces of the contact's cells to tractions on the k cells of the face, user
+        axes; normals (k, 3) of these, outwards; at (n, k): means of cells at nodes; owner (k,): the contact cell that
+        gives each its state, -1 none."""
         self._lap, self._area, self._tractions, self._normals = lap, view.area, tractions, normals
         self._at, self._owner = at, owner
         self.rubs = view.friction > 0.0
@@ -227,7 +224,7 @@ class LapFace:
         return pressure, t + pressure[:, None] * self._normals
 
     def pressure(self, i: int) -> Array:
-        """Pressure (n,) [Pa] at all nodes of the skin, zero off the face, at saved step `i`."""
+        """Pressure (n,) [Pa] at all nodes of the skin, zero outside of the face, at saved step `i`."""
         return self._at @ self._on_cells(i)[0]
 
     def traction(self, i: int) -> Array:
@@ -242,7 +239,8 @@ class LapFace:
 
 
 def lap_faces(history: History, view: SceneView, body: str, points: Array, triangles: Array) -> list[LapFace]:
-    """All faces of laps on a flexible body with the skin `points` (n, 3) [m, user frame], `triangles` (t, 3)."""
+    """All faces of small-sliding contacts on a flexible body with the skin `points` (n, 3) [m, user frame], `triangles`
+    (t, 3)."""
     skin, found = SkinNodes(points, triangles), []
     for name, lap in view.laps.items():
         own = history.laps[name]
@@ -283,18 +281,18 @@ def cell_forces(lap: LapHistory, area: np.ndarray, i: int) -> np.ndarray:
 
 
 def on_first(lap: LapView) -> sp.csr_matrix:
-    """P (N, 3 c) of `face_loads` on the lap's first body."""
+    """P (N, 3 c) of `face_loads` on the contact's first body."""
     return lap_surface.on_own(lap.first_body.reduced.laps, lap.first_surface_name, lap.cell)
 
 
 def on_second(lap: LapView) -> sp.csr_matrix:
-    """P (N, 3 c) on the second body, which has to be another flexible one."""
+    """P (N, 3 c) on the second body, which must be another flexible one."""
     laps = lap.second_body.reduced.laps
     return lap_surface.on_partner(laps, lap.second_surface_name, lap.weights, lap.partner_frames)
 
 
 class LapLoads:
-    """Of all laps that the body takes part in."""
+    """Loads of all small-sliding contacts of a body."""
 
     def __init__(self, history: History, view: SceneView, body: str) -> None:
         """body: name of a flexible one."""
@@ -306,14 +304,15 @@ class LapLoads:
                 self._parts.append((history.laps[name], lap.area, on_second(lap)))
 
     def forces(self, i: int) -> np.ndarray | None:
-        """Forces (N,) [N] on all cells of the body's laps, in the order of `ReducedBody.laps`, at saved step `i`; None
-        of a body without laps in the scene."""
+        """Forces (N,) [N] on all cells of the body's small-sliding contacts, in the order of `ReducedBody.laps`, at
+        saved step `i`; None for a body without any in the scene."""
         parts = [P @ cell_forces(lap, area, i) for lap, area, P in self._parts]
         return np.sum(parts, axis=0) if parts else None
 
 
 def left_out(bodies: Any) -> list[str]:
-    """A line for each of the `bodies`, views, whose skin does not know what forces on its laps do to it."""
+    """A line for each of the `bodies`, views, whose skin has no response to the forces of its small-sliding
+    contacts."""
     return [
         _left_out(body) for body in bodies if body.reduced and body.reduced.laps and body.reduced.surface.laps is None
     ]
@@ -321,6 +320,6 @@ def left_out(bodies: Any) -> list[str]:
 
 def _left_out(body: BodyView) -> str:
     return (
-        f"the skin of '{body.name}' moves by its modes alone: what forces on its laps do to it beside them was left "
+        f"the skin of '{body.name}' moves by its modes alone: its local response to the forces of its laps was left "
         "out of its file as too large; LapCells(size=, growth=) makes fewer cells"
     )

@@ -1,16 +1,16 @@
 r"""Fields of a contact patch at points of either body, and the tangential loads on both.
 
-Fields live on the grid of a pair's first surface. A skin node of the first body has its place there in the chart. A
-node of the second is carried into the first body's user frame by the poses of both, rigidly, and takes the chart of the
-nearest point: within the patch the surfaces coincide up to the elastic approach.
+Fields are given on the grid of a contact's first surface. A skin node of the first body has its position there in the
+chart. A node of the second body is transformed rigidly to the first body's user frame by the poses of both, and takes
+the chart coordinates of the nearest point: within the patch the surfaces coincide up to the elastic approach.
 
-The tangential force of a cell, `A (tau_1 e_theta + tau_2 t_z)`, loads that cell of the first surface. On the second its
-opposite, in world axes, is shared bilinearly between the four nodes about the cell's place there, along the second's
-own e_theta and t_z. The weights add up to one: the second carries the same force but for the angle between the tangent
-planes of the two undeformed surfaces, x/R at a distance x from the middle of the patch.
+The tangential force of a cell, `A (tau_1 e_theta + tau_2 t_z)`, loads that cell of the first surface. On the second
+surface its opposite, in world axes, is distributed bilinearly to the four nodes around the cell, along the second
+surface's own e_theta and t_z. The weights add up to one: the second body carries the same force except for the angle
+between the tangent planes of the two undeformed surfaces, x/R at a distance x from the centre of the patch.
 
-Cells that travel with the patch lie between the nodes of either grid: their forces are shared between nodes on both
-bodies, and a point of the skin has the values of the cell that it lies in.
+Cells that move with the patch lie between the nodes of either grid: their forces are distributed to nodes on both
+bodies, and a point of the skin has the values of the cell that contains it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from warpffrf.output.geometry.places import (
 )
 from warpffrf.output.geometry.scene_view import PairView
 
-NEAR = 0.25  # of the window's length: nodes of the second surface farther from the first do not take part
+NEAR = 0.25  # of the window's length: nodes of the second surface farther from the first are ignored
 
 
 def cell_areas(surface: Any) -> np.ndarray:
@@ -46,17 +46,17 @@ def poses(pair: PairView, bodies: dict[str, Any], i: int) -> tuple[Pose, Pose]:
 
 
 class PatchOnSkin:
-    """Fields of one pair's patch at the skin nodes of its first or second body."""
+    """Fields of one contact's patch at the skin nodes of its first or second body."""
 
     def __init__(self, pair: PairView, history: Any, on: SkinSurface, points: np.ndarray, *, first: bool) -> None:
-        """history: the run's; on: which of `points` (n, 3) [m, user frame] lie on the body's contact surface; first:
-        whether the body is the pair's first one."""
+        """history: of the run; on: which of `points` (n, 3) [m, user frame] lie on the body's contact surface; first:
+        whether the body is the contact's first one."""
         self.pair, self.on, self.points, self.is_first = pair, on, points, first
         self.contact, self.bodies = history.contacts[pair.name], history.bodies
         self._at: tuple[int, GridPlaces] | None = None
 
     def places(self, i: int) -> GridPlaces:
-        """Where the nodes of the contact surface are on the first surface's grid at saved step `i`."""
+        """Positions of the nodes of the contact surface on the first surface's grid at saved step `i`."""
         if self.is_first:
             return self.on.places
         if self._at is None or self._at[0] != i:
@@ -69,11 +69,13 @@ class PatchOnSkin:
         return self._at[1]
 
     def scalar(self, i: int, window: np.ndarray) -> np.ndarray:
-        """(n,) bilinear values of a `window` (columns, rows) of saved step `i` at all points, zero off the patch."""
+        """(n,) bilinear values of a `window` (columns, rows) of saved step `i` at all points, zero outside of the
+        patch."""
         return self._spread(i, window, GridPlaces.interpolate)
 
     def nearest(self, i: int, window: np.ndarray) -> np.ndarray:
-        """(n,) values of the cell that each point lies in, zero off the patch; for what cannot be averaged."""
+        """(n,) values of the cell that contains each point, zero outside of the patch; for fields that cannot be
+        averaged."""
         return self._spread(i, window, GridPlaces.nearest)
 
     def _spread(self, i: int, window: np.ndarray, at: Callable[[GridPlaces, np.ndarray], np.ndarray]) -> np.ndarray:
@@ -101,7 +103,7 @@ class PatchOnSkin:
 
 
 class CellsOnSkin(PatchOnSkin):
-    """The same of a pair whose tractions stand on cells that travel with the patch."""
+    """Fields of a contact whose tractions are given on cells that move with the patch."""
 
     def __init__(self, pair: PairView, history: Any, on: SkinSurface, points: np.ndarray, *, first: bool) -> None:
         super().__init__(pair, history, on, points, first=first)
@@ -109,7 +111,7 @@ class CellsOnSkin(PatchOnSkin):
         self._found: tuple[int, np.ndarray, np.ndarray, np.ndarray] | None = None
 
     def _in_cells(self, i: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Nodes of the skin that lie in cells at saved step `i`, and the strip and the row of each."""
+        """Nodes of the skin that lie in cells at saved step `i`, and the strip and row of each."""
         if self._found is None or self._found[0] != i:
             surface, points = self.pair.first, self.points[self.on.nodes]
             if not self.is_first:
@@ -122,7 +124,7 @@ class CellsOnSkin(PatchOnSkin):
         return self._found[1:]
 
     def scalar(self, i: int, window: np.ndarray) -> np.ndarray:
-        """(n,) values of the cell that each point lies in, zero beside the patch."""
+        """(n,) values of the cell that contains each point, zero outside of the patch."""
         nodes, strip, row = self._in_cells(i)
         found = np.zeros(len(self.points))
         found[nodes] = window[strip, row]
@@ -134,14 +136,14 @@ class CellsOnSkin(PatchOnSkin):
 
 
 def patch_on_skin(pair: PairView, history: Any, on: SkinSurface, points: np.ndarray, *, first: bool) -> PatchOnSkin:
-    """The fields of `pair` at `points`, see `PatchOnSkin`, as its tractions stand in `history`."""
+    """The fields of `pair` at `points`, see `PatchOnSkin`, by the grid of its tractions in `history`."""
     kind = PatchOnSkin if history.contacts[pair.name].cells is None else CellsOnSkin
     return kind(pair, history, on, points, first=first)
 
 
 def _cell_forces(pair: PairView, contact: Any, i: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """theta of the first surface's shape and z (n,) of the cells that have tractions at saved step `i`, and their
-    forces (2, n) [N] on the first body along e_theta and t_z."""
+    """theta of the first surface's shape and z (n,) of the cells with tractions at saved step `i`, and their forces (2,
+    n) [N] on the first body along e_theta and t_z."""
     surface, traction = pair.first, contact.friction.traction[i]
     j, k = np.nonzero(np.any(traction != 0.0, axis=0))
     if contact.cells is None:
@@ -155,8 +157,8 @@ def _cell_forces(pair: PairView, contact: Any, i: int) -> tuple[np.ndarray, np.n
 
 
 def tangential_forces(pair: PairView, contact: Any, bodies: dict[str, Any], i: int, *, first: bool) -> np.ndarray:
-    """Tangential forces (2, columns, rows) [N] on the whole grid of the pair's first or second surface, along its own
-    e_theta and t_z, at saved step `i`."""
+    """Tangential forces (2, columns, rows) [N] on the whole grid of the contact's first or second surface, along its
+    own e_theta and t_z, at saved step `i`."""
     surface = pair.first
     if first and contact.cells is None:
         forces = contact.friction.traction[i] * cell_areas(surface)

@@ -2,22 +2,23 @@ r"""The deformed skin of a body at a saved step, and the pressure on it.
 
     x_user = X + Phi_g(X) q + Theta(q, q)(X) + recover(f) + sum_i laps_i(X) s_i
 
-Theta is the motion of second order of bodies with membrane energy that loads stiffen (`model.second_order_motion`).
-`recover` is the local modes' response to outward hat forces, those of `normal_loads`; with friction the tangential
-forces of `patch_on_skin` are recovered in the same way, of bodies that were reduced with tangential modes. Oil films
-load their first body by their pressure; their shear is left out. `laps` is what the forces s on the cells of laps do
-beside the global modes (`lap_loads`); where a body's file lacks it as too large, results say so (`lap_loads.left_out`).
-Pressure, traction and state of laps are those of `lap_faces`. Slip speed and wear are those of contacts: laps slip by
-distances, which `result.lap(name)` has. Stress is that of `skin_stress`, where the body was reduced with it.
+Theta is the second-order motion of bodies with membrane energy and stiffening (`model.second_order_motion`). `recover`
+is the local modes' response to outward nodal forces, those of `normal_loads`; with friction the tangential forces of
+`patch_on_skin` are recovered in the same way, for bodies reduced with tangential modes. Oil films load their first body
+by their pressure; their shear is neglected. `laps` is the local response to the forces s on the cells of small-sliding
+contacts (`lap_loads`); if it is too large for a body's file, results state that it is missing (`lap_loads.left_out`).
+Pressure, traction and state of small-sliding contacts are those of `lap_faces`. Slip speed and wear are those of other
+contacts: small-sliding contacts have slip distances, in `result.lap(name)`. Stress is that of `skin_stress`, if the
+body was reduced with it.
 
-Skin stress. Stress at the nodes of a skin, of bodies that were reduced with stress points there.
+Skin stress. Stress at the nodes of a skin, for bodies reduced with stress points there.
 
-`reduce(..., stress={"skin": "skin"})` names all of the skin's nodes, a facet set or a list of points those that it has.
-A node takes its stress from the points at its own place. Nodes of faces that lie on each other share a place: there the
-nodes and the points are taken in their order, and a place where their numbers differ has no stress, because nobody
-knows which belongs to which. Nodes without points are NaN, which viewers leave out.
+`reduce(..., stress={"skin": "skin"})` selects all nodes of the skin, a facet set or a list of points only its own. A
+node takes its stress from the points at its position. Nodes of coincident faces share a position: there nodes and
+points are matched in their order, and a position where their numbers differ has no stress, because the match is
+ambiguous. Nodes without points are NaN, which viewers do not draw.
 
-Shown skin. The skin of a body as pictures and recordings draw it: thinned, coloured by one field.
+Shown skin. The skin of a body as drawn in pictures and recordings: thinned, coloured by one field.
 """
 
 from __future__ import annotations
@@ -39,9 +40,9 @@ from warpffrf.output.geometry.places import SkinSurface
 from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView
 from warpffrf.output.geometry.skin_nodes import thinned
 
-CONTACT_FIELDS = ("pressure", "traction", "slip", "state", "wear")  # what a skin can show of its contacts
-LAP_FIELDS = ("pressure", "traction", "state")  # and of its laps
-VON_MISES = "von_mises"  # of bodies that were reduced with stress points on their skin
+CONTACT_FIELDS = ("pressure", "traction", "slip", "state", "wear")  # fields of contacts on a skin
+LAP_FIELDS = ("pressure", "traction", "state")  # fields of small-sliding contacts on a skin
+VON_MISES = "von_mises"  # for bodies reduced with stress points on their skin
 
 
 class Skin:
@@ -92,8 +93,8 @@ class Skin:
         return u
 
     def pressure(self, i: int) -> np.ndarray:
-        """Pressure (n,) [Pa] of contacts, oil films and laps at the skin's nodes, zero off their surfaces, at saved
-        step `i`."""
+        """Pressure (n,) [Pa] of contacts, oil films and small-sliding contacts at the skin's nodes, zero outside of
+        their surfaces, at saved step `i`."""
         p = np.zeros(len(self.points))
         for pair in self._pairs:
             on = self._on[pair.name]
@@ -106,8 +107,8 @@ class Skin:
 
     @property
     def contact_fields(self) -> tuple[str, ...]:
-        """Those of `CONTACT_FIELDS` that this body has: only pressure without friction, of laps with friction no slip
-        speed and wear, none without contact, oil film or lap."""
+        """Those of `CONTACT_FIELDS` that this body has: only pressure without friction, for small-sliding contacts with
+        friction no slip speed and wear, none without contact or oil film."""
         if self._rubbing:
             return CONTACT_FIELDS
         if any(face.rubs for face in self._laps):
@@ -120,7 +121,7 @@ class Skin:
         return np.sum(parts, axis=0) if parts else np.zeros_like(self.points)
 
     def slip_speed(self, i: int) -> np.ndarray:
-        """Slip speed (n,) [m/s] at the skin's nodes, zero off the patches, at saved step `i`."""
+        """Slip speed (n,) [m/s] at the skin's nodes, zero outside of the patches, at saved step `i`."""
         return self._of_patches(i, lambda p: np.linalg.norm(p.contact.friction.slip_velocity[i], axis=0))
 
     def wear(self, i: int) -> np.ndarray:
@@ -128,8 +129,8 @@ class Skin:
         return self.pressure(i).clip(min=0.0) * self.slip_speed(i)
 
     def state(self, i: int) -> np.ndarray:
-        """State (n,) of the cell that each of the skin's nodes lies in, of laps of those around it: 0 open, 1 stick,
-        2 slip; at saved step `i`."""
+        """State (n,) of the cell that contains each of the skin's nodes, for small-sliding contacts of the cells around
+        it: 0 open, 1 stick, 2 slip; at saved step `i`."""
         found = np.zeros(len(self.points), dtype=np.int8)
         for patch in self._rubbing.values():
             found = np.maximum(found, patch.nearest(i, patch.contact.friction.state[i]).astype(np.int8))
@@ -139,19 +140,19 @@ class Skin:
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """What this body's skin can be coloured by beside its displacement: `contact_fields`, and "von_mises" where it
-        was reduced with stress points on it."""
+        """Fields of this body's skin besides its displacement: `contact_fields`, and "von_mises" if the body was
+        reduced with stress points on it."""
         return (*self.contact_fields, *([VON_MISES] if self.stress.count else []))
 
     def field(self, name: str, i: int) -> np.ndarray:
-        """One of `fields` (n,) at saved step `i`, as `contact_field`; von Mises [Pa] is NaN where no stress point is.
+        """One of `fields` (n,) at saved step `i`, as `contact_field`; von Mises [Pa] is NaN without a stress point.
         Raises `InputError` for one that this body does not have."""
         if name == VON_MISES and self.stress.count:
             return self.stress.von_mises(i)
         return self.contact_field(name, i)
 
     def contact_field(self, name: str, i: int) -> np.ndarray:
-        """One of `contact_fields` (n,) at saved step `i`, of the traction its magnitude; SI units. Raises `InputError`
+        """One of `contact_fields` (n,) at saved step `i`, the magnitude of the traction; SI units. Raises `InputError`
         for one that this body does not have."""
         if name not in self.contact_fields:
             raise unknown_name(f"body '{self.body.name}': contact field", name, list(self.contact_fields))
@@ -167,7 +168,7 @@ class Skin:
         return found
 
 
-SAME = 1e-9  # of the extent of a skin: places of one node
+SAME = 1e-9  # of the extent of a skin: closer positions are equal
 CURE = "reduce(..., stress={'skin': 'skin'}) gives it"
 
 
@@ -179,7 +180,8 @@ class SkinStress:
 
     @cached_property
     def _parts(self) -> list[tuple[str, np.ndarray, np.ndarray]]:
-        """Of each name of stress points that is needed: the nodes that have theirs from it, and which points."""
+        """For each name of stress points that is needed: the nodes with stress from it, and the indices of their
+        points."""
         free, found = np.ones(len(self.points), dtype=bool), []
         fields = self.view.bodies[self.body].reduced.stress
         matches = {name: same_places(self.points, field.points) for name, field in fields.items()}
@@ -196,12 +198,12 @@ class SkinStress:
 
     @property
     def count(self) -> int:
-        """Nodes of the skin that have a stress."""
+        """Number of skin nodes with stress."""
         return sum(len(nodes) for _, nodes, _ in self._parts)
 
     @property
     def note(self) -> str:
-        """What is missing and how to get it; empty where every node has its stress."""
+        """Text on missing stresses and the remedy; empty if every node has its stress."""
         whole = len(self.points)
         if self.count == whole:
             return ""
@@ -209,20 +211,19 @@ class SkinStress:
         return f"body '{self.body}' has {part}; {CURE}"
 
     def tensor(self, i: int) -> np.ndarray:
-        """Stress (n, 6) [Pa] in the order xx, yy, zz, xy, yz, zx, user axes, at saved step `i`; NaN where there is
-        none."""
+        """Stress (n, 6) [Pa] in the order xx, yy, zz, xy, yz, zx, user axes, at saved step `i`; NaN if unknown."""
         found = np.full((len(self.points), 6), np.nan)
         for source, (_, nodes, points) in zip(self._sources, self._parts, strict=True):
             found[nodes] = source.tensor(i)[points]
         return found
 
     def von_mises(self, i: int) -> np.ndarray:
-        """Equivalent stress (n,) [Pa] at saved step `i`; NaN where there is none."""
+        """Equivalent stress (n,) [Pa] at saved step `i`; NaN if unknown."""
         return von_mises(self.tensor(i))
 
 
 def same_places(nodes: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Which of `points` (p, 3) [m] lies at each of `nodes` (n, 3) [m]: numbers (n,), -1 for none."""
+    """Indices (n,) of the `points` (p, 3) [m] at each of `nodes` (n, 3) [m], -1 for none."""
     found = np.full(len(nodes), -1)
     if nodes.shape == points.shape and np.array_equal(nodes, points):
         return np.arange(len(nodes))
@@ -237,11 +238,11 @@ def same_places(nodes: np.ndarray, points: np.ndarray) -> np.ndarray:
     return found
 
 
-DISPLACEMENT = "displacement"  # the field that every flexible body has
+DISPLACEMENT = "displacement"  # field of every flexible body
 
 
 def known_fields(skins: dict[str, Skin]) -> list[str]:
-    """What the skins of a run can be coloured by: the displacement, and what at least one of them has."""
+    """Fields available for the skins of a run: the displacement, and those of at least one skin."""
     return [DISPLACEMENT, *dict.fromkeys(field for skin in skins.values() for field in skin.fields)]
 
 
@@ -257,14 +258,14 @@ def require_field(skins: dict[str, Skin], field: str, what: str) -> None:
 
 class ShownSkin:
     """A skin of at most `max_points` points: `points` (n, 3) [m, user frame], `triangles` (t, 3), `size` [m], the
-    largest extent of the whole skin."""
+    largest extent of the full skin."""
 
     def __init__(self, skin: Skin, max_points: int) -> None:
         sectors = max((s.recovery.sectors for s in skin.body.reduced.contact_surfaces.values()), default=1)
         self.skin = skin
         self.kept, self.triangles = thinned(skin.points, skin.triangles, max_points, sectors)
         self.points = skin.points[self.kept]
-        # each node of the skin -> the point that stands for it: fewer points must not lose a patch between them
+        # node of the skin -> point that represents it: thinning must not lose a patch between points
         self.nearest = KDTree(self.points).query(skin.points)[1]
         self.size = float(np.ptp(skin.points, axis=0).max())
 
@@ -273,8 +274,8 @@ class ShownSkin:
         return self.skin.displacement(i)[self.kept]
 
     def values(self, field: str, i: int) -> np.ndarray:
-        """One of `Skin.fields` (n,) in SI units at saved step `i`, the largest of the nodes that a point stands for;
-        zero for a body without the field, as nothing touches it, and NaN for its stress, which is not known."""
+        """One of `Skin.fields` (n,) in SI units at saved step `i`, the largest of the nodes that a point represents;
+        zero for a body without the field, because it has no contact, but NaN for its stress, which is unknown."""
         found = np.full(len(self.kept), np.nan if field == VON_MISES or field in self.skin.fields else 0.0)
         if field in self.skin.fields:
             np.fmax.at(found, self.nearest, self.skin.field(field, i))

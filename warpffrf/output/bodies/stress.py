@@ -1,47 +1,48 @@
-r"""Stress of one body over a run, at points that were named when it was reduced.
+r"""Stress of one body over a run, at points named in its reduction.
 
     sigma(t) = sum_i modes_i q_i(t) + sum_pairs [T f(t) + W s(t)] + sum_i laps_i s_i(t) + sum_r membrane_r e_r(t)
 
-with the global coordinates `q`, and of every contact pair that the body takes part in, as first or as second body, the
-outward hat forces `f` and, with friction, the tangential forces of the cells (`StressField`); of oil films on the body
-their pressure, without their shear; of laps the forces `s` on their cells (`lap_loads`); of a body with membrane energy
-that loads stiffen its amplitudes `e_r = q.L_r q/2`. The tensor is in the axes of the body's user frame, which turns
-with the body; von Mises and principal stresses do not depend on axes. With membrane energy it is the second
-Piola-Kirchhoff stress: along fibres of the undeformed body, which turn with it, and Cauchy's stress but for a fraction
-of the size of strains.
+with the global coordinates `q`; for every contact of the body, as first or second body, the outward nodal forces `f`
+and, with friction, the tangential forces of the cells (`StressField`); for oil films on the body their pressure,
+without their shear; for small-sliding contacts the forces `s` on their cells (`lap_loads`); for a body with membrane
+energy and stiffening its amplitudes `e_r = q.L_r q/2`. The tensor is in the axes of the body's user frame, which
+rotates with the body; von Mises and principal stresses do not depend on axes. With membrane energy it is the second
+Piola-Kirchhoff stress: along fibres of the undeformed body, which rotate with it, and equal to the Cauchy stress except
+for a fraction of the size of strains.
 
-On a pair's first body the traction is the pressure that the contact found, hat by hat; on the second it is that
-pressure projected on its own hats. Both swing a little from node to node about their mean over a hat, which is what
-contact results show as pressure; a few elements below the surface nothing of that is left.
+On a contact's first body the traction is the nodal pressure of the contact; on the second it is that pressure projected
+onto its own nodes. Both oscillate slightly from node to node about their weighted nodal mean, which contact results
+report as pressure; a few elements below the surface this has decayed.
 
-A pressure on cells that travel with the patch, finer than the mesh, reaches the body through equivalent hat forces, and
-what is near the patch is put right by the half-space under it (`patch_stress`). Tractions on such cells are shared
-between the cells of the contact grid, and their stress is that: spread over a spacing of nodes near the patch, right in
-its sum a few of them below.
+A pressure on cells that move with the patch, finer than the mesh, acts on the body through equivalent nodal forces, and
+the stress near the patch is corrected by the half-space below it (`patch_stress`). Tractions on such cells are
+distributed to the cells of the contact grid without correction: their stress is smeared over a node spacing near the
+patch, and accurate a few spacings below.
 
-Patch stress. Stress near a patch of cells that is finer than the mesh: what the hats of the contact grid cannot say.
+Patch stress. Stress near a patch of cells that is finer than the mesh, which the contact grid does not resolve.
 
-A body feels the cells through the hat forces that are equivalent to them (`normal_loads`): a load as wide as two
-columns of the grid, whose stress the mesh has to a few parts in ten. Spread to forces f over `SPREAD` spacings of the
-grid around each hat, a load that the mesh does resolve, the rest is that of the half-space that the body is around the
-patch, cut at its free ends,
+The cells act on a body through equivalent nodal forces (`normal_loads`): a load as wide as two columns of the grid,
+whose stress the mesh has to a few tenths. The forces are spread to f over `SPREAD` spacings of the grid around each
+node, a load that the mesh resolves; the remainder is computed in the half-space tangent to the body at the patch, cut
+at its free ends,
 
-    sigma = sigma_FE(f) + sigma_H(cells) - sigma_H(hats of f),
+    sigma = sigma_FE(f) + sigma_H(cells) - sigma_H(nodes of f),
 
-both sigma_H in closed form (`half_space_stress`), the hats with the pressure M^-1 f that the recovered stress
-sigma_FE(f) has at the surface. What the body adds to the half-space is smooth over its depth behind the surface: f
-stays within `WALL` of that. Far from the patch both sigma_H are the same but for the second moment of f; they are faded
-out.
+both sigma_H in closed form (`half_space_stress`), the nodes with the pressure M^-1 f of the recovered stress
+sigma_FE(f) at the surface. The difference between body and half-space is smooth over the depth of the material behind
+the surface: f is spread by at most `WALL` of that depth. Far from the patch both sigma_H differ only by the second
+moment of f; they are faded out.
 
-Under the middle of long rollers and of balls the largest von Mises stress and its depth are Hertz's to 0.5 % on any
-mesh (docs/studies/coarse_points.md). In a roller of 20 mm, R = 50 mm, it is 1 % larger, as the free ends let sigma
-along the axis go by some percent of the peak pressure, which Hertz does not know (`warpffrf demo coarse-rollers`).
+Under the centre of long rollers and of balls the largest von Mises stress and its depth agree with Hertz to 0.5 % on
+any mesh (docs/studies/coarse_points.md). In a roller of 20 mm, R = 50 mm, it is 1 % larger, because the free ends relax
+sigma along the axis by a few percent of the peak pressure, which Hertz's theory does not include (`warpffrf demo
+coarse-rollers`).
 
-The half-space lies flat: a point has the arcs s along e_theta and t along the meridian of its foot from the middle of
-the patch, and its depth below the surface. On the second body the cells lie as they do in the first one's chart, turned
-by the angle between the tangents of both. At a free end, at right angles to the surface, loads have their images behind
-it, which take the shear off the end plane; its normal stress stays: within the reach of the spread load from an end
-sigma along the meridian is that of plane strain in part.
+The half-space is flat: a point has as coordinates the arcs s along e_theta and t along the meridian from the centre of
+the patch to its foot point, and its depth below the surface. On the second body the cells have the positions of the
+first one's chart, rotated by the angle between the tangents of both. At a free end normal to the surface, image loads
+behind it cancel the shear on the end plane; its normal stress remains: within the reach of the spread load from an end,
+sigma along the meridian is partly that of plane strain.
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ from warpffrf.output.bodies.patch_on_skin import poses, tangential_forces
 from warpffrf.output.geometry.places import grid_theta_offset, tangents
 from warpffrf.output.geometry.scene_view import SceneView
 
-MUCH = 2e9  # byte, of a result whose size is said before it is made
+MUCH = 2e9  # byte; the size of larger results is logged before they are computed
 
 log = logging.getLogger("warpffrf")
 
@@ -98,8 +99,8 @@ class StressResult(reprs.Rows):
 
 
 def surface_forces(loads: list[NormalLoads | PatchStress], i: int) -> dict[str, np.ndarray]:
-    """Outward hat forces [N] on each loaded contact surface of a body, by name, summed over its pairs' `loads` at saved
-    step `i`."""
+    """Outward nodal forces [N] on each loaded contact surface of a body, by name, summed over the `loads` of its
+    contacts at saved step `i`."""
     found: dict[str, np.ndarray] = {}
     for load in loads:
         forces, name = load.forces(i), load.surface.name
@@ -108,8 +109,8 @@ def surface_forces(loads: list[NormalLoads | PatchStress], i: int) -> dict[str, 
 
 
 def tangential_surface_forces(history: History, view: SceneView, body: str, i: int) -> dict[str, np.ndarray]:
-    """Tangential forces (2, columns, rows) [N] on each contact surface of `body` that rubs, summed over its pairs, at
-    saved step `i`; see `patch_on_skin`."""
+    """Tangential forces (2, columns, rows) [N] on each contact surface of `body` with friction, summed over its
+    contacts, at saved step `i`; see `patch_on_skin`."""
     found: dict[str, np.ndarray] = {}
     for pair in view.pairs.values():
         contact = history.contacts[pair.name]
@@ -123,7 +124,7 @@ def tangential_surface_forces(history: History, view: SceneView, body: str, i: i
 
 
 def stress_field(view: SceneView, body: str, points: str) -> StressField:
-    """The recovery called `points` of the body; raises `InputError` naming the bodies, or the names that there are."""
+    """The recovery called `points` of the body; raises `InputError` naming the bodies, or the available names."""
     if body not in view.bodies:
         known = ", ".join(f"'{n}'" for n in view.bodies) or "none"
         raise InputError(f"the result has no body called '{body}'; it has: {known}")
@@ -140,7 +141,7 @@ def stress_field(view: SceneView, body: str, points: str) -> StressField:
 
 
 class BodyStress:
-    """Stress of one body at the `points` named when it was reduced, one saved step at a time. Raises `InputError` as
+    """Stress of one body at the `points` named in its reduction, one saved step at a time. Raises `InputError` as
     `stress_field`."""
 
     def __init__(self, history: History, view: SceneView, body: str, points: str) -> None:
@@ -172,8 +173,8 @@ class BodyStress:
 def stress_result(
     result: Any, body: str, points: str, rows: Sequence[int] | np.ndarray | None, only: Sequence[int] | None
 ) -> StressResult:
-    """Stress of `body` at the `points` named when it was reduced, at the saved steps `rows` (r,) and at those points
-    whose numbers are in `only` (p,), all where they are None. Raises `InputError`."""
+    """Stress of `body` at the `points` named in its reduction, at the saved steps `rows` (r,) and at the points with
+    indices `only` (p,), None: all. Raises `InputError`."""
     source, count = BodyStress(result.history, result.view, body, points), len(result.time)
     shown = np.arange(count) if rows is None else numbers(rows, count, "stress: rows")
     every = len(source.field.points)
@@ -189,8 +190,8 @@ def stress_result(
 
 
 def numbers(given: Any, count: int, what: str, of: str = "saved steps", holder: str = "the run has") -> np.ndarray:
-    """The numbers `given` (r,) of things that are counted from 0, negative ones from the end; raises `InputError`
-    naming `what` for no whole numbers, and for one that is not among the `count` that the `holder` has."""
+    """Non-negative indices (r,) for `given` (r,), where negative ones count from the end; raises `InputError` naming
+    `what` for values that are not integers, and for one beyond the `count` items of the `holder`."""
     found = np.atleast_1d(np.asarray(given))
     if found.ndim != 1 or not np.issubdtype(found.dtype, np.integer):
         raise InputError(f"{what} must be whole numbers of {of}, got {given!r}")
@@ -199,16 +200,16 @@ def numbers(given: Any, count: int, what: str, of: str = "saved steps", holder: 
     return found % max(count, 1)
 
 
-SPREAD, WALL = 6.0, 0.6  # spacings of the grid around a hat; of the depth of the material behind the surface
-SHORT = 0.8  # of the width of the surface: cells under pressure that reach less far are spread along the meridian, too
-WHOLE, NOTHING = 1.5, 2.5  # reaches of the spread load from the patch: the half-space in full, and not at all
-MERIDIAN_POINTS = 24  # of the rule for arcs of a meridian: 1e-9 of a crown's, with a crown of 1 rad
+SPREAD, WALL = 6.0, 0.6  # spacings of the grid around a node; of the depth of the material behind the surface
+SHORT = 0.8  # of the width of the surface: a shorter loaded zone is also spread along the meridian
+WHOLE, NOTHING = 1.5, 2.5  # reaches of the spread load from the patch: full weight of the half-space, and zero weight
+MERIDIAN_POINTS = 24  # of the rule for arcs of a meridian: error 1e-9 for a crown of 1 rad
 ENDS = np.array([1.0, -1.0, 1.0])  # a reflection at an end plane: t changes its sign
 SHEARED = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])  # and with it xy and yz
 
 
 def meridian_arc(shape: Any, start: float, z: np.ndarray) -> np.ndarray:
-    """Lengths [m] along the meridian from `start` to the places z [m]."""
+    """Lengths [m] along the meridian from `start` to the positions z [m]."""
     x, w = np.polynomial.legendre.leggauss(MERIDIAN_POINTS)
     half = 0.5 * (np.asarray(z, dtype=float) - start)
     at = start + half[..., None] * (1.0 + x)
@@ -221,10 +222,10 @@ def parabola(distance: np.ndarray, reach: float) -> np.ndarray:
 
 
 class PatchStress:
-    """Of one pair's cells at the points of a stress field of its first or second body."""
+    """Stress correction for one contact's cells at the points of a stress field of its first or second body."""
 
     def __init__(self, loads: CellLoads, field: StressField, wall: float | None) -> None:
-        """wall: depth [m] of the material behind the surface, None where it is not known."""
+        """wall: depth [m] of the material behind the surface, None if unknown."""
         self.loads, self.surface = loads, loads.surface
         shape, grid = self.surface.shape, self.surface.grid
         self.theta, self.z, distance = shape.chart(field.points)
@@ -239,7 +240,7 @@ class PatchStress:
         self._along = self._over_rows()
 
     def _over_columns(self, spacing: float) -> np.ndarray:
-        """(columns, columns) parts of each column's forces that every column gets."""
+        """(columns, columns) fractions of each column's forces that every column receives."""
         grid = self.surface.grid
         away = np.abs(np.arange(grid.columns)[:, None] - np.arange(grid.columns))
         if grid.periodic:
@@ -248,13 +249,13 @@ class PatchStress:
         return parts / parts.sum(axis=0)
 
     def _over_rows(self) -> np.ndarray:
-        """(rows, rows) parts of each row's forces that every row gets, in proportion to the rows' areas."""
+        """(rows, rows) fractions of each row's forces that every row receives, proportional to the rows' areas."""
         z = np.asarray(self.surface.grid.z)
         parts = parabola(np.abs(z[:, None] - z), self.reach) * self.surface.gram_z.sum(axis=1)[:, None]
         return parts / parts.sum(axis=0)
 
     def forces(self, i: int) -> np.ndarray:
-        """Outward hat forces (columns, rows) [N] of saved step `i`, spread."""
+        """Outward nodal forces (columns, rows) [N] of saved step `i`, spread."""
         forces = self._around @ self.loads.forces(i)
         rows = np.flatnonzero(np.any(self.loads.contact.pressure[i] > 0.0, axis=0))
         z = self.surface.grid.z
@@ -265,7 +266,7 @@ class PatchStress:
         return forces @ self._along.T if short else forces
 
     def at(self, i: int, forces: np.ndarray) -> np.ndarray:
-        """Stress (p, 6) [Pa], user axes, of saved step `i`, to be added to that of the hat forces `forces(i)`."""
+        """Stress (p, 6) [Pa], user axes, of saved step `i`, to be added to that of the nodal forces `forces(i)`."""
         found = np.zeros((len(self.theta), 6))
         if not np.any(forces):
             return found
@@ -292,10 +293,10 @@ class PatchStress:
         return found
 
     def _share(self, i: int, s: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """(p,) 1 near the patch, falling to 0 with a continuous curvature."""
+        """(p,) 1 near the patch, decreasing to 0 with continuous curvature."""
         cells = self.loads.contact.cells
         half = float(cells.half_width[i]), 0.5 * float(np.sum(cells.length[i]))
-        if not self.loads.first:  # turned by any angle
+        if not self.loads.first:  # rotated by any angle
             half = max(half), max(half)
         beside = [np.maximum(np.abs(x) - h, 0.0) for x, h in zip((s, t), half, strict=True)]
         distance = np.sqrt(beside[0] ** 2 + beside[1] ** 2 + self.depth**2)
@@ -322,7 +323,7 @@ class PatchStress:
         return stress
 
     def _hats(self, theta: float, z: float, radius: float, forces: np.ndarray) -> Any:
-        """The stress (n, 6) of the hats at points (n, 3) of this body's flat chart; theta on its grid."""
+        """The stress (n, 6) of the nodal pressures at points (n, 3) of this body's flat chart; theta on its grid."""
         surface, shape = self.surface, self.surface.shape
         grid = surface.grid
         whole = -self.span.coefficients(forces[None], "hats", grid.pitch, surface.gram_z)[0]

@@ -1,14 +1,15 @@
-r"""Stress below the centre of a patch, of the pressure that a run found, in the half-space that both bodies are there.
+r"""Stress below the centre of a patch, from the pressure of a run, with both bodies as half-spaces.
 
-The pressure of the saved step, as it stands, hats or cells, lies flat: along the arc and along the meridian from its
-centre, which for a line is that of its section at mid-width. Its stress is in closed form (`half_space_stress`), on the
-normal through the centre, the same on both bodies but for Poisson's ratio. Neither the mesh nor stress points of the
-body are asked for; what is not of a half-space is left out: the curvature of the body, walls behind the surface, and
-tractions of friction. A line that ends with the surface has its images behind both ends, which take the shear off the
-end planes as in `patch_stress`; the normal stress that stays there is 1 % at mid-width of 20 mm at R = 50 mm.
+The pressure of the saved step, at nodes or on cells, is developed onto a plane along the arc and the meridian from its
+centre, which for a line is that of its section at mid-width. Its stress on the normal through the centre is in closed
+form (`half_space_stress`), the same on both bodies except for Poisson's ratio. Neither the mesh nor stress points of
+the body are used; effects outside of the half-space model are neglected: the curvature of the body, walls behind the
+surface, and friction tractions. A line that ends with the surface has images behind both ends, which cancel the shear
+on the end planes as in `patch_stress`; the effect of the remaining normal stress there is 1 % at mid-width of 20 mm at
+R = 50 mm.
 
-The coefficients of hats stand as the run found them, with its second moment. They swing from node to node about their
-means over hats (`contact.result`); of that exp(-pi z/h) is left at the depth z below nodes h apart.
+Nodal values are used as computed, which preserves the second moment. They oscillate from node to node about their
+weighted means (`contact.result`); at the depth z below nodes h apart this has decayed to exp(-pi z/h).
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from warpffrf.model.reduced.stress_field import max_shear, von_mises
 from warpffrf.output.bodies.half_space_stress import under_cells, under_hats
 from warpffrf.output.bodies.stress import ENDS, SHEARED, meridian_arc
 
-DEEP, PLACES = 3.0, 181  # half-widths of the patch, the smaller one, and depths within them
+DEEP, PLACES = 3.0, 181  # depth in the smaller half-width of the patch, and number of depths
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -51,8 +52,8 @@ class StressBelow(reprs.Rows):
 
 
 def poisson_ratios(view: Any) -> dict[float, list[str]]:
-    """Poisson's ratio -> flexible bodies of the pair that have it. Raises `InputError` for a body that does not say
-    its material."""
+    """Poisson's ratio -> flexible bodies of the contact that have it. Raises `InputError` for a body without material
+    data."""
     found: dict[float, list[str]] = {}
     for body, surface in ((view.first_body, view.first), (view.second_body, view.second)):
         if body.reduced is None:
@@ -60,7 +61,7 @@ def poisson_ratios(view: Any) -> dict[float, list[str]]:
         material = body.reduced.provenance.get("contact_materials", {}).get(surface.name)
         if not material:
             raise InputError(
-                f"contact '{view.name}': body '{body.name}' does not say its material, so the stress below is not "
+                f"contact '{view.name}': body '{body.name}' has no material data, so the stress below is not "
                 "known; reduce the body again"
             )
         found.setdefault(float(material["poisson_ratio"]), []).append(body.name)
@@ -68,10 +69,10 @@ def poisson_ratios(view: Any) -> dict[float, list[str]]:
 
 
 def stress_below(contact: Any, i: int, depth: Any = None) -> list[StressBelow]:
-    """Below the centre of the patch of `contact` in saved step `i`, for each of Poisson's ratios in it.
+    """Stress below the centre of the patch of `contact` in saved step `i`, for each of its Poisson's ratios.
 
-    depth: (n,) [m], not negative; down to `DEEP` half-widths if None. Raises InputError where nothing touches, for
-    depths that are none, and for bodies that do not say their material.
+    depth: (n,) [m], not negative; None: down to `DEEP` half-widths. Raises InputError without contact, for invalid
+    depths, and for bodies without material data.
     """
     if not contact.touching[i]:
         raise InputError(
@@ -91,7 +92,7 @@ def stress_below(contact: Any, i: int, depth: Any = None) -> list[StressBelow]:
 
 
 def _load(contact: Any, i: int) -> Any:
-    """The stress (n, 6) of the pressure of saved step `i` at points (n, 3) from its centre, and of Poisson's ratio."""
+    """The stress (n, 6) of the pressure of saved step `i` at points (n, 3) from its centre, for a Poisson's ratio."""
     shape, cells = contact.view.first.shape, contact.history.cells is not None
     lines = contact.cell_lines(i)
     middle = float(contact.center_of_pressure[i, 1]) if contact.patch_kind == "point" else 0.5 * sum(contact.ends)

@@ -1,1 +1,1 @@
-"""The error budget of a run: what each source of error does to its results, found without a run to compare with."""
+"""The error budget of a run: the effect of each source of error on its results, estimated without a reference run."""

@@ -1,10 +1,10 @@
-"""Which forces the loads of a machine give by balance alone, so that no stiffness has a part in them.
+"""Forces that follow from the loads of a machine by equilibrium alone, independent of any stiffness.
 
 Forces balance on every body as a rigid one: A x = loads, with the reactions of joints and drives, the forces of
-contacts at their places in the last saved row, each as it is and, with friction, across it, and six unknowns for what
-holds two bodies in another way (films, whose own force is what they press with, laps, lumped contacts, force elements
-with a law). What is zero in all solutions of A x = 0 is given by the loads: a contact under a weight errs in its
-approach and not in its force.
+contacts at their positions in the last saved row, each along its direction and, with friction, across it, and six
+unknowns for any other connection of two bodies (films, with their own force direction, small-sliding contacts, lumped
+contacts, force elements with a law). Components that are zero in all solutions of A x = 0 are given by the loads: a
+contact under a weight has errors in its approach and not in its force.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.checks.redundancy import constraint_rows, held_motions, scene_length
 
 Array = np.ndarray
-MOST_BODIES = 100  # of larger machines nothing is taken as given
-ZERO, FREE = 1e-6, 1e-3  # of the largest singular value, and of a solution: columns are scaled to one
+MOST_BODIES = 100  # in larger machines no force is taken as given
+ZERO, FREE = 1e-6, 1e-3  # of the largest singular value, and of a solution; columns are scaled to one
 
 
 def given_by_loads(result: Any) -> set[str]:
-    """Names of figures' owners, "contact 'pair'", "film 'oil'" and "joint 'axle'", whose forces are given."""
+    """Names of owners, "contact 'pair'", "film 'oil'" and "joint 'axle'", whose forces are given by the loads."""
     history, scene = result.history, result.history.scene
     if not 0 < len(scene.bodies) <= MOST_BODIES:
         return set()
@@ -34,7 +34,8 @@ def given_by_loads(result: Any) -> set[str]:
     units = np.repeat([1.0, 1.0 / scene_length(scene)], 3)
 
     def unknown(owner: str, one: Any, other: Any, wrenches: list[tuple[Array, Array]]) -> None:
-        """One column for each of `wrenches`, (6,) on body `one` and (6,) on `other`, which may be the ground."""
+        """Add one column for each of `wrenches`, (6,) on body `one` and its opposite on `other`, which may be the
+        ground."""
         for pair in wrenches:
             column = np.zeros(6 * len(scene.bodies))
             for body, wrench in zip((one, other), pair, strict=True):
@@ -42,7 +43,7 @@ def given_by_loads(result: Any) -> set[str]:
                     column[6 * body.index : 6 * body.index + 6] += wrench * units
             columns.append(column)
             owners.append(owner)
-            owner = ""  # of what is across a force that is there
+            owner = ""  # for the components across an existing force
 
     for contact in scene.contacts:
         found = result.contact(contact.name)
@@ -72,7 +73,7 @@ def given_by_loads(result: Any) -> set[str]:
 
 
 def _place(found: Any, history: Any, first: Any) -> Array:
-    """The middle (3,) of the patch of a contact in the last row, world axes."""
+    """The centre (3,) of the patch of a contact in the last row, world axes."""
     theta, z = found.patch_center[-1]
     point = np.ravel(found.view.first.shape.point(theta, z))
     return _origin(history, first) + _axes(history, first) @ point
@@ -87,8 +88,8 @@ def _directions(force: Array) -> Array:
 
 
 def _held(scene: Any, history: Any) -> list[tuple[str, int, Array, Any, Any]]:
-    """Bodies that something else than joints and contacts holds to each other: whose force it is, along how many first
-    ones of the directions (3, 3) in rows, and the bodies. A film presses across its axis, or along its normal."""
+    """Connections other than joints and contacts: the owner of the force, the number of leading directions (rows of (3,
+    3)), and the bodies. A film acts across its axis, or along its normal."""
     found = []
     for film in scene.films:
         body, shape = film.ports[0].body, film.ports[0].surface.shape
@@ -100,7 +101,7 @@ def _held(scene: Any, history: Any) -> list[tuple[str, int, Array, Any, Any]]:
     laws = [force for force in scene.forces if history.forces[force.name].deformation.shape[1]]
     ports = [getattr(item, "joint", item).ports for item in laws]
     ports += [item.ports for item in (*scene.laps, *scene.lumped_contacts)]
-    held = [pair for pair in ports if len(pair) == 2]  # a lap may have one
+    held = [pair for pair in ports if len(pair) == 2]  # a small-sliding contact may have only one
     return [*found, *(("", 0, np.eye(3), one.body, other.body) for one, other in held)]
 
 
@@ -113,5 +114,5 @@ def _axes(history: Any, body: Any) -> Array:
 
 
 def _moved(wrench: Array, place: Array) -> Array:
-    """A wrench about an origin that lies `place` (3,) [m] off the one it is about now."""
+    """A wrench about an origin at the offset `place` (3,) [m] from its present one."""
     return np.concatenate([wrench[:3], wrench[3:] + np.cross(place, wrench[:3])])

@@ -1,7 +1,7 @@
-"""All lines of the budget of a run, and how a report shows them.
+"""All lines of the budget of a run, and their text in a report.
 
-Where a run leaves more than one quantity, the report shows the largest of each source, and of all sources the largest
-with its cure; sizes below `FLOOR` are told as such: they are smaller than what the estimates themselves leave open.
+If a run has more than one quantity, the report shows the largest of each source, and the largest of all sources with
+its remedy; sizes below `FLOOR` are reported as such: they are below the accuracy of the estimates.
 """
 
 from __future__ import annotations
@@ -36,15 +36,15 @@ FLOOR, SMALL = 1e-3, "< 0.1 %"
 
 @dataclass(frozen=True)
 class Run:
-    """What a source looks at: the result of a run, its engine made anew, and whether it shows its progress."""
+    """Input of a source: the result of a run, its engine rebuilt, and whether to show progress."""
 
     result: Any
     engine: Engine
     progress: bool = False
 
 
-# Each is a file of its own: lines of what it does to figures, by the names of `quantities` and `figures`. What it does
-# to the force of a contact alone is carried on to the other figures of that.
+# Each source is a file of its own that returns lines of its effect on quantities, by the names of `quantities` and
+# `figures`. Effects on the force of a contact are propagated to the other quantities of that contact.
 SOURCES: tuple[Callable[[Run], list[BudgetLine]], ...] = (
     lambda run: _of_steps(run),
     lambda run: [] if at_rest(run.result) else energy_lines(run.result),
@@ -62,20 +62,20 @@ SOURCES: tuple[Callable[[Run], list[BudgetLine]], ...] = (
 
 
 def error_budget(result: Any, *, progress: bool = False) -> list[BudgetLine]:
-    """The lines of `result`, a run of this process that has left its marks. progress: show how far it is."""
+    """The lines of `result`, a run of this process with recorded marks. progress: report the progress."""
     run = Run(result, result.history.marks.engine(), progress)
     lines = with_all_figures(result, [line for source in SOURCES for line in source(run)])
     return [*lines, *stress_by_pressure(lines)]
 
 
 def at_rest(result: Any) -> bool:
-    """Whether it is one equilibrium."""
+    """Whether it is a single equilibrium."""
     return bool(result.history.marks.static and len(result.history.time) == 1)
 
 
 def _of_steps(run: Run) -> list[BudgetLine]:
-    """Of the step of a run in time; a load step of a static run ends in an equilibrium whatever its length, and of a
-    single equilibrium there is none."""
+    """Lines of the step of a run in time; a load step of a static run ends in an equilibrium for any length, and a
+    single equilibrium has no step."""
     if at_rest(run.result):
         return []
     history = run.result.history
@@ -85,21 +85,21 @@ def _of_steps(run: Run) -> list[BudgetLine]:
         "each load step ends in an equilibrium; its length matters to the path of friction, and to works, by what the "
         "ledger leaves open"
     )
-    return [BudgetLine(TIME_STEP, "all results", np.nan, basis, "run it once more with smaller load steps, to see")]
+    return [BudgetLine(TIME_STEP, "all results", np.nan, basis, "repeat the run with smaller load steps")]
 
 
 def why_not(result: Any) -> str:
-    """Why there can be no budget of `result`, or "" where there can."""
+    """The reason why there is no budget of `result`, or ""."""
     history = result.history
     if history.marks is None or not hasattr(history.scene, "contacts"):
-        return "it takes the run itself, in the process that made it, and not by an integrator for checks"
+        return "it requires the process of the run, and an integrator other than those for checks"
     if len(history.time) < (1 if history.marks.static else 2):
         return "no step was saved"
     return ""
 
 
 def largest_of_each(lines: Sequence[BudgetLine]) -> list[BudgetLine]:
-    """Of each source and quantity the line with the largest size, of several runs one after the other."""
+    """The largest line of each source and quantity, over several consecutive runs."""
     found: dict[tuple[str, str], BudgetLine] = {}
     for line in lines:
         key = line.source, line.of
@@ -110,7 +110,7 @@ def largest_of_each(lines: Sequence[BudgetLine]) -> list[BudgetLine]:
 
 def budget_text(lines: Sequence[BudgetLine]) -> list[str]:
     """The lines of a report: the largest of each source, and the largest of all."""
-    text = ["error budget      largest of each source, found without a run to compare with"]
+    text = ["error budget      largest of each source, estimated without a reference run"]
     largest = []
     for source in dict.fromkeys(line.source for line in lines if line.source != UNKNOWN):
         every = [line for line in lines if line.source == source]
@@ -127,17 +127,17 @@ def budget_text(lines: Sequence[BudgetLine]) -> list[str]:
         if worst.size >= FLOOR and worst.cure:
             text.append(f"  largest                     {worst.source}, {percent(worst.size)}; cure: {worst.cure}")
         elif worst.size < FLOOR:
-            text.append(f"  largest                     all that were found are {SMALL}")
+            text.append(f"  largest                     all estimates are {SMALL}")
     return text
 
 
 def _named(quantity: str) -> str:
-    """It in a sentence."""
+    """The quantity as text."""
     return quantity if quantity.startswith("all ") else f"the {quantity}"
 
 
 def percent(size: float) -> str:
-    """A size in words."""
+    """A size as text."""
     if size < FLOOR:
         return SMALL
     return f"{100.0 * size:.2g} %" if size < 0.995 else f"{np.round(100.0 * size):.0f} %"

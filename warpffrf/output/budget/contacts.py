@@ -1,47 +1,45 @@
-r"""Errors of contacts: the grid or the cells of the pressure, few sampling points, the mesh, and the iteration.
+r"""Errors of contacts: the grid or the cells of the pressure, reduced sampling points, the mesh, and the iteration.
 
-*Hats of the material grid*: what the grid leaves of the force at a given approach, and of the pressures in the L2
-norm, for a patch of the size found at the largest load: half of the rule of `offline.contact.grid_rule`, which is for
-the worst position of the patch on the grid. Fields err at their edges, peaks by the square of that. *Cells of a patch*:
-other cells at sampled steps, of the pressures as cell means in the L2 norm (`online.diagnosis.cell_check`).
-*Gaps along lines of centres*: the moment that they leave out where axes lean towards each other
-(`online.diagnosis.contact_notes.Leaning`), beside that of the contact, or `EDGE` of what its force has at the end.
-*Friction on cells*: of a patch that advances c cells a step, where c is above `MOST_CELLS`, c/MOST_CELLS times
-`FRICTION_ERROR` of the largest friction force (docs/studies/patch_rolling.md: 0.9 to 1.0 % at 2.5, 1.0 to 1.4 % at 4).
-*Points*: all points at sampled steps (`online.diagnosis.sampling_check`). *Mesh*: what the far fields of both bodies
-leave (`model.mesh_error.own_mesh_error`), exactly by a second mesh, `ReducedBody.mesh_error`.
-*Half-widths* on n strips come from moments, some 0.3 % 11/n of lines and 1 % (11/n)^2 of points too large
-(docs/studies/coarse_points.md).
+*Body-fixed grid*: grid error of the force at a given approach, and of the pressures in the L2 norm, for the patch size
+at the largest load: half of the rule of `offline.contact.grid_rule`, which is for the worst position of the patch on
+the grid. Fields err at their edges, peaks by the square of that. *Cells of a patch*: comparison with other cells at
+sampled steps, for pressures as cell means in the L2 norm (`online.diagnosis.cell_check`). *Parallel-axes kinematics*:
+the neglected moment if axes are inclined (`online.diagnosis.contact_notes.Leaning`), relative to that of the contact,
+or to `EDGE` of the moment of its force at the end. *Friction on cells*: for a patch that advances c cells per step,
+with c above `MOST_CELLS`, c/MOST_CELLS times `FRICTION_ERROR` of the largest friction force
+(docs/studies/patch_rolling.md: 0.9 to 1.0 % at 2.5, 1.0 to 1.4 % at 4). *Points*: all points at sampled steps
+(`online.diagnosis.sampling_check`). *Mesh*: mesh error of the far fields of both bodies
+(`model.mesh_error.own_mesh_error`), exactly by a second mesh, `ReducedBody.mesh_error`. *Half-widths* on n strips
+follow from moments, about 0.3 % 11/n too large for lines and 1 % (11/n)^2 for points (docs/studies/coarse_points.md).
 
-Forces are beside those of the contact, of one that carries less than `quantities.LIGHT` of the largest force of the
-machine beside so much. With the force F of a line the pressures go as its root, so that these are then beside the
-pressures that so much force would have.
+Errors of forces are relative to the force of the contact, at least `quantities.LIGHT` of the largest force of the
+machine. Pressures of a line depend on the root of the force F, so that their errors are then relative to the pressures
+at that force.
 
-Bodies. Errors of bodies: inertia terms that were left out, and local modes without inertia.
+Bodies. Errors of bodies: neglected inertia terms, and local modes without inertia.
 
-*Inertia*: sizes of the terms on the motion found (`online.diagnosis.indicator`). *Stiffening* by turning is of the size
-of the deformed inertia. *Local modes* follow the contact force at once, although modes above the highest global one,
-omega_c, would follow it with their inertia: of a force F(t) they miss F''/omega_c^2 at most, so that the root mean
-square of F'' over that of omega_c^2 F is the part of the local deformation, and so of the approach, that is wrong.
+*Inertia*: sizes of the terms on the computed motion (`online.diagnosis.indicator`). *Stiffening* by rotation is of the
+size of the deformed inertia. *Local modes* follow the contact force without delay, although modes above the highest
+global one, omega_c, have inertia: for a force F(t) the error is F''/omega_c^2 at most, so that the root mean square of
+F'' over that of omega_c^2 F is the relative error of the local deformation, and so of the approach.
 
-Energy that came from nowhere, by the ledger of the run itself.
+Spurious energy, from the energy ledger of the run.
 
-With L = numerical + contact_grid, what the steps make of energy and what the grid of a contact does, a run has gained
-max(L - running min L), over the energy at hand. Nothing real does that: it is an error of the step, of second order in
-it where motion is smooth, also where coordinates are still right. What a run loses is another matter, numerical damping
-of what its steps do not resolve, which the report states beside it; with lumped contacts, where all that yields in an
-impact is the law of the contact, a loss is an error, too, and the larger of the two counts.
+With L = numerical + contact_grid, the energy errors of the steps and of contact grids, a run has gained max(L - running
+min L), relative to the energy scale. Such a gain is an error of the step, of second order in it for smooth motion, even
+if coordinates are still accurate. A loss is numerical damping of unresolved motion, which the report states separately;
+with lumped contacts, where the contact law is the only compliance in an impact, a loss is also an error, and the larger
+of the two counts.
 
-The lines have cures of their own: `numerical` is of the step, `contact_grid` of the grid under a patch that moves over
-it, at any step. Between the rows of the largest rise or fall the one that changed more is named, with the other where
-that made more than `SHARE` of it.
+The lines have different remedies: `numerical` depends on the step, `contact_grid` on the grid under a moving patch, at
+any step. The line that changed more between the rows of the largest rise or fall is named, with the other if it
+contributed more than `SHARE`.
 
-Films. Errors of oil films: of evaluation "hyper" a few profiles along beside all hats, in states of the run; of hats
-their grid beside finer ones, in the last state.
+Films. Errors of oil films: with evaluation "hyper" a few axial profiles compared with all nodes, in states of the run;
+the grid of the nodes compared with finer ones, in the last state.
 
-The smallest gap and the largest pressure are those under the same force, the force that at the same places
-(`online.diagnosis.film_check`); force, flow and torque of finer grids are those at the same gap
-(`online.diagnosis.film_grid`).
+The smallest gap and the largest pressure are compared at the same force, the force at the same positions
+(`online.diagnosis.film_check`); force, flow and torque of finer grids at the same gap (`online.diagnosis.film_grid`).
 """
 
 from __future__ import annotations
@@ -64,23 +62,23 @@ from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS
 from warpffrf.output.contact.hertz import flexible_sides
 from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
-PATCHES = {"line": "line", "point": "ellipse"}  # kinds of patches that the rule knows
+PATCHES = {"line": "line", "point": "ellipse"}  # kinds of patches covered by the rule
 FORCE, PRESSURE = "force", "pressure"
 MEAN = 0.5  # of the rule, which is for the worst position of a patch on its grid
-GAPS = "gaps along lines of centres"
+GAPS = "parallel-axes kinematics"
 EDGE = 0.01  # of the force times half the width
 ADVANCE = "friction of large steps"
-MESH_CURE = "a finer mesh; body.mesh_error(the same body on another one) says it exactly"
-USUAL = 11  # strips of a patch; on so many moments make half-widths too large by
+MESH_CURE = "a finer mesh; body.mesh_error(the same body on another mesh) computes it exactly"
+USUAL = 11  # strips of a patch; with so many, moments overestimate half-widths by
 MOMENTS = {"line": (0.003, 1.0), "line_around": (0.003, 1.0), "point": (0.01, 2.0)}  # this, with a power of the strips
-PEAK = 0.5  # of what cells change of the largest: a peak is that of the parabola through them
+PEAK = 0.5  # of the change of the largest pressure with the cells: a peak is that of the parabola through them
 ROLLING = {"creepage": 2.0, "friction power": 2.0, "wear index": 10.0, WORK: 0.5}  # times `FRICTION_ERROR`
-HALF_WIDTHS = "moments of pressures at the middles of strips, by studies of cylinders and balls"
+HALF_WIDTHS = "moments of pressures at strip centres, by studies of cylinders and balls"
 GRID, POINTS, MESH, TOLERANCE = "contact grid", "sampling points", "FE mesh", "iteration"
 
 
 def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
-    """One line for each contact that was loaded."""
+    """One line for each loaded contact."""
     history = result.history
     checks, share = history.cell_checks, shares(history)
     lines: list[BudgetLine] = []
@@ -108,9 +106,9 @@ def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
 
 
 def _of_cells(found: Any, time: np.ndarray, check: Any, cure: str) -> list[BudgetLine]:
-    """Of peak and half-widths of a patch of cells: what other cells change of the largest pressure, the moments of
-    pressures at their middles, and what friction in rolling is on them; of micro-slip in a patch that stays nothing is
-    known."""
+    """Errors of peak and half-widths of a patch of cells: change of the largest pressure with other cells, moments of
+    pressures at cell centres, and rolling friction on cells; for micro-slip in a stationary patch no estimate exists.
+    """
     strips, owner = found.pressure(0).pressure.shape[0], f"contact {found.name!r}"
     moments, power = MOMENTS.get(found.patch_kind, (0.0, 1.0))
     lines = [BudgetLine(GRID, f"half-widths of {owner}", moments * (USUAL / strips) ** power, HALF_WIDTHS, cure)]
@@ -129,13 +127,13 @@ def _of_cells(found: Any, time: np.ndarray, check: Any, cure: str) -> list[Budge
 
 
 def _rolls(found: Any, time: np.ndarray) -> bool:
-    """Whether the patch leaves its place: it advances by more than its width."""
+    """Whether the patch moves: it advances by more than its width."""
     way = np.trapezoid(np.nan_to_num(np.abs(found.friction.rolling_velocity)), time)
     return bool(way > 2.0 * np.max(found.half_widths[:, 0], initial=0.0))
 
 
 def _beside(line: BudgetLine, share: float) -> BudgetLine:
-    """`line` of a contact that carries a `share` of what errors are beside at least."""
+    """`line` of a contact that carries at least a `share` of the reference force of errors."""
     if share == 1.0:
         return line
     basis = f"{line.basis}; beside {LIGHT:g} of the largest force of the machine, it carries less"
@@ -143,7 +141,7 @@ def _beside(line: BudgetLine, share: float) -> BudgetLine:
 
 
 def _of_hats(found: Any, quantity: str) -> BudgetLine:
-    """By the rule, at the largest load."""
+    """Error of the body-fixed grid by the rule, at the largest load."""
     cure = "a finer grid (half_width= or traction_spacing= of reduce), or contact_fixed=True"
     of = f"{quantity} of contact {found.name!r}"
     if found.patch_kind not in PATCHES:
@@ -155,8 +153,8 @@ def _of_hats(found: Any, quantity: str) -> BudgetLine:
 
 
 def hats_error(found: Any, spacing: float, quantity: str) -> float:
-    """What hats of `spacing` [m] around leave of a patch as it was `found` at its largest load; NaN where it is smaller
-    than a hat, or of a kind without a rule."""
+    """Error of a grid with node `spacing` [m] around, for a patch as `found` at its largest load; NaN if the patch is
+    smaller than a spacing, or of a kind without a rule."""
     kind = PATCHES.get(found.patch_kind)
     if kind is None:
         return np.nan
@@ -171,7 +169,7 @@ def hats_error(found: Any, spacing: float, quantity: str) -> float:
 
 
 def gap_lines(result: Any, engine: Engine) -> list[BudgetLine]:
-    """One line for each loaded contact whose gaps are taken along lines of centres."""
+    """One line for each loaded contact with parallel-axes kinematics."""
     lines, families = [], engine.compiled.model.pairs.family.numpy()
     for number, contact in enumerate(result.history.scene.contacts):
         if families[number] != LINE_OF_CENTRES or not np.any(result.contact(contact.name).touching):
@@ -179,7 +177,7 @@ def gap_lines(result: Any, engine: Engine) -> list[BudgetLine]:
         lean = Leaning.of(contact, result.history.contacts[contact.name], result.history)
         beside = max(lean.moment, EDGE * lean.force * 0.5 * float(np.ptp(contact.a.surface.grid.z)))
         size = lean.left / beside if beside > 0.0 else 0.0
-        basis = f"axes lean towards each other by {lean.tilt:.2g} rad"
+        basis = f"axes are inclined by {lean.tilt:.2g} rad"
         lines.append(BudgetLine(GAPS, f"moment of contact {contact.name!r}", size, basis, 'kinematics="closest_point"'))
     return lines
 
@@ -196,7 +194,7 @@ def friction_lines(result: Any) -> list[BudgetLine]:
                     ADVANCE,
                     f"largest friction force of contact {contact.name!r}",
                     FRICTION_ERROR * advance / MOST_CELLS["cells"],
-                    f"the patch advances {advance:.2g} cells a step",
+                    f"the patch advances {advance:.2g} cells per step",
                     "a smaller step, or fewer strips in cells=",
                 )  # fmt: skip
             )
@@ -215,9 +213,9 @@ def point_lines(result: Any) -> list[BudgetLine]:
 
 
 def mesh_lines(result: Any) -> list[BudgetLine]:
-    """For each contact that was loaded what the meshes of its bodies make of its force at a given approach, each by
-    what its body yields of the whole: by `model.mesh_error.own_mesh_error`, on hats by `line_mesh_error` of the
-    reduction."""
+    """For each loaded contact the effect of the meshes of its bodies on the force at a given approach, weighted by
+    their share of the compliance: by `model.mesh_error.own_mesh_error`, on a body-fixed grid by `line_mesh_error` of
+    the reduction."""
     lines = []
     for contact in result.history.scene.contacts:
         found = result.contact(contact.name)
@@ -230,9 +228,9 @@ def mesh_lines(result: Any) -> list[BudgetLine]:
         yields = [_softness(reduced, surface.name) for reduced, surface in sides]
         known = bool(errors) and None not in errors and None not in yields
         size = float(np.dot(errors, yields) / np.sum(yields)) if known else np.nan  # type: ignore[arg-type]
-        basis = "rule of far fields and walls" if found.loaded == "cells" else "rule of the cells behind the surface"
+        basis = "rule of far fields and walls" if found.loaded == "cells" else "rule of the elements behind the surface"
         if not known:
-            basis = "there is no rule for the cells behind points on hats; needs the bodies on another mesh"
+            basis = "there is no rule for the elements behind point contacts at nodes; use bodies on another mesh"
         if not sides:
             size, basis = 0.0, "rigid bodies"
         lines.append(BudgetLine(MESH, _force(contact.name), size, basis, MESH_CURE))
@@ -240,7 +238,7 @@ def mesh_lines(result: Any) -> list[BudgetLine]:
 
 
 def _softness(reduced: Any, name: str) -> float | None:
-    """(1 - nu^2)/E [1/Pa] of the material at a surface; None where that is not known."""
+    """(1 - nu^2)/E [1/Pa] of the material at a surface; None if unknown."""
     material = reduced.provenance.get("contact_materials", {}).get(name)
     return (1.0 - material["poisson_ratio"] ** 2) / material["youngs_modulus"] if material else None
 
@@ -254,7 +252,7 @@ def _of_mesh(found: Any, reduced: Any, surface: Any, widths: tuple[float, ...]) 
 
 
 def tolerance_lines(result: Any, engine: Engine) -> list[BudgetLine]:
-    """To what the iteration of a step is balanced."""
+    """Tolerance of the equilibrium iteration of a step."""
     of = "force of all contacts" if result.history.scene.contacts else "all results"
     size = engine.settings.residual_tolerance
     return [BudgetLine(TOLERANCE, of, size, "the tolerance of the balance of forces")]
@@ -271,7 +269,7 @@ UNEVEN = 1e-6  # of the distance of saved steps
 
 
 def inertia_lines(result: Any, engine: Engine) -> list[BudgetLine]:
-    """For each flexible body, of its deformation."""
+    """One line for each flexible body, for its deformation."""
     scene, bodies = result.history.scene, result.history.bodies
     levels = {body.name: plan.level for body, plan in zip(scene.bodies, engine.compiled.inertia.bodies, strict=True)}
     sizes = term_sizes(scene, bodies, levels)
@@ -294,7 +292,7 @@ def inertia_lines(result: Any, engine: Engine) -> list[BudgetLine]:
 
 
 def local_lines(result: Any, engine: Engine) -> list[BudgetLine]:
-    """For each contact that was loaded, of its approach."""
+    """One line for each loaded contact, for its approach."""
     if engine.compiled.local.options.treatment != STATIC:
         return []
     lines = []
@@ -311,7 +309,7 @@ def local_lines(result: Any, engine: Engine) -> list[BudgetLine]:
 
 
 def highest_frequency(body: Any) -> float:
-    """Up to where [Hz] the global modes of a body hold its vibrations; 0 without any."""
+    """Frequency [Hz] up to which the global modes of a body include its vibrations; 0 without any."""
     known = body.reduced.report.get("quality", {}).get("frequencies", {}).get("covered")
     frequencies = body.reduced.frequencies
     return float(known or (frequencies[-1] if len(frequencies) else 0.0))
@@ -319,24 +317,24 @@ def highest_frequency(body: Any) -> float:
 
 def _missed(time: np.ndarray, force: np.ndarray, highest: float) -> tuple[float, str]:
     if highest == 0.0:
-        return np.nan, "a body has no vibration modes, which would say what their inertia does"
+        return np.nan, "a body has no vibration modes to estimate the effect of their inertia"
     step = np.diff(time)
     if len(time) < LEAST_ROWS or np.ptp(step) > UNEVEN * step.max():
-        return np.nan, "needs a force saved at even times"
+        return np.nan, "requires a force saved at even times"
     bend = np.diff(force, 2, axis=0) / step[0] ** 2
     size = np.sqrt(np.mean(np.sum(bend**2, axis=1)) / np.mean(np.sum(force**2, axis=1)))
     return float(size / (2.0 * np.pi * highest) ** 2), f"how fast the force changes, beside {highest:.4g} Hz"
 
 
 SOURCE, OF = "energy ledger", "energy at hand"
-SHARE = 0.2  # of what was gained or lost: a line with less needs no cure
+SHARE = 0.2  # of the gain or loss: a line with less is not named
 FINER_GRID = (
     "a finer contact grid (expected_half_width= or traction_spacing= of reduce), or more cells of a patch (cells=)"
 )
 
 
 def energy_lines(result: Any) -> list[BudgetLine]:
-    """One line, where there is energy, and the ledger has booked what it takes."""
+    """One line, if there is energy and the ledger was computed."""
     hand = result.energy_scale
     ledger = {name: np.asarray(result.energy[name]) for name in ("numerical", "contact_grid")}
     L = ledger["numerical"] + ledger["contact_grid"]
@@ -375,7 +373,7 @@ def film_lines(history: History) -> list[BudgetLine]:
             continue
         basis = f"all nodes in {len(check.time)} states of the run"
         if not len(check.time):
-            basis = "the film of all nodes was found in no state of the run"
+            basis = "the film at all nodes was found in no state of the run"
         for of, size, where in (
             ("force", check.force, "at the same positions"),
             ("smallest gap", check.gap, "under the same force"),

@@ -1,13 +1,14 @@
-r"""Every figure that a report prints, as a quantity of a run, and what an error of one is to another.
+r"""All quantities of a report, and the propagation of errors between them.
 
-A figure is called "creepage of contact 'pair'": its kind, and whose it is. A source of error gives lines for figures by
-these names. The force at a given approach is that of which most is known; what a part e of it is to other figures of a
-pair follows from contact mechanics, F ~ d^n, n = 1.1 of lines (whose approach has a logarithm), 1.5 of points and 1 of
-flat faces, a ~ F^(1/2), F^(1/3), and none. Of the approach a machine gives a part, from none to all: `SHARED` is
-between. What joints, force elements and sensors say errs as the forces of contacts at most. Contacts and joints whose
-forces the loads give (`balance`) have no error in these, and all of it in the approach.
+A quantity is named by its kind and owner, such as "creepage of contact 'pair'". Sources of error give lines for
+quantities by these names. Errors are best known for the force at a given approach; the effect of a relative error e of
+it on other quantities of a contact follows from contact mechanics: F ~ d^n with n = 1.1 for lines (whose approach has a
+logarithm), 1.5 for points and 1 for flat faces; a ~ F^(1/2), F^(1/3), and constant. The machine prescribes between none
+and all of the approach: `SHARED` is in between. Errors of joints, force elements and sensors are at most those of
+contact forces. Contacts and joints whose forces are given by the loads (`balance`) have no error in these, and all of
+it in the approach.
 
-A figure whose grid or mesh no source speaks of gets a line that says so.
+A quantity without an estimate for its grid or mesh gets a line that states this.
 """
 
 from __future__ import annotations
@@ -26,22 +27,22 @@ from warpffrf.output.contact.result import ContactResult
 from warpffrf.output.geometry.scene_view import SceneView
 
 Array = np.ndarray
-UNKNOWN = "not estimated"  # the source of a line of a figure that no source speaks of
+UNKNOWN = "not estimated"  # source of the line of a quantity without an estimate
 WORK = "work of friction"  # of the whole run
-BALANCE = "balance"  # of what the loads give
-OF_TIME = ("time step", "energy ledger", "iteration")  # sources that say nothing of grids and meshes
+BALANCE = "balance"  # of forces given by the loads
+OF_TIME = ("time step", "energy ledger", "iteration")  # sources that do not cover grids and meshes
 ON_GRIDS = ("contact", "film", "lap")
 AS_FORCE = "by what it is of the force"
-EXPONENTS = {"line": 1.1, "line_around": 1.1, "point": 1.5, "flat": 1.0}  # of the approach in the force
-WIDTHS = {"line": 0.5, "line_around": 0.5, "point": 1.0 / 3.0, "flat": 0.0}  # of the force in half-widths
+EXPONENTS = {"line": 1.1, "line_around": 1.1, "point": 1.5, "flat": 1.0}  # exponents of the approach in the force
+WIDTHS = {"line": 0.5, "line_around": 0.5, "point": 1.0 / 3.0, "flat": 0.0}  # exponents of the force in half-widths
 RUBBED = ("friction power", "wear index", "creepage")
-LIFE = {"ball": 3.0}  # of the load in a life; of rollers
+LIFE = {"ball": 3.0}  # exponent of the load in the life; for rollers
 OF_ROLLERS = 10.0 / 3.0
-LEAST = 1e-14  # of any figure: below, sums of zeros
+LEAST = 1e-14  # of any quantity: smaller values are sums of zeros
 SORTS = {"reaction": "force", "load": "force", "reaction torque": "torque"}
-ARM = 0.1  # of the size of the machine: torques are beside those of its forces with such arms at least
-ASKEW = 0.12  # of a force's error in a torque that vanishes: meshes are not symmetric
-SHARED = 0.3  # of the error of an approach at a given force: machines give forces, approaches, or neither
+ARM = 0.1  # of the size of the machine: torques are relative at least to its forces with such arms
+ASKEW = 0.12  # part of a force's error in a torque that vanishes: meshes are not symmetric
+SHARED = 0.3  # of the error of an approach at a given force: machines prescribe forces, approaches, or neither
 MAIN = (
     "force", "stiffness", "pressure", "motion", "deformation", "moment", "loss", "largest friction force",
     "all results", "energy at hand", "smallest gap", "largest pressure",
@@ -49,25 +50,25 @@ MAIN = (
 
 
 def figure(kind: str, owner: str) -> str:
-    """The name of one."""
+    """The name of a quantity."""
     return f"{kind} of {owner}"
 
 
 def kind_and_owner(name: str) -> tuple[str, str]:
-    """Its kind and whose it is, "" of the whole run."""
+    """Its kind and owner, "" for the whole run."""
     kind, _, owner = name.partition(" of ")
     return (kind, owner) if name != WORK else (name, "")
 
 
 def is_main(line: BudgetLine) -> bool:
-    """Whether it is of a quantity that others follow from, such as forces and motions."""
+    """Whether other quantities follow from it, as from forces and motions."""
     return line.source != UNKNOWN and kind_and_owner(line.of)[0] in MAIN
 
 
 def figures(history: History, view: SceneView) -> dict[str, Quantity]:
-    """By name all that are printed of a run, besides those of `quantities`, over their largest value, or over `LIGHT`
-    of that of all of their kind, torques over forces with `ARM` of the machine; what is zero, or round-off, in all rows
-    is left out."""
+    """All quantities of a report by name, besides those of `quantities`, relative to their largest value, or to `LIGHT`
+    of the largest of their kind, torques to forces with `ARM` of the machine; quantities that are zero, or round-off,
+    in all rows are omitted."""
     found, most = list[tuple[str, Quantity]](), dict[str, float]()
     for kind, owner, values in _values(history, view):
         v = np.asarray(values, dtype=float).reshape(len(history.time), -1)
@@ -89,18 +90,18 @@ def _is_force(quantity: Quantity) -> bool:
 
 
 def _largest(quantity: Quantity) -> float:
-    """The largest length of its values."""
+    """The largest magnitude of its values."""
     return float(np.nan_to_num(np.linalg.norm(quantity.values, axis=1)).max(initial=0.0))
 
 
 def pair_result(history: History, view: SceneView, name: str) -> Any:
-    """The contact called `name` as a result has it."""
+    """The contact called `name` as in a result."""
     pair = history.contacts[name]
     return (ContactResult if pair.cells is None else CellContactResult)(pair, view.pairs[name], history.bodies)
 
 
 def _values(history: History, view: SceneView) -> Iterator[tuple[str, str, Any]]:
-    """Kind, owner, and values (T, ...) of figures."""
+    """Kind, owner, and values (T, ...) of the quantities."""
     for name in history.contacts:
         pair, owner = pair_result(history, view, name), f"contact {name!r}"
         if not np.any(pair.touching):
@@ -143,7 +144,8 @@ def _values(history: History, view: SceneView) -> Iterator[tuple[str, str, Any]]
 
 
 def with_all_figures(result: Any, lines: Sequence[BudgetLine]) -> list[BudgetLine]:
-    """`lines`, with what they are to other figures, and a line for each figure whose grid or mesh none speaks of."""
+    """`lines`, with their effects on other quantities, and a line for each quantity without an estimate for its grid or
+    mesh."""
     history = result.history
     own = figures(history, result.view)
     own |= {name: q for name, q in quantities(history).items() if _is_force(q)}
@@ -152,7 +154,7 @@ def with_all_figures(result: Any, lines: Sequence[BudgetLine]) -> list[BudgetLin
     found += _of_pairs(result, found, own, given)
     found += _of_machine(result, found, own, given)
     lumped = {f"contact {name!r}" for name in history.lumped_contacts}
-    exact = history.marks.static and not any(body.reduced for body in history.scene.bodies)  # but for its iteration
+    exact = history.marks.static and not any(body.reduced for body in history.scene.bodies)  # except for its iteration
     deform = any(body.reduced is not None for body in history.scene.bodies)
     of_numbers = {line.of for line in found if line.found and line.source not in OF_TIME}
     of_any = {line.of for line in found if line.found}
@@ -167,7 +169,8 @@ def with_all_figures(result: Any, lines: Sequence[BudgetLine]) -> list[BudgetLin
 
 
 def _by_loads(line: BudgetLine, given: set[str]) -> list[BudgetLine]:
-    """`line`; of a contact whose force the loads give it is one of the stiffness, and the force has none."""
+    """`line`; for a contact whose force is given by the loads it is one of the stiffness, and the force has no
+    error."""
     kind, owner = kind_and_owner(line.of)
     if kind != "force" or owner not in given or line.source in OF_TIME:
         return [line]
@@ -175,8 +178,8 @@ def _by_loads(line: BudgetLine, given: set[str]) -> list[BudgetLine]:
 
 
 def _of_pairs(result: Any, lines: Sequence[BudgetLine], own: dict[str, Quantity], given: set[str]) -> list[BudgetLine]:
-    """What errors of the force of a contact at a given approach are to its other figures, of sources that do not say so
-    themselves."""
+    """Effects of errors of the force of a contact at a given approach on its other quantities, for sources without own
+    estimates of them."""
     found, told = list[BudgetLine](), {(line.source, line.of) for line in lines}
     for name in result.history.contacts:
         owner = f"contact {name!r}"
@@ -202,8 +205,8 @@ def _of_pairs(result: Any, lines: Sequence[BudgetLine], own: dict[str, Quantity]
 def _of_machine(
     result: Any, lines: Sequence[BudgetLine], own: dict[str, Quantity], given: set[str]
 ) -> list[BudgetLine]:
-    """What the largest error of the force of a contact, film or lap is to joints, force elements, sensors, and lives,
-    of each source that does not say so itself."""
+    """Effects of the largest force error of a contact, film or small-sliding contact on joints, force elements,
+    sensors, and lives, for each source without own estimates of them."""
     told, forces = {(line.source, line.of) for line in lines}, dict[str, BudgetLine]()
     for line in lines:
         if line.of.startswith("force of ") and line.found:
@@ -231,24 +234,24 @@ def _of_machine(
 
 
 def _why(name: str, result: Any) -> str:
-    """Why no source speaks of the figure."""
+    """The reason why no source covers the quantity."""
     kind, owner = kind_and_owner(name)
     if owner.startswith(("film", "lap")):
-        return f"what its grid does, which takes the {owner.split()[0]} on a finer one"
+        return f"grid error: requires the {owner.split()[0]} on a finer grid"
     if owner.startswith("contact") and kind in RUBBED:
-        return "what its grid does to friction, which takes another one"
+        return "grid error of friction: requires another grid"
     if owner.startswith("contact"):
-        return "what its grid does, which takes another one"
+        return "grid error: requires another grid"
     if kind == WORK:
-        return "what the grids of contacts do to micro-slip, which takes other ones"
+        return "grid error of micro-slip: requires other contact grids"
     if any(body.reduced is not None for body in result.history.scene.bodies):
-        return "what the meshes of bodies do, which takes other ones"
-    return "the run has no second one to be held against"
+        return "mesh error of bodies: requires other meshes"
+    return "there is no second run to compare with"
 
 
 def figure_text(lines: Sequence[BudgetLine]) -> list[tuple[str, str]]:
-    """(owner, line of the report) of the figures that are printed: all sources together, as independent ones, and the
-    largest; then what is not estimated, and why."""
+    """(owner, line of the report) of the printed quantities: all sources together, as independent ones, and the
+    largest; then the sources that are not estimated, and why."""
     owners: dict[str, dict[str, list[BudgetLine]]] = {}
     for line in lines:
         kind, owner = kind_and_owner(line.of)
@@ -271,7 +274,7 @@ def figure_text(lines: Sequence[BudgetLine]) -> list[tuple[str, str]]:
 
 
 def total(lines: Sequence[BudgetLine]) -> float:
-    """Of several lines of one figure, the largest of each source, the root of the sum of squares."""
+    """Total of several lines of one quantity: root sum of squares of the largest of each source."""
     largest: dict[str, float] = {}
     for line in lines:
         largest[line.source] = max(largest.get(line.source, 0.0), line.size)

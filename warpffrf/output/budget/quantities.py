@@ -1,8 +1,8 @@
-"""The quantities that errors are told of, and what they are beside.
+"""The quantities whose errors are estimated, and their reference values.
 
-The force of a contact in an impact of bodies whose faces have mass is an impulse over one step, J/h. It has no limit as
-the step goes to zero, and its square none that is finite. Rows in which a force is more than `SPIKE` times its median
-are therefore not compared; what such an impulse does is in the motions.
+The force of a contact in an impact of bodies whose faces have mass is an impulse over one step, J/h. It diverges as the
+step goes to zero, and so does its square. Rows in which a force is more than `SPIKE` times its median are therefore not
+compared; the effect of such an impulse appears in the motions.
 """
 
 from __future__ import annotations
@@ -16,16 +16,17 @@ from warpffrf.model import rotation as rot
 from warpffrf.online.history.history import History
 
 Array = np.ndarray
-STILL = 1e-5  # of the largest way in the machine: errors of a body that moves less are beside so much
-STANDS = 1e-8  # of the size of the machine: the same of one that stands still, whose ways are round-off
-LIGHT = 1e-3  # of the largest contact force in the machine: the same of a contact that carries less
-SPIKE = 10.0  # times the median of a force under load: the largest of a bounce of balls is 1.4 times
+STILL = 1e-5  # of the largest displacement in the machine: reference value of bodies that move less
+STANDS = 1e-8  # of the size of the machine: the same for stationary bodies, whose motion is round-off
+LIGHT = 1e-3  # of the largest contact force in the machine: the same for contacts that carry less
+SPIKE = 10.0  # times the median of a force under load: bouncing balls reach 1.4 times
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """One quantity of a run: `values` (T, n) at its saved steps. Errors are lengths of differences over `size`; values
-    of more than `most` are not compared. beside: what a report says of a size that is not the quantity's own."""
+    """One quantity of a run: `values` (T, n) at its saved steps. Errors are magnitudes of differences over `size`;
+    values above `most` are not compared. beside: text of a report on a reference value that is not the quantity's own.
+    """
 
     name: str
     values: Array
@@ -34,24 +35,24 @@ class Quantity:
     beside: str = ""
 
     def at_least(self, least: float, beside: str) -> Quantity:
-        """Beside `least`, where it is less and not zero."""
+        """With the reference value at least `least`, unless the size is zero."""
         return replace(self, size=least, beside=f"; beside {beside}") if 0.0 < self.size < least else self
 
     def apart(self, other: Array, rows: Any = slice(None)) -> Array:
-        """(T,) lengths of the differences from `other` (T, n) of its `rows`."""
+        """(T,) magnitudes of the differences from `other` (T, n) of its `rows`."""
         own = self.values[rows]
         one, two = (np.linalg.norm(values, axis=1) <= self.most for values in (own, other))
         return np.where(one & two, np.linalg.norm(own - other, axis=1), 0.0)
 
 
 def quantities(history: History) -> dict[str, Quantity]:
-    """By name: the force of each contact, oil film and lap over its root mean square, or over `LIGHT` of the largest
-    one, the motion of each body (its origin, and its axes as long as its radius of gyration) over the largest way from
-    its mean, or over `STILL` of the largest one, or over `STANDS` of the size of the machine, the deformation of a
-    flexible one, as the root of the strain energy of each of its modes, over the root mean square of it, and what
-    friction takes in each lap, over all of it.
+    """By name: the force of each contact, oil film and small-sliding contact relative to its root mean square, or
+    `LIGHT` of the largest one; the motion of each body (origin, and axes with the length of the radius of gyration)
+    relative to the largest distance from its mean, or `STILL` of the largest one, or `STANDS` of the size of the
+    machine; the deformation of a flexible body, as the root of the strain energy of each of its modes, relative to its
+    root mean square; and the friction loss of each small-sliding contact, relative to its total.
 
-    A quantity that is zero in all rows is left out.
+    A quantity that is zero in all rows is omitted.
     """
     forces = [_of_force(f"contact {name!r}", contact.force) for name, contact in _contacts(history)]
     forces += [_of_force(f"film {name!r}", film.force) for name, film in history.films.items()]
@@ -77,7 +78,7 @@ def quantities(history: History) -> dict[str, Quantity]:
 
 
 def _places(body: Any, history: History) -> Array:
-    """(T, 12) the origin of a body and its axes as long as its radius of gyration [m]."""
+    """(T, 12) the origin of a body and its axes with the length of the radius of gyration [m]."""
     motion = history.bodies[body.name]
     gyration = np.sqrt(0.5 * np.trace(body.inertia) / body.mass)
     axes = np.array([rot.matrix(p) for p in motion.rotation]).reshape(len(motion.rotation), 9)
@@ -85,12 +86,12 @@ def _places(body: Any, history: History) -> Array:
 
 
 def _way(places: Array) -> float:
-    """The largest way [m] from the mean."""
+    """The largest distance [m] from the mean."""
     return float(np.linalg.norm(places - places.mean(axis=0), axis=1).max()) if len(places) else 0.0
 
 
 def machine_size(history: History) -> float:
-    """How far [m] bodies are apart at the start, and the largest of their radii of gyration."""
+    """Distance [m] between bodies at the start, and the largest of their radii of gyration."""
     if not history.scene.bodies or not len(history.time):
         return 0.0
     places = np.array([history.bodies[body.name].position[0] for body in history.scene.bodies])
@@ -99,8 +100,8 @@ def machine_size(history: History) -> float:
 
 
 def shares(history: History) -> dict[str, float]:
-    """By name of a distributed contact its largest force over `LIGHT` of that of the machine, at most 1: what errors
-    that are beside its own force are beside that."""
+    """By name of a distributed contact its largest force over `LIGHT` of that of the machine, at most 1: conversion of
+    errors relative to its own force."""
     each = {name: float(np.linalg.norm(contact.force, axis=1).max(initial=0.0)) for name, contact in _contacts(history)}
     least = LIGHT * max(each.values(), default=0.0)
     return {name: min(each[name] / least, 1.0) if least > 0.0 else 1.0 for name in history.contacts}

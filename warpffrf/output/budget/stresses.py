@@ -1,10 +1,10 @@
-"""Errors of stresses of bodies: those below contacts by rules, others by none.
+"""Errors of stresses of bodies: rules for stresses below contacts, no estimate for others.
 
 Below patches of cells the half-space corrects the stress of the elements, and the largest von Mises stress errs by
 `BELOW_CELLS` at most (docs/studies/coarse_points.md: 0.1 to 0.5 % below lines and points, of hexahedra and tetrahedra
-with three to eight on the radius), and by what bodies make of the pressures. On hats it is what the cells follow below
-a line (`contact.stress_errors`). Stresses deeper than `NEAR` half-widths are not those of a contact: what elements
-leave of them is not known from one mesh.
+with three to eight on the radius), and by the body errors of the pressures. On nodes of the contact grid it is the
+error of the cells below a line (`contact.stress_errors`). Stresses deeper than `NEAR` half-widths are not those of a
+contact: the error of the elements is not known from one mesh.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from warpffrf.output.contact.hertz import flexible_sides
 
 STRESS, PEAK = "stress recovery", "peak pressure of contact "
 BELOW_CELLS = 0.004
-NEAR = 3.0  # half-widths: the stress of a pressure has fallen to a third of its largest
+NEAR = 3.0  # half-widths: the stress of a pressure has decreased to a third of its maximum
 CURE = "a finer mesh behind the contact"
-AWAY = "it takes the points on a second mesh"
+AWAY = "requires the points on a second mesh"
 
 
 def stress_lines(result: Any) -> list[BudgetLine]:
-    """For each body with stress one line for each contact that points lie below, and one for other points."""
+    """For each body with stress one line for each contact above stress points, and one for other points."""
     lines = []
     for body in result.history.scene.bodies:
         if body.reduced is None or not body.reduced.stress:
@@ -54,24 +54,24 @@ def stress_lines(result: Any) -> list[BudgetLine]:
 
 
 def below(contact: str) -> str:
-    """The kind of the figure of stresses below a contact, of its name in quotes."""
+    """The quantity name of stresses below a contact, from its name in quotes."""
     return f"stress below {contact}"
 
 
 def _below(found: Any, row: int, body: str) -> tuple[float, str]:
-    """Of the largest von Mises stress, and how it is known."""
+    """Error of the largest von Mises stress, and its basis."""
     if found.loaded == "cells":
         return BELOW_CELLS, "the half-space under cells, by studies of cylinders and balls"
     known = found.stress_errors(row)
     if body not in known:
-        return np.nan, "the rule below contacts on hats is that of hexahedra"
+        return np.nan, "the rule below contacts on nodes of the contact grid is for hexahedra"
     one = known[body]
     return one.von_mises, one.reason or f"{one.spacings:.2g} spacings of nodes in the half-width"
 
 
 def stress_by_pressure(lines: Sequence[BudgetLine]) -> list[BudgetLine]:
-    """What bodies and steps make of the peak pressures of contacts is in the stress below, too; what cells make of it
-    is in the rule."""
+    """Errors of the peak pressures of contacts due to bodies and steps also apply to the stress below; those due to
+    cells are included in the rule."""
     peaks = [line for line in lines if line.found and line.source != GRID and line.of.startswith(PEAK)]
     return [
         BudgetLine(peak.source, line.of, peak.size, "as the peak pressure", peak.cure)

@@ -1,37 +1,37 @@
-r"""The error of the step of a run, from parts of it that are stepped again with twice the step.
+r"""The error of the time step of a run, from parts of it that are repeated with twice the step.
 
-A method of second order errs by e = c h^2 in whatever is looked at, so that two solutions that start together and go on
-with h and 2 h come apart by
+A second-order method has the error e = c h^2 in every quantity, so that two solutions from the same state with h and 2
+h differ by
 
     d = 4 e - e = 3 e
 
-(Richardson). Where the step of an impact is the error, of pairs whose contact is impulsive, the order is one, d = 2 e -
-e; of runs with such steps e = d/2 is taken, which is right within a factor of 2 either way.
+(Richardson). If the step of an impact dominates, for impulsive contacts, the order is one, d = 2 e - e; for runs with
+such steps e = d/2 is used, which is accurate to a factor of 2.
 
-A run of up to `marks.WHOLE` steps is stepped again as a whole, at half of its cost. Of a longer one it is windows, a
-hundredth each: `SPREAD` evenly spread ones, which stand for all that is not looked at, and the `BUSIEST`, in which
-accelerations change most from row to row, for themselves. In a window both solutions start from the state of the run
-(`marks` says how), so that what they come apart by grows from nothing. With d_1 and d_2 the root mean square of the
+A run of up to `marks.WHOLE` steps is repeated as a whole, at half of its cost. For a longer run windows are repeated, a
+hundredth each: `SPREAD` evenly spaced ones, which represent the rest of the run, and the `BUSIEST`, in which
+accelerations change most from row to row, which represent only themselves. In a window both solutions start from the
+state of the run (see `marks`), so that their difference grows from zero. With the root mean squares d_1 and d_2 of the
 first and second half of a window of length L, in a run of length T and a quantity of the frequency w = |Qdot|/|Q|,
 
     d_2/d_1 below SETTLED       forced or damped: the error has its size, d
     above QUADRATIC             free, and the window shorter than a period: a force error f gives d = f L^2/2 first and
                                 then f t/(2 w), hence d T/L max(1, min(1/(w L), T/L)) at the end of the run
     between, w L > TWO_PERIODS  free, grows with time: d T/L
-    between, else               not to be told: the geometric mean of both, d root(T/L)
+    between, else               undecided: the geometric mean of both, d root(T/L)
 
-and what grows linearly from nothing has 1/root(3) of its last value as root mean square.
+and a linear growth from zero has the root mean square 1/root(3) of its last value.
 
-Neither of two steps sees a vibration that both are too long for: the integrator damps it before it has done anything.
-So the first `PART` of a run, where vibrations are that its start excites, and the one in which accelerations change
-most, are stepped once more with a `FINER`th of the step, too (16/15 of this d is e at order two, but such a d is the
-error itself). With d_1 and d_2 of the halves of such a part it goes on as it began, d_2/d_1 = r <= 1 from half to half,
-so that of the whole run it is
+A vibration that neither step resolves is damped by the integrator and does not appear in the difference. So the first
+`PART` of a run, with vibrations excited by its start, and the one in which accelerations change most are also repeated
+with a `FINER`th of the step (16/15 of this d is e at order two, but such a d is the error itself). With d_1 and d_2 of
+the halves of such a part the difference is extrapolated with d_2/d_1 = r <= 1 from half to half, so that for the whole
+run
 
     e^2 = (L/2T) d_1^2 (1 + r^2 + r^4 + ...),       2 T/L terms.
 
-The largest of these and of the above counts. What is excited elsewhere is not seen: of machines that have such
-vibrations, of modes and of bodies on their contacts, the line says from which frequency on, 1/(2 pi 2 h).
+The largest of these and of the above counts. Vibrations excited elsewhere are not detected: for machines that can have
+them, of modes and of bodies on their contacts, the line states the frequency limit, 1/(2 pi 2 h).
 """
 
 from __future__ import annotations
@@ -52,13 +52,13 @@ from warpffrf.output.budget.quantities import Quantity, quantities
 from warpffrf.output.geometry.scene_view import SceneView
 
 SPREAD, BUSIEST = 4, 2  # windows
-SETTLED, QUADRATIC = 1.8, 4.0  # d_2/d_1 is 1 of what has settled, 2.6 of t, 5.6 of t^2
+SETTLED, QUADRATIC = 1.8, 4.0  # d_2/d_1 is 1 if settled, 2.6 for t, 5.6 for t^2
 TWO_PERIODS = 4.0 * np.pi
-LAST = 1.4  # last value over d_2: 1.3 of t, 1.6 of t^2
-SECOND_ORDER, FIRST_ORDER = float(COARSER**2 - 1), float(COARSER)  # d/e, the latter between its two
-PART, FEWEST, MOST = 32, 8, 400  # of the run, but so many steps of it
-RESOLVED = 1.0  # rad of a vibration in the longer step: beyond, the method has no order any more
-SAME_TIME = 1e-3  # of the step: times that differ by round-off
+LAST = 1.4  # last value over d_2: 1.3 for t, 1.6 for t^2
+SECOND_ORDER, FIRST_ORDER = float(COARSER**2 - 1), float(COARSER)  # d/e, the latter between its two bounds
+PART, FEWEST, MOST = 32, 8, 400  # of the run, within these limits of steps
+RESOLVED = 1.0  # rad of a vibration in the longer step: beyond it the method has no asymptotic order
+SAME_TIME = 1e-3  # of the step: smaller differences of times are round-off
 SOURCE = "time step"
 CURE = "a smaller step"
 
@@ -66,8 +66,7 @@ Array = np.ndarray
 
 
 def time_step_lines(history: History, view: SceneView, engine: Engine, *, progress: bool) -> list[BudgetLine]:
-    """One line for each quantity and figure of a run that has left `marks`; `engine`: of the run, at hand for more
-    steps."""
+    """One line for each quantity of a run with `marks`; `engine`: of the run, for further steps."""
 
     def of(history: History) -> dict[str, Quantity]:
         return {**figures(history, view), **quantities(history)}
@@ -86,9 +85,7 @@ def time_step_lines(history: History, view: SceneView, engine: Engine, *, progre
         again = marks.again(engine, *parts[i])
         if again is None:
             bar.close()
-            return [
-                BudgetLine(SOURCE, "all results", np.nan, "with twice the step the run fails", "a smaller step, to see")
-            ]
+            return [BudgetLine(SOURCE, "all results", np.nan, "with twice the step the run fails", "a smaller step")]
         found.append(again)
         bar.update(n + 1)
     own = of(history)
@@ -122,7 +119,7 @@ def _both(again: tuple[History, History] | None, of: Callable[[History], Found])
 
 
 def _fine(again: Again) -> History:
-    """The rows of a window with the step of the run."""
+    """The rows of a window computed with the step of the run."""
     if again.fine is None:
         raise TypeError("a window has rows of both steps")
     return again.fine
@@ -131,7 +128,7 @@ def _fine(again: Again) -> History:
 def _with_finer(
     lines: list[BudgetLine], own: Found, again: tuple[Found, Found] | None, parts: float, part: str
 ) -> list[BudgetLine]:
-    """`lines`, where one of so many `parts` of the run, with a shorter step, does not say more."""
+    """`lines`, unless one of `parts` of the run with a shorter step gives a larger error."""
     if again is None:
         return lines
     fine, finer = again
@@ -141,14 +138,14 @@ def _with_finer(
             d = replace(fine[line.of], most=own[line.of].most).apart(finer[line.of].values)
             size = going_on(d, parts) / own[line.of].size
             if not line.size >= size:
-                line = replace(line, size=size, basis=f"{part} of the run once more with 1/{FINER} of the step")
+                line = replace(line, size=size, basis=f"{part} of the run repeated with 1/{FINER} of the step")
         found.append(line)
     return found
 
 
 def going_on(d: Array, parts: float) -> float:
-    """Root mean square over a run of differences that are d (n,) in the first of its `parts` and go on as they
-    began."""
+    """Root mean square over a run of differences that are d (n,) in the first of its `parts` and continue at the same
+    rate."""
     half = max(len(d) // 2, 1)
     first, second = (float(np.sqrt(np.mean(x**2))) if len(x) else 0.0 for x in (d[:half], d[half:]))
     if first == 0.0:
@@ -159,12 +156,12 @@ def going_on(d: Array, parts: float) -> float:
 
 
 def _unseen(history: History, step: float) -> str:
-    """What is said of vibrations that the steps do not resolve, of a machine that can have them."""
+    """Text on vibrations that the steps do not resolve, for a machine that can have them."""
     highest = RESOLVED / (2.0 * np.pi * COARSER * step)
     touching = bool(history.contacts or history.lumped_contacts or history.films or history.laps)
     if not touching and not any(np.any(body.reduced.frequencies > highest) for body in _flexible(history)):
         return ""
-    return f"; vibrations above {highest:.3g} Hz, which it does not resolve, are not in it"
+    return f"; vibrations above {highest:.3g} Hz, which it does not resolve, are not included"
 
 
 def _flexible(history: History) -> list[Any]:
@@ -177,26 +174,26 @@ def _divisor(history: History) -> float:
 
 
 def _by_whole(history: History, own: Found, time: Array, coarse: Found) -> list[BudgetLine]:
-    """From a whole second run, whose rows at `time` (T,) [s] are compared where both have saved them."""
+    """Errors from a complete second run; rows at `time` (T,) [s] saved by both are compared."""
     step = float(np.median(np.diff(time))) if len(time) > 1 else float(time[0])
     at = np.searchsorted(history.time, time - SAME_TIME * step)
     same = (at < len(history.time)) & (
         np.abs(history.time[np.minimum(at, len(history.time) - 1)] - time) < SAME_TIME * step
     )
     if not np.any(same):
-        return [BudgetLine(SOURCE, "all results", np.nan, "no saved step is an even one; use save_every of 1 or 2")]
+        return [BudgetLine(SOURCE, "all results", np.nan, "no saved step has an even number; use save_every of 1 or 2")]
     lines = []
     for name, quantity in own.items():
         if name not in coarse:
             continue
         d = quantity.apart(coarse[name].values[same], at[same])
         size = float(np.sqrt(np.mean(d**2))) / quantity.size / _divisor(history)
-        lines.append(BudgetLine(SOURCE, name, size, "the run once more with twice the step", CURE))
+        lines.append(BudgetLine(SOURCE, name, size, "the run repeated with twice the step", CURE))
     return lines
 
 
 def _windows(history: History, marks: Marks, parts: Sequence[tuple[int, int]]) -> list[int]:
-    """Numbers of the windows to look at, the evenly spread ones first."""
+    """Indices of the windows to repeat, the evenly spaced ones first."""
     spread = [int(x) for x in (np.arange(SPREAD) + 0.5) / SPREAD * len(parts)]
     busy = busyness(history, _begins(marks, parts))
     others = [int(i) for i in np.argsort(-busy, kind="stable") if i not in spread]
@@ -204,13 +201,13 @@ def _windows(history: History, marks: Marks, parts: Sequence[tuple[int, int]]) -
 
 
 def _begins(marks: Marks, parts: Sequence[tuple[int, int]]) -> list[float]:
-    """When they begin [s]."""
+    """Start times of the windows [s]."""
     return [float(marks.states[a]["clk"]["time"][0]) for a, _ in parts]
 
 
 def busyness(history: History, begins: Sequence[float]) -> Array:
-    """Of windows that begin at `begins` [s], how much accelerations change there from one saved row to the next, at
-    most, over the largest of the body."""
+    """For windows that begin at `begins` [s], the largest change of accelerations between saved rows, over the largest
+    of the body."""
     change = np.zeros(max(len(history.time) - 1, 0))
     for motion in history.bodies.values():
         for values in (motion.acceleration, motion.angular_acceleration, motion.modal_acceleration):
@@ -228,7 +225,7 @@ def _by_windows(
     history: History, quantity: Quantity, found: Sequence[Again], both: Sequence[tuple[Found, Found]], step: float,
     divisor: float,
 ) -> BudgetLine:  # fmt: skip
-    """From windows, the first `SPREAD` of them evenly spread."""
+    """Errors from windows, the first `SPREAD` of them evenly spaced."""
     T = float(history.time[-1] - history.time[0])
     w = frequency(history.time, quantity.values)
     settled, grown, rest = 0.0, [], T
@@ -236,7 +233,7 @@ def _by_windows(
     for number, again in enumerate(found):
         fine, coarse = (each.get(quantity.name) for each in both[number])
         length = (again.end - again.begin) * step
-        if fine is None or coarse is None:  # nothing of it in the window
+        if fine is None or coarse is None:  # the quantity has no rows in the window
             d = np.zeros(2)
         else:
             rows = slice(COARSER - 1, None, COARSER)
@@ -255,7 +252,7 @@ def _by_windows(
 
 
 def frequency(time: Array, values: Array) -> float:
-    """|Qdot|/|Q - mean of Q| [rad/s] of a quantity, of its saved rows."""
+    """|Qdot|/|Q - mean of Q| [rad/s] of a quantity, from its saved rows."""
     if len(time) < 3:
         return 0.0
     size = np.sqrt(np.mean(np.sum((values - values.mean(axis=0)) ** 2, axis=1)))
@@ -264,8 +261,8 @@ def frequency(time: Array, values: Array) -> float:
 
 
 def at_end(d: Array, length: float, T: float, w: float) -> float:
-    """What differences d (n,) over a window of `length` [s] have become at the end of a run of T [s], of a quantity of
-    frequency w [rad/s]; 0 of those that do not grow."""
+    """Differences d (n,) over a window of `length` [s], extrapolated to the end of a run of T [s], for a quantity of
+    frequency w [rad/s]; 0 for those that do not grow."""
     half = len(d) // 2
     first, second = (float(np.sqrt(np.mean(x**2))) if len(x) else 0.0 for x in (d[:half], d[half:]))
     if second <= SETTLED * first:

@@ -1,1 +1,2 @@
-"""What the pressure and the tractions of a pair say: patch, Hertz, friction, forces, and how right the stress is."""
+"""Quantities from the pressure and tractions of a contact: patch, Hertz, friction, forces, and accuracy of the
+stress."""

@@ -1,54 +1,53 @@
-r"""Friction of one contact pair: tractions, slip, stick and slip areas, creepages, T-gamma, power and wear index.
+r"""Friction of one contact: tractions, slip, stick and slip areas, creepages, T-gamma, power and wear index.
 
-Tractions tau are constant on cells, those of the first surface's contact grid or those that travel with the patch,
+Tractions tau are constant on cells, those of the first surface's contact grid or those that move with the patch, with
 components along (e_theta, t_z) of the first surface, on the first body. `w` is the slip velocity of the first surface
-relative to the second, so that friction gives `tau.w <= 0`. The words of the field: e_theta is the *longitudinal*
-direction, t_z the *lateral* one, n = e_theta x t_z the outward normal of the first surface. With the cells' areas A,
-the mean pressure p of a node or cell, the mean rolling speed V and creep c and spin omega_n of the first body against
-the second about the centre of the patch (`creep`)
+relative to the second, so that friction gives `tau.w <= 0`. Terms: e_theta is the *longitudinal* direction, t_z the
+*lateral* one, n = e_theta x t_z the outward normal of the first surface. With the cells' areas A, the mean pressure p
+of a node or cell, the mean rolling speed V and creep c and spin omega_n of the first body against the second about the
+centre of the patch (`creep`)
 
     Q = sum tau A                tangential force (Fx, Fy) on the first body, components along the surface [N]
     M_z                          spin moment of the tractions on the first body about n through the centre [N m]
     |Q| / P                      traction coefficient, P the load
     xi = c / |V|                 longitudinal and lateral creepage [-]
     phi = omega_n / |V|          spin creepage [rad/m]
-    -(Q_1 xi_1 + Q_2 xi_2 + M_z phi)     T-gamma [N]: energy that friction takes per metre rolled
-    -sum tau.w A                 friction power [W]; the run's own figure is in `power`
+    -(Q_1 xi_1 + Q_2 xi_2 + M_z phi)     T-gamma [N]: friction loss per metre rolled
+    -sum tau.w A                 friction power [W]; the value of the run is in `power`
     p |w|                        wear index [W/m2]: Archard's wear depth rate is proportional to it
                                  (J. F. Archard, J. Appl. Phys. 24 (1953) 981)
 
 T-gamma is the wear number of wheels on rails (R. Lewis, U. Olofsson, Wear 257 (2004) 721). In steady rolling of bodies
-of like material it is power/|V|: what elastic displacements add to the slip takes nothing from tractions that stay as
-they are. The power of a run has slips of finite steps and is short of it by some 1.5 times the part of the half-width
-that the patch advances in a step, 10 % at a sixteenth (two rollers at half of the bound,
-`verification.carter_rollers`); the ledger has the rest in the line of the contact grid, and both lines together are
-T-gamma to 0.2 %. Where materials are unlike, tractions move the pressure off the middle, which then takes a part of it
-by its own lever: what is left to friction shows in `power_per_metre`. Signs: a force on the first body along e_theta
-has, where friction takes energy, a creepage against it. Over |V|, not V, creepages keep their direction where a pair
-rolls back.
+of similar material it is power/|V|: the elastic part of the slip does no work on constant tractions. The power of a run
+has slips of finite steps and is too small by about 1.5 times the fraction of the half-width that the patch advances per
+step, 10 % at a sixteenth (two rollers at half of the bound, `verification.carter_rollers`); the energy ledger has the
+rest in the line of the contact grid, and both lines together are T-gamma to 0.2 %. For dissimilar materials, tractions
+shift the pressure off the centre, and the pressure then takes part of the energy by its lever arm: the remaining
+friction part is `power_per_metre`. Signs: if friction dissipates, a force on the first body along e_theta has a
+creepage against it. Divided by |V|, not V, creepages keep their direction when a contact rolls backwards.
 
-The run counts how many columns the patch advanced in a step: above one, material enters the patch with a slip history
-of a whole step that it does not have.
+The run counts the columns that the patch advances per step: above one, material enters the patch with a slip history of
+a whole step that it does not have.
 
-Creep of a pair about the centre of its patch, and the moment of the tractions there, about the outward normal.
+Creep of a contact at the centre of its patch, and the moment of the tractions there, about the outward normal.
 
-The *centre* is the place where the surfaces are nearest: of cells that travel with the patch the middle of those, on
-the contact grid the line of centres at mid-width, of a point contact there at the height of the centre of pressure.
-With the outward normal n of the first surface there, which with its tangents makes e_theta x t_z = n, and places
-x = x_1 e_theta + x_2 t_z from it, the surfaces slide on each other as rigid bodies by
+The *centre* is the point of least distance of the surfaces: for cells that move with the patch their centre, on the
+contact grid the line of centres at mid-width, for a point contact at the height of the centre of pressure. With the
+outward normal n of the first surface there, e_theta x t_z = n, and positions x = x_1 e_theta + x_2 t_z from it, the
+rigid-body slip of the surfaces is
 
     w_1 = c_1 - omega_n x_2,      w_2 = c_2 + omega_n x_1,      omega_n = n.(omega_A - omega_B),
 
-the first (A) against the second (B), c their creep at the centre (J. J. Kalker, Three-Dimensional Elastic Bodies in
-Rolling Contact, 1990, with the longitudinal direction along e_theta, the lateral one along t_z). The run
-records creep in a cell next to it, from where the same lines carry it to the centre. Tractions on the first body
-have the moment
+the first (A) against the second (B), with the creep c at the centre (J. J. Kalker, Three-Dimensional Elastic Bodies in
+Rolling Contact, 1990, with the longitudinal direction along e_theta, the lateral one along t_z). The run records the
+creep in a neighbouring cell, from which the same equations give that at the centre. Tractions on the first body have
+the moment
 
     M_z = n.sum (x - x_C) x A (tau_1 e_theta + tau_2 t_z),
 
-and take from the motion, per unit time, -(Q_1 c_1 + Q_2 c_2 + M_z omega_n). That is of a patch as flat as its size is
-small beside the radii: slip that the curvature of the patch itself makes, as of a ball in a groove that hugs it
-(Heathcote), is in the power of the run, and not in this sum.
+and dissipate the power -(Q_1 c_1 + Q_2 c_2 + M_z omega_n). This holds for patches that are small compared with the
+radii: slip due to the curvature of the patch, as of a ball in a conforming groove (Heathcote), is in the power of the
+run, and not in this sum.
 """
 
 from __future__ import annotations
@@ -64,23 +63,24 @@ from warpffrf.output.geometry.places import grid_theta_offset, rotate
 
 OPEN, STICK, SLIP = 0, 1, 2
 STATES = ("open", "stick", "slip")
-ROLLS = 1e-9  # of the largest rolling speed of the run: below it the pair stands, and creepage has no meaning
-MOVES = 1e-6  # columns a step: a patch that advances less stands still, what it seems to move is round-off
-MOST_CELLS = {"hats": 1.0, "cells": 2.5}  # columns a step up to which entering material is counted right
-FRICTION_ERROR = 0.01  # of the largest friction force, up to there
+ROLLS = 1e-9  # of the largest rolling speed of the run: below it the contact is stationary, and creepage is undefined
+MOVES = 1e-6  # columns per step: a smaller advance of the patch is round-off
+MOST_CELLS = {"hats": 1.0, "cells": 2.5}  # columns per step up to which entering material is treated correctly
+FRICTION_ERROR = 0.01  # of the largest friction force, up to that limit
 COARSER = {"hats": "a coarser contact grid", "cells": "fewer strips, Contact(..., cells=(strips, rows))"}
 
-# of a loss in micro-slip, over the cube of the cells across the zone that slips: two spheres pressed and moved along
-# each other, beside Mindlin and Deresiewicz: 58, 4.8, 15, 3.2, 1.0, -4.8, -0.9 % with 0.63, 0.81, 1.0, 1.1, 1.3, 1.4
-# and 1.9 cells across; it scatters by a factor of three and more as cells lie under the two edges of the zone
+# relative error of the loss in micro-slip, times the cube of the cells across the slip zone: two spheres in pre-sliding
+# compared with Mindlin and Deresiewicz: 58, 4.8, 15, 3.2, 1.0, -4.8, -0.9 % with 0.63, 0.81, 1.0, 1.1, 1.3, 1.4 and 1.9
+# cells across; it scatters by a factor of three and more with the positions of cells at the two edges of the zone
 LOSS = 0.1
 
 
 class FrictionResult:
-    """Friction of one pair; arrays have one row a saved step, fields the window (columns, rows) of the pressure."""
+    """Friction of one contact; arrays have one row per saved step, fields the window (columns, rows) of the
+    pressure."""
 
     def __init__(self, contact: Any) -> None:
-        """contact: the `ContactResult`; raises `InputError` where the pair was run without friction."""
+        """contact: the `ContactResult`; raises `InputError` for a contact without friction."""
         history = getattr(contact.history, "friction", None)
         if history is None:
             raise InputError(
@@ -89,12 +89,12 @@ class FrictionResult:
             )
         self.contact, self.history = contact, history
         self.traction = history.traction  # (T, 2, columns, rows) Pa, on the first body along (e_theta, t_z)
-        self.slip_velocity = history.slip_velocity  # (T, 2, columns, rows) m/s, first relative to second, 0 where open
+        self.slip_velocity = history.slip_velocity  # (T, 2, columns, rows) m/s, first relative to second, 0 if open
         self.state = history.state  # (T, columns, rows) 0 open, 1 stick, 2 slip
         self.power = history.power  # (T,) W dissipated
         self.creep_velocity = history.creep_velocity  # (T, 2) m/s, rigid slip at the patch centre
         self.rolling_velocity = history.rolling_velocity  # (T,) m/s, mean speed of both surfaces along e_theta
-        self.cells_per_step = history.cells_per_step  # (T,) most columns a step since the last saved row
+        self.cells_per_step = history.cells_per_step  # (T,) largest number of columns per step since the last saved row
 
     # --- fields ---
 
@@ -118,32 +118,32 @@ class FrictionResult:
     @cached_property
     def tangential_force(self) -> np.ndarray:
         """(T, 2) N, (Fx, Fy) on the first body, longitudinal and lateral: sum of the traction components along
-        (e_theta, t_z) of the first surface; on a round surface the first is the torque about the axis over the
-        radius."""
+        (e_theta, t_z) of the first surface; on a round surface the first is the torque about the axis over the radius.
+        """
         return np.einsum("tdjk,tk->td", self.traction, self.contact.cell_areas)
 
     @cached_property
     def traction_coefficient(self) -> np.ndarray:
-        """(T,) [-] tangential over normal load; NaN where nothing presses."""
+        """(T,) [-] tangential over normal load; NaN without load."""
         load = self.contact.normal_load
         size = np.linalg.norm(self.tangential_force, axis=1)
         return np.divide(size, load, out=np.full(len(load), np.nan), where=load > 0.0)
 
     @cached_property
     def spin_velocity(self) -> np.ndarray:
-        """(T,) rad/s, turning of the first body against the second about the outward normal of the first surface at the
-        centre of the patch."""
+        """(T,) rad/s, angular velocity of the first body against the second about the outward normal of the first
+        surface at the centre of the patch."""
         return spin_velocity(self.contact)
 
     @cached_property
     def spin_moment(self) -> np.ndarray:
         """(T,) N m, M_z of the tractions on the first body, about the outward normal of the first surface through the
-        centre of the patch; 0 where nothing touches."""
+        centre of the patch; 0 without contact."""
         return spin_moment(self.contact)
 
     @cached_property
     def _rolling_speed(self) -> np.ndarray:
-        """(T,) m/s, |V|; NaN where the pair does not roll or not touch."""
+        """(T,) m/s, |V|; NaN without rolling or contact."""
         speed = np.abs(np.asarray(self.rolling_velocity, dtype=float))
         rolls = speed > ROLLS * np.max(speed, initial=0.0, where=np.isfinite(speed))
         rolls &= self.contact.touching & (np.asarray(self.cells_per_step) > MOVES)
@@ -152,26 +152,26 @@ class FrictionResult:
     @cached_property
     def creepage(self) -> np.ndarray:
         """(T, 2) [-] longitudinal and lateral creepage, creep along (e_theta, t_z) at the centre of the patch over the
-        rolling speed; NaN where the pair does not roll or not touch. All rows of a line contact have the same: closed
-        forms in the plane give it at the mean line load, which is below that at mid-width where ends are free."""
+        rolling speed; NaN without rolling or contact. All rows of a line contact have the same value: it is that of
+        plane closed forms at the mean line load, which is below that at mid-width if ends are free."""
         creep = center_creep(self.contact, self.creep_velocity, self.spin_velocity)
         return creep / self._rolling_speed[:, None]
 
     @cached_property
     def spin_creepage(self) -> np.ndarray:
-        """(T,) rad/m, phi = n.(omega_A - omega_B)/|V|; NaN where the pair does not roll or not touch."""
+        """(T,) rad/m, phi = n.(omega_A - omega_B)/|V|; NaN without rolling or contact."""
         return self.spin_velocity / self._rolling_speed
 
     @cached_property
     def t_gamma(self) -> np.ndarray:
-        """(T,) N (J/m), energy that friction takes per metre rolled, by forces and creepages (see the module); NaN
-        where the pair does not roll or not touch."""
+        """(T,) N (J/m), friction loss per metre rolled, from forces and creepages (see the module); NaN without rolling
+        or contact."""
         return -np.einsum("td,td->t", self.tangential_force, self.creepage) - self.spin_moment * self.spin_creepage
 
     @property
     def power_per_metre(self) -> np.ndarray:
-        """(T,) N (J/m), friction power of the run over |V|, beside `t_gamma`; NaN where the pair does not roll or not
-        touch."""
+        """(T,) N (J/m), friction power of the run over |V|, for comparison with `t_gamma`; NaN without rolling or
+        contact."""
         return np.asarray(self.power, dtype=float) / self._rolling_speed
 
     def _area(self, state: int) -> np.ndarray:
@@ -179,22 +179,22 @@ class FrictionResult:
 
     @cached_property
     def stick_area(self) -> np.ndarray:
-        """(T,) m2 of the cells that stick, the area of adhesion."""
+        """(T,) m2 of sticking cells, the area of adhesion."""
         return self._area(STICK)
 
     @cached_property
     def slip_area(self) -> np.ndarray:
-        """(T,) m2 of the cells that slip."""
+        """(T,) m2 of slipping cells."""
         return self._area(SLIP)
 
     @cached_property
     def field_power(self) -> np.ndarray:
-        """(T,) W, `-sum tau.w A` of the recorded fields: an independent sum beside `power`."""
+        """(T,) W, `-sum tau.w A` of the recorded fields: an independent check of `power`."""
         return -np.einsum("tdjk,tdjk,tk->t", self.traction, self.slip_velocity, self.contact.cell_areas)
 
     @cached_property
     def wear_rate(self) -> np.ndarray:
-        """(T,) W, wear index summed over the patch."""
+        """(T,) W, wear index integrated over the patch."""
         return (self.wear_index.sum(axis=1) * self.contact.cell_areas).sum(axis=1)
 
     @cached_property
@@ -204,13 +204,13 @@ class FrictionResult:
 
     @property
     def too_fast(self) -> np.ndarray:
-        """(T,) bool, where the patch advanced by more cells in a step than friction is right to 1 % for."""
+        """(T,) bool, whether the patch advanced by more cells per step than allowed for 1 % accuracy of friction."""
         return np.asarray(self.cells_per_step) > MOST_CELLS[self.contact.loaded]
 
     @cached_property
     def slip_width(self) -> float:
-        """Width of the zone at the rim of a patch that slips in part, in cells, see `LOSS`; NaN where the patch travels
-        by a cell or more, where nothing slipped in the saved rows, and where all of it did."""
+        """Width, in cells, of the slip zone at the edge of a patch in partial slip, see `LOSS`; NaN if the patch moves
+        by a cell or more, if nothing slipped in the saved rows, and for full slip."""
         state, areas = np.asarray(self.state), np.asarray(self.contact.cell_areas)
         if not self.contact.touching.any():
             return float("nan")
@@ -230,11 +230,12 @@ class FrictionResult:
 
     @property
     def loss_error(self) -> float:
-        """About what cells add to the loss of a cycle in micro-slip, of it; NaN where `slip_width` is."""
+        """Approximate relative error of the loss per cycle in micro-slip due to the cells; NaN where `slip_width`
+        is."""
         return LOSS / self.slip_width**3
 
     def _coarse_slip(self) -> str | None:
-        """What to do about a slip zone of few cells, None where there is none."""
+        """Warning about a slip zone of few cells, None if there is none."""
         if not self.loss_error > FRICTION_ERROR:
             return None
         cure = "more strips and rows, Contact(..., cells=(strips, rows))"
@@ -245,14 +246,14 @@ class FrictionResult:
         )
 
     def warning(self) -> str | None:
-        """What to do about a patch that advances too many cells a step, or slips in part in a zone of few cells; None
-        where there is nothing to do."""
+        """Warning about a patch that advances too many cells per step, or has a partial slip zone of few cells; None if
+        there is nothing to do."""
         if not np.any(self.too_fast):
             return self._coarse_slip()
         most, allowed = float(np.nanmax(self.cells_per_step)), MOST_CELLS[self.contact.loaded]
         errs = "is not resolved" if allowed == 1.0 else f"errs by more than {FRICTION_ERROR:.0%} of its largest force"
         return (
-            f"contact '{self.contact.name}': the patch advances up to {most:.3g} cells a step, in "
+            f"contact '{self.contact.name}': the patch advances up to {most:.3g} cells per step, in "
             f"{int(self.too_fast.sum())} of {len(self.too_fast)} saved rows more than {allowed:g}, so that friction "
             f"{errs}; take steps {most / allowed:.3g} times shorter, or {COARSER[self.contact.loaded]}"
         )
@@ -260,11 +261,11 @@ class FrictionResult:
     # --- along the rolling direction ---
 
     def profile(self, i: int, coefficient: float | None = None) -> dict[str, np.ndarray]:
-        """Along the arc in the section of `ContactResult.mid_pressure`, saved step `i` (the last is -1).
+        """Section of `ContactResult.mid_pressure` along the arc, saved step `i` (the last is -1).
 
-        `arc` (columns,) m from the line of centres, growing along e_theta; `pressure`, `bound` (coefficient times it;
-        NaN without one), `traction` along e_theta and `across` along t_z, all Pa; `slip` m/s along e_theta; `state` of
-        the nearest row. Raises `InputError` for a step that was not saved.
+        `arc` (columns,) m from the line of centres, increasing along e_theta; `pressure`, `bound` (coefficient times
+        pressure; NaN without a coefficient), `traction` along e_theta and `across` along t_z, all Pa; `slip` m/s along
+        e_theta; `state` of the nearest row. Raises `InputError` for a step that was not saved.
         """
         contact = self.contact
         i = _row(i, len(contact.mean_pressure))
@@ -302,7 +303,7 @@ def center_points(contact: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 def spin_velocity(contact: Any) -> np.ndarray:
-    """omega_n (T,) [rad/s] of the bodies' frames; the ground does not turn."""
+    """omega_n (T,) [rad/s] of the bodies' frames; the ground does not rotate."""
     _, normal = center_points(contact)
     turning, first = np.zeros_like(normal), contact.bodies.get(contact.view.first_body.name)
     for body, sign in ((contact.view.first_body, 1.0), (contact.view.second_body, -1.0)):
@@ -316,8 +317,8 @@ def spin_velocity(contact: Any) -> np.ndarray:
 
 
 def center_creep(contact: Any, creep: np.ndarray, spin: np.ndarray) -> np.ndarray:
-    """Creep (T, 2) [m/s] along (e_theta, t_z) at the centre, of `creep` (T, 2) where the run records it and the `spin`
-    (T,) [rad/s]."""
+    """Creep (T, 2) [m/s] along (e_theta, t_z) at the centre, from the recorded `creep` (T, 2) and the `spin` (T,)
+    [rad/s]."""
     shape = contact.view.first.shape
     center, recorded = contact.patch_center, contact.creep_place
     away = center - recorded

@@ -1,10 +1,10 @@
-r"""Which kind of contact a pair is, and Hertz's solution for it, from the true surfaces and the patch that was found.
+r"""Kind of a contact, and its Hertz solution, from the true surfaces and the computed patch.
 
-At relative curvatures `K_x`, `K_z` across and along the width w of the surfaces, a patch of half-width a that is as
-deep across as along ends at `z = a sqrt(K_x/K_z)`. Beyond w/2 the surfaces touch to their ends: "line". A patch that
-reaches both ends of an arc is a "line_around", and one that ends inside a "point". Neither curved: "flat".
+With relative curvatures `K_x`, `K_z` across and along the width w of the surfaces, a patch of half-width a and equal
+depth in both directions ends at `z = a sqrt(K_x/K_z)`. Beyond w/2 the surfaces touch to their ends: "line". A patch
+that reaches both ends of an arc is a "line_around", and one that ends inside is a "point". Without curvature: "flat".
 
-Hertz's contact of two bodies that touch in a line or in a point, from relative curvatures and E*.
+Hertz contact of two bodies in a line or a point, from relative curvatures and E*.
 
 K. L. Johnson, Contact Mechanics, 1985, sections 4.1 and 4.2. Line, 1/R the relative curvature:
 
@@ -15,27 +15,26 @@ integrals K(m), E(m), p = p0 sqrt(1 - x^2/a^2 - y^2/b^2), p0 = 3 P / (2 pi a b) 
 
     B/A = [E/(1 - m) - K] / [K - E],      a^3 = 3 P (K - E) / (2 pi E* m A),      delta = p0 b K / E*.
 
-As m -> 0 (K - E)/m -> pi/4, which gives the sphere, a^3 = 3 P R/(4 E*). Hertz's theory asks for a patch much smaller
-than the radii of both bodies; `conforms` says where it is not.
+As m -> 0 (K - E)/m -> pi/4, which gives the sphere, a^3 = 3 P R/(4 E*). Hertz's theory requires a patch much smaller
+than the radii of both bodies; `conforms` checks this.
 
-Hertz stress. Stress below the middle of Hertz's patch in closed form, and where it is largest.
+Hertz stress. Stress below the centre of a Hertz patch in closed form, and its maximum.
 
 A line of half-width a, t = z/a, in plane strain (K. L. Johnson, Contact Mechanics, 1985, eq. 4.46):
 
     sigma_x = p0 [2 t - (1 + 2 t^2)/w],      sigma_z = -p0/w,      sigma_y = nu (sigma_x + sigma_z),     w^2 = 1 + t^2.
 
 The largest shear (sigma_x - sigma_z)/2 = p0 (t - t^2/w) is 0.300 p0 at 0.786 a, von Mises' stress at nu = 0.3 0.558 p0
-at 0.704 a. An ellipse of semi-axes a > b, x along a, m = 1 - b^2/a^2, t = z/a = cot phi,
-T^2 = (b^2 + z^2)/(a^2 + z^2), F and E the incomplete elliptic integrals of (phi, m) (H. R. Thomas and V. A. Hoersch,
-Univ. of Illinois Bull. 212, 1930; Johnson eq. 4.28; tests/output holds them beside the half-space under Hertz's
-pressure):
+at 0.704 a. An ellipse of semi-axes a > b, x along a, m = 1 - b^2/a^2, t = z/a = cot phi, T^2 = (b^2 + z^2)/(a^2 + z^2),
+F and E the incomplete elliptic integrals of (phi, m) (H. R. Thomas and V. A. Hoersch, Univ. of Illinois Bull. 212,
+1930; Johnson eq. 4.28; tests/output compares them with the half-space under the Hertz pressure):
 
     sigma_x = c [-(1 - T)/2 + t (F - E)  + nu (1 - T a^2/b^2 + t (E a^2/b^2 - F))],             c = 2 p0 b/(m a),
     sigma_y = c [1/2 + 1/(2 T) - T a^2/b^2 + t (E a^2/b^2 - F)  + nu (T - 1 + t (F - E))],
     sigma_z = -c/2 (1 - T^2)/T.
 
-A circle: sigma_x = sigma_y = p0 [1/2/(1 + t^2) - (1 + nu)(1 - t acot t)], sigma_z = -p0/(1 + t^2); there the largest
-shear is half of von Mises' stress, 0.310 p0 and 0.620 p0 at 0.481 a with nu = 0.3.
+A circle: sigma_x = sigma_y = p0 [1/2/(1 + t^2) - (1 + nu)(1 - t acot t)], sigma_z = -p0/(1 + t^2); the largest shear is
+half of the von Mises stress, 0.310 p0 and 0.620 p0 at 0.481 a with nu = 0.3.
 """
 
 from __future__ import annotations
@@ -49,13 +48,13 @@ from warpffrf.model.reduced.stress_field import max_shear, von_mises
 from warpffrf.output.geometry.places import Pose, grid_theta_offset, relative_curvature
 from warpffrf.output.geometry.scene_view import PairView
 
-THIN = 0.25  # half-width over the depth of the material: up to there the peak on a bonded cover is Hertz's to 3 %
-FLAT = 1e-9  # relative curvature times the width of the surface: a drop of 1e-10 of the width, below any approach
+THIN = 0.25  # half-width over the depth of the material: up to this value the peak on a bonded layer is Hertz's to 3 %
+FLAT = 1e-9  # relative curvature times the width of the surface: a height of 1e-10 of the width, below any approach
 
 
 def pair_curvature(contact: Any, i: int) -> np.ndarray:
-    """(2, 2) 1/m, relative curvature along (e_theta, t_z) of the first surface under the centre of pressure of saved
-    step `i`; where nothing touches under the line of centres at mid-width."""
+    """(2, 2) 1/m, relative curvature along (e_theta, t_z) of the first surface at the centre of pressure of saved step
+    `i`; without contact at the line of centres at mid-width."""
     view: PairView = contact.view
     surface = view.first
     arc, z = contact.moments.center[i]
@@ -66,7 +65,7 @@ def pair_curvature(contact: Any, i: int) -> np.ndarray:
 
 
 def heaviest(contact: Any) -> int:
-    """The saved step with the largest load; the first where none is finite."""
+    """The saved step with the largest load; the first if none is finite."""
     load = contact.moments.load
     return int(np.argmax(np.where(np.isfinite(load), load, -1.0))) if len(load) else 0
 
@@ -89,7 +88,7 @@ def patch_kind(contact: Any) -> str:
 
 
 def effective_radius(contact: Any) -> float:
-    """1/(relative curvature across the patch) [m] at the largest load; NaN where there is none."""
+    """1/(relative curvature across the patch) [m] at the largest load; NaN without curvature."""
     across = float(contact.curvature(heaviest(contact))[0, 0])
     return 1.0 / across if across > 0.0 else float("nan")
 
@@ -97,14 +96,14 @@ def effective_radius(contact: Any) -> float:
 def effective_modulus(view: PairView) -> float:
     """E* [Pa], `1/E* = sum (1 - nu^2)/E` over the flexible bodies, from the provenance of their reduction.
 
-    Raises `InputError` for a body that does not say its material.
+    Raises `InputError` for a body without material data.
     """
     compliance = 0.0
     for body, surface in flexible_sides(view):
         material = body.reduced.provenance.get("contact_materials", {}).get(surface.name)
         if not material:
             raise InputError(
-                f"contact '{view.name}': body '{body.name}' does not say its material, so Hertz cannot be computed; "
+                f"contact '{view.name}': body '{body.name}' has no material data, so Hertz cannot be computed; "
                 "reduce the body again"
             )
         compliance += (1.0 - material["poisson_ratio"] ** 2) / material["youngs_modulus"]
@@ -112,7 +111,7 @@ def effective_modulus(view: PairView) -> float:
 
 
 def hertz(contact: Any, i: int) -> HertzLine | HertzPoint:
-    """Hertz's contact in saved step `i`; raises `InputError` saying why where his theory does not apply."""
+    """Hertz solution in saved step `i`; raises `InputError` with the reason if the theory does not apply."""
     label = f"contact '{contact.name}': Hertz does not apply"
     if not contact.touching[i]:
         raise InputError(f"{label}: nothing touches in saved step {i}; choose one of those where `touching` is true")
@@ -125,7 +124,7 @@ def hertz(contact: Any, i: int) -> HertzLine | HertzPoint:
         )
     K = contact.curvature(i)
     if not (np.linalg.eigvalsh(K)[0] > 0.0 if kind == "point" else K[0, 0] > 0.0):
-        raise InputError(f"{label}: the surfaces curve into each other, so that the patch has no edge")
+        raise InputError(f"{label}: the surfaces conform without a gap at the edge, so that the patch has no boundary")
     found = (
         hertz_point(float(contact.normal_load[i]), K, modulus)
         if kind == "point"
@@ -134,7 +133,7 @@ def hertz(contact: Any, i: int) -> HertzLine | HertzPoint:
     own = np.ravel(contact.view.first.shape.curvatures(0.0, float(contact.moments.center[i, 1])))
     sharpest = np.abs([own, np.diag(K) - own]).max(axis=0)  # of both bodies, along (e_theta, t_z) of the first
     ways = [(found.half_width, sharpest[0])]
-    if isinstance(found, HertzPoint):  # a long ellipse is small in each direction against the radii in that direction
+    if isinstance(found, HertzPoint):  # each side of an ellipse is compared with the radii in its direction
         ways.append((found.half_width_along, sharpest[1]))
     for extent, curvature in ways:
         if conforms(extent, float(curvature)):
@@ -148,13 +147,13 @@ def hertz(contact: Any, i: int) -> HertzLine | HertzPoint:
         if wall is not None and extent > THIN * wall:
             raise InputError(
                 f"{label}: its half-width would be {extent:.3g} m, and body '{body.name}' is only {wall:.3g} m deep "
-                "behind its surface, no half-space; compare with a solution for a layer"
+                "behind its surface, which is not a half-space; compare with a solution for a layer"
             )
     return found
 
 
 def inapplicable(kind: str, reason: str) -> HertzLine | HertzPoint:
-    """NaN in the place of a contact of `kind`, with the reason."""
+    """NaN as the solution of a contact of `kind`, with the reason."""
     nan = float("nan")
     if kind == "point":
         return HertzPoint((nan, nan), nan, nan, nan, nan, (nan, nan), nan, reason)
@@ -162,29 +161,29 @@ def inapplicable(kind: str, reason: str) -> HertzLine | HertzPoint:
 
 
 def flexible_sides(view: PairView) -> list[tuple[Any, Any]]:
-    """Bodies and surfaces of the pair that are not rigid."""
+    """Flexible bodies of the contact and their surfaces."""
     sides = ((view.first_body, view.first), (view.second_body, view.second))
     return [(body, surface) for body, surface in sides if body.reduced is not None]
 
 
-CONFORMAL = 0.25  # half-width over the smallest radius from which on Hertz's half-space no longer holds
+CONFORMAL = 0.25  # half-width over the smallest radius above which Hertz's half-space does not apply
 ROUND = 1e-6  # B/A - 1 below which the patch is a circle (error of a 2e-7); the formulas lose 1e-16/m of their digits
-LONGEST = 1e-12  # 1 - m of the longest ellipse looked for: b/a = 1e-6, far beyond any patch that ends on a surface
+LONGEST = 1e-12  # 1 - m of the longest ellipse considered: b/a = 1e-6, far beyond any patch that ends on a surface
 
 
 class HertzLine(NamedTuple):
-    """Hertz's line contact at the line load found at mid-width."""
+    """Hertz line contact at the computed line load at mid-width."""
 
     half_width: float  # m
     peak_pressure: float  # Pa
     line_load: float  # N/m
     radius: float  # m, 1/(1/R1 + 1/R2) at mid-width
     modulus: float  # Pa, E*
-    reason: str = ""  # why Hertz does not apply; the numbers are NaN then
+    reason: str = ""  # why the theory does not apply; the numbers are NaN then
 
 
 class HertzPoint(NamedTuple):
-    """Hertz's elliptical contact at the load found."""
+    """Hertz elliptical contact at the computed load."""
 
     semi_axes: tuple[float, float]  # m, the larger one first
     angle: float  # rad, of the larger axis from e_theta of the first surface towards t_z
@@ -193,7 +192,7 @@ class HertzPoint(NamedTuple):
     approach: float  # m, of distant points
     radii: tuple[float, float]  # m, 1/(2A) >= 1/(2B)
     modulus: float  # Pa, E*
-    reason: str = ""  # why Hertz does not apply; the numbers are NaN then
+    reason: str = ""  # why the theory does not apply; the numbers are NaN then
 
     @property
     def half_width(self) -> float:
@@ -234,10 +233,10 @@ def hertz_point(load: float, curvature: np.ndarray, modulus: float) -> HertzPoin
     """
     from scipy.special import ellipe, ellipkm1
 
-    values, axes = np.linalg.eigh(curvature)  # ascending: the larger semi-axis lies along the first
+    values, axes = np.linalg.eigh(curvature)  # ascending: the larger semi-axis is along the first
     A, B = 0.5 * float(values[0]), 0.5 * float(values[1])
     angle = float(np.arctan2(axes[1, 0], axes[0, 0]))
-    angle -= float(np.pi * np.round(angle / np.pi))  # an axis has no sense
+    angle -= float(np.pi * np.round(angle / np.pi))  # the direction of an axis has no sign
     m = eccentricity_squared(B / A)
     first, second = float(ellipkm1(1.0 - m)), float(ellipe(m))
     moment = 0.25 * np.pi if m == 0.0 else (first - second) / m
@@ -260,14 +259,14 @@ def eccentricity_squared(ratio: float) -> float:
         first, second = ellipkm1(rest), ellipe(1.0 - rest)
         return float(np.log((second / rest - first) / (first - second)) - np.log(ratio))
 
-    # 1 - m falls from 1 as the ratio grows; for a nearly round patch m = 4/3 (ratio - 1) to first order
+    # 1 - m decreases from 1 with the ratio; for a nearly round patch m = 4/3 (ratio - 1) to first order
     high = np.log1p(-min(0.5, 0.1 * (ratio - 1.0)))
     root: Any = brentq(excess, np.log(LONGEST), high, xtol=1e-15, rtol=np.float64(1e-14))
     return float(-np.expm1(root))
 
 
 def conforms(half_width: float, curvature: float) -> bool:
-    """True where a patch of this half-width [m] is not small beside the radius 1/|curvature| of a body."""
+    """True if a patch of this half-width [m] is not small compared with the radius 1/|curvature| of a body."""
     return half_width * abs(curvature) > CONFORMAL
 
 
@@ -275,20 +274,20 @@ Array = np.ndarray
 STRESS_ROUND = (
     1e-7  # of m: below it a circle, with an error of m; the terms of the ellipse lose 1e-16/m of their digits
 )
-DEEPEST = 2.0  # of the smaller half-width: the maxima lie within
-PLACES = 2001  # looked at, before a parabola through the largest: 1e-6 of the depth
+DEEPEST = 2.0  # of the smaller half-width: the maxima are within
+PLACES = 2001  # evaluated, before a parabola through the largest: 1e-6 of the depth
 
 
 class Largest(NamedTuple):
-    """The largest of a stress below the middle, and the depth where it is."""
+    """The maximum of a stress below the centre, and its depth."""
 
     stress: float  # Pa
     depth: float  # m
 
 
 def stress_on_axis(hertz: HertzLine | HertzPoint, depth: Array, poisson_ratio: float) -> Array:
-    """Stress (n, 6) [Pa] at depths (n,) [m] below the middle of Hertz's patch: xx across a line or along the larger
-    semi-axis, yy beside it, zz into the depth; tension is positive."""
+    """Stress (n, 6) [Pa] at depths (n,) [m] below the centre of a Hertz patch: xx across a line or along the larger
+    semi-axis, yy the other surface direction, zz into the depth; tension is positive."""
     z, p0, nu = np.asarray(depth, dtype=float), hertz.peak_pressure, poisson_ratio
     if isinstance(hertz, HertzLine):
         t = z / hertz.half_width
@@ -319,7 +318,7 @@ def _under_ellipse(a: float, b: float, z: Array, nu: float) -> tuple[Array, Arra
 
 
 def largest_below(hertz: HertzLine | HertzPoint, poisson_ratio: float) -> tuple[Largest, Largest]:
-    """The largest von Mises stress below the middle of Hertz's patch, and the largest shear stress."""
+    """The largest von Mises stress below the centre of a Hertz patch, and the largest shear stress."""
     small = hertz.half_width if isinstance(hertz, HertzLine) else hertz.semi_axes[1]
     depth = small * np.linspace(0.0, DEEPEST, PLACES)
     stress = stress_on_axis(hertz, depth, poisson_ratio)
@@ -327,8 +326,8 @@ def largest_below(hertz: HertzLine | HertzPoint, poisson_ratio: float) -> tuple[
 
 
 def largest_of(depth: Array, values: Array) -> Largest:
-    """The top of the parabola through the largest of `values` (n,) [Pa] at even depths (n,) [m] and its neighbours; at
-    an end the value there."""
+    """Vertex of the parabola through the largest of `values` (n,) [Pa] at evenly spaced depths (n,) [m] and its
+    neighbours; at an end the value there."""
     n = int(np.argmax(values))
     if n in (0, len(values) - 1):
         return Largest(float(values[n]), float(depth[n]))

@@ -1,9 +1,9 @@
-r"""What is said of every contact pair of a run, on whatever grid its pressure stands: forces, moments of the patch, and
-Hertz's contact beside them.
+r"""Quantities of every contact of a run, for any grid of its pressure: forces, moments of the patch, and the Hertz
+solution.
 
-The classes for the grids are `result.ContactResult`, hats of the first body's contact grid, and
-`cell_result.CellContactResult`, constants on cells that travel with the patch. A grid says where its columns and rows
-are, what its pressures are, and integrates them; everything else is here.
+The classes for the grids are `result.ContactResult`, nodes of the first body's contact grid, and
+`cell_result.CellContactResult`, cells that move with the patch. A grid class provides the positions of columns and rows
+and the pressures, and integrates them; everything else is here.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ log = logging.getLogger("warpffrf")
 
 
 class PatchPressure(NamedTuple):
-    """Pressure of one saved step, at the nodes of the first body's contact grid or at the middles of cells."""
+    """Pressure of one saved step, at the nodes of the first body's contact grid or at cell centres."""
 
     theta: np.ndarray  # (columns,) rad (m on a plane), grid angle on the first surface, increasing, not wrapped
     arc: np.ndarray  # (columns,) m, along the mid-width circle, from the line of centres
@@ -46,7 +46,7 @@ class PatchPressure(NamedTuple):
 
 
 class LineMoments(NamedTuple):
-    """Line load, centre and half-width of the pressures in one section, each (T,); zero where nothing touches."""
+    """Line load, centre and half-width of the pressures in one section, each (T,); zero without contact."""
 
     load: np.ndarray  # N/m
     center: np.ndarray  # m
@@ -54,8 +54,8 @@ class LineMoments(NamedTuple):
 
 
 def section_moments(x: np.ndarray, p: np.ndarray, h: Any, own: float) -> LineMoments:
-    """Of pressures p (T, n) [Pa] at x (T, n) or (n,) [m], on functions of the spacing h [m], a number or (T,), which
-    have the second moment `own` h^2 about their own middle."""
+    """Moments of pressures p (T, n) [Pa] at x (T, n) or (n,) [m], with shape functions of spacing h [m], a number or
+    (T,), whose second moment about their own centre is `own` h^2."""
     h = np.asarray(h, dtype=float)
     total = p.sum(axis=-1)
     touching = total > 0.0
@@ -67,13 +67,13 @@ def section_moments(x: np.ndarray, p: np.ndarray, h: Any, own: float) -> LineMom
 
 
 class PairResult(reprs.Shown, ABC):
-    """One contact pair of a run; arrays have one row per saved step.
+    """One contact of a run; arrays have one row per saved step.
 
-    Forces act on the pair's first body in world axes, torques about that body's user origin. `friction` holds
-    tractions, slip and creepage of a pair with friction.
+    Forces act on the contact's first body in world axes, torques about that body's user origin. `friction` has
+    tractions, slip and creepage of a contact with friction.
     """
 
-    loaded = "hats"  # what carries the pressure, in words
+    loaded = "hats"  # carrier of the pressure
 
     _hidden = frozenset(
         {
@@ -87,21 +87,21 @@ class PairResult(reprs.Shown, ABC):
     torque = Recorded("(T, 3) N m, its torque on the first body about that body's user origin, world axes.")
     force_second = Recorded(
         "(T, 3) N, the force on the second body, world axes, integrated on its own surface: the opposite of `force` up "
-        "to what the two grids differ."
+        "to the difference of the two grids."
     )
     torque_second = Recorded(
         "(T, 3) N m, its torque on the second body about that body's user origin, of the ground about the world's, "
         "world axes."
     )
     approach = Recorded(
-        "(T,) m, by how much the bodies have come closer than touch without deforming: of rollers the sum of the radii "
-        "less the distance of the axes at mid-width, of pairs at points minus the smallest undeformed gap. Negative "
-        "where they are apart."
+        "(T,) m, approach of the bodies beyond undeformed contact: for parallel axes the sum of the radii minus the "
+        "distance of the axes at mid-width, for closest points minus the smallest undeformed gap. Negative if they are "
+        "apart."
     )
-    active_hats = Recorded("(T,) number of functions of the contact grid, or cells, that carry pressure.")
+    active_hats = Recorded("(T,) number of active nodes of the contact grid, or of loaded cells.")
 
     def __init__(self, history: Any, view: PairView, bodies: dict[str, Any] | None = None) -> None:
-        """bodies: motions by name, `History.bodies`; without them both user frames are taken at the world's origin."""
+        """bodies: motions by name, `History.bodies`; without them both user frames are at the world's origin."""
         self.history = history
         self.view = view
         self.name = view.name
@@ -119,13 +119,13 @@ class PairResult(reprs.Shown, ABC):
 
     @property
     def has_friction(self) -> bool:
-        """True where the pair was run with friction, so that `friction` answers."""
+        """True for a contact with friction, whose `friction` is available."""
         return getattr(self.history, "friction", None) is not None
 
     @cached_property
     def friction(self) -> FrictionResult:
         """Tractions, slip, stick and slip areas, creepages, forces and spin moment, T-gamma, power and wear index;
-        raises `InputError` for a pair without friction."""
+        raises `InputError` for a contact without friction."""
         return FrictionResult(self)
 
     # --- the grid on the first surface ---
@@ -133,18 +133,18 @@ class PairResult(reprs.Shown, ABC):
     @property
     @abstractmethod
     def z(self) -> np.ndarray:
-        """m along the axis of the first surface, where the rows of pressures are: (rows,) of hats, which stay, (T,
-        rows) of cells; `rows` has the second form of both."""
+        """Positions [m] of the rows of pressures along the axis of the first surface: (rows,) for fixed nodes, (T,
+        rows) for cells; `rows` has the second form for both."""
 
     @property
     @abstractmethod
     def spacing(self) -> Any:
-        """Arc [m] from one column of pressures to the next: a number of hats, (T,) of cells."""
+        """Arc [m] between columns of pressures: a number for nodes, (T,) for cells."""
 
     @property
     @abstractmethod
     def rows(self) -> np.ndarray:
-        """(T, rows) m along the axis of the first surface, where the rows of pressures are."""
+        """(T, rows) m along the axis of the first surface, positions of the rows of pressures."""
 
     @property
     @abstractmethod
@@ -165,18 +165,19 @@ class PairResult(reprs.Shown, ABC):
     @property
     @abstractmethod
     def patch_center(self) -> np.ndarray:
-        """(T, 2) theta [rad, m on a plane] on the first surface's grid and z [m] of the place where the surfaces are
-        nearest, about which creep and spin are told, see `creep`."""
+        """(T, 2) theta [rad, m on a plane] on the first surface's grid and z [m] of the point of least distance of the
+        surfaces, the reference of creep and spin, see `creep`."""
 
     @property
     @abstractmethod
     def creep_place(self) -> np.ndarray:
-        """(T, 2) theta [rad, m on a plane] and z [m], as of `patch_center`, where the run records the creep."""
+        """(T, 2) theta [rad, m on a plane] and z [m], as for `patch_center`, of the point where the run records the
+        creep."""
 
     @property
     @abstractmethod
     def window(self) -> float:
-        """Half the arc [m] over which there are pressures, the longest of the run."""
+        """Half the arc [m] with pressures, the longest of the run."""
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -186,24 +187,24 @@ class PairResult(reprs.Shown, ABC):
 
     @abstractmethod
     def cell_lines(self, i: int) -> tuple[np.ndarray, np.ndarray]:
-        """Lines between the cells of saved step `i`, and the outermost ones: arc (columns + 1,) [m] from the line of
+        """Lines between the cells of saved step `i`, with the outermost ones: arc (columns + 1,) [m] from the line of
         centres, and z (rows + 1,) [m]."""
 
     @abstractmethod
     def reaches_ends(self, i: int) -> bool:
-        """True where the patch of saved step `i` reaches both ends of an arc, to a column."""
+        """True if the patch of saved step `i` reaches both ends of an arc, to within a column."""
 
     @property
     def side(self) -> float:
-        """+1 where e_theta of the first surface, direction 0 of tractions, points to growing arc, -1 on an inside form,
-        where it points against it."""
+        """+1 if e_theta of the first surface, direction 0 of tractions, points to increasing arc, -1 on an inside form,
+        where it points to decreasing arc."""
         return float(self.view.first.shape.side)
 
     # --- pressure ---
 
     @cached_property
     def touching(self) -> np.ndarray:
-        """(T,) bool, whether anything presses."""
+        """(T,) bool, whether any pressure is positive."""
         return np.any(self.history.pressure > 0.0, axis=(1, 2))
 
     @property
@@ -224,27 +225,27 @@ class PairResult(reprs.Shown, ABC):
     @property
     @abstractmethod
     def patch_area(self) -> np.ndarray:
-        """(T,) m2, area of the cells whose pressure is positive: to within half a cell along the rim of the patch."""
+        """(T,) m2, area of the cells with positive pressure: to within half a cell along the edge of the patch."""
 
     @property
     @abstractmethod
     def peak_pressure(self) -> np.ndarray:
-        """(T,) Pa, largest pressure anywhere in the patch."""
+        """(T,) Pa, largest pressure in the patch."""
 
     @property
     @abstractmethod
     def mid_peak_pressure(self) -> np.ndarray:
-        """(T,) Pa, largest pressure in the section of `mid_pressure`: the number to hold against Hertz."""
+        """(T,) Pa, largest pressure in the section of `mid_pressure`: for comparison with Hertz."""
 
     @abstractmethod
     def pressure_resultants(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """What force and torque of the pressure are summed from, with functions psi_j of theta and zeta_k of z: the
+        """Factors of the force and torque of the pressure, with shape functions psi_j of theta and zeta_k of z: the
         length (T,) [-] of int psi_j e_r dtheta, int psi_j dtheta (T,) [rad], and (T, 3, rows) of each zeta_k the
         integrals of R, R R' and (z + R R') R [m2, m2, m3]."""
 
     @cached_property
     def _section(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Rows (T,) beside the section of each saved step and the weight of the second: mid-width, of a point contact
+        """Rows (T,) around the section of each saved step and the weight of the second: mid-width, for a point contact
         the centre of pressure."""
         z = self.rows
         steps = np.arange(len(z))
@@ -257,7 +258,7 @@ class PairResult(reprs.Shown, ABC):
         return k, k + 1, (at - z[steps, k]) / (z[steps, k + 1] - z[steps, k])
 
     def in_section(self, values: np.ndarray, steps: slice = slice(None)) -> np.ndarray:
-        """(n, columns) of values (n, columns, rows) at the saved `steps`: along the arc at mid-width, of a point
+        """(n, columns) of values (n, columns, rows) at the saved `steps`: along the arc at mid-width, for a point
         contact through the centre of pressure."""
         k, k1, w = (part[steps] for part in self._section)
         i = np.arange(len(values))
@@ -270,7 +271,7 @@ class PairResult(reprs.Shown, ABC):
 
     @cached_property
     def mid_pressure(self) -> np.ndarray:
-        """(T, columns) Pa, `mean_pressure` at mid-width, of a point contact through the centre of pressure."""
+        """(T, columns) Pa, `mean_pressure` at mid-width, for a point contact through the centre of pressure."""
         return self.in_section(self.mean_pressure)
 
     @property
@@ -280,43 +281,43 @@ class PairResult(reprs.Shown, ABC):
 
     @property
     def line_load(self) -> np.ndarray:
-        """(T,) N/m, integral of the pressure across the patch at mid-width, of a point contact through its centre."""
+        """(T,) N/m, integral of the pressure across the patch at mid-width, for a point contact through its centre."""
         return self._line.load
 
     @property
     def center(self) -> np.ndarray:
-        """(T,) m of arc, centre of the pressure at mid-width, of a point contact of the whole patch, from the line of
+        """(T,) m of arc, centre of the pressure at mid-width, for a point contact of the whole patch, from the line of
         centres."""
         return self.moments.center[:, 0] if self.patch_kind == "point" else self._line.center
 
     @property
     def center_of_pressure(self) -> np.ndarray:
-        """(T, 2) m, of the whole patch: arc from the line of centres, and z; (0, mid-width) where nothing touches."""
+        """(T, 2) m, of the whole patch: arc from the line of centres, and z; (0, mid-width) without contact."""
         return self.moments.center
 
     @property
     def half_width(self) -> np.ndarray:
-        """(T,) m, along the arc: twice the root of the second moment of the mid-width pressure; of a point contact or
-        a flat one that of the whole patch, `half_widths[:, 0]`; of a line along the arc `half_widths[:, 1]`; 0 where
-        nothing touches."""
+        """(T,) m, along the arc: twice the root of the second moment of the mid-width pressure; for a point or flat
+        contact that of the whole patch, `half_widths[:, 0]`; for a line along the arc `half_widths[:, 1]`; 0 without
+        contact."""
         if self.patch_kind == "line":
             return self._line.half_width
         return self.half_widths[:, 1 if self.patch_kind == "line_around" else 0]
 
     @cached_property
     def half_widths(self) -> np.ndarray:
-        """(T, 2) m, along e_theta and t_z, from the second moments of the whole patch; 0 where nothing touches. Of a
-        skewed ellipse these are the sides of its bounding rectangle; see `semi_axes`."""
+        """(T, 2) m, along e_theta and t_z, from the second moments of the whole patch; 0 without contact. For a skewed
+        ellipse these are the sides of its bounding rectangle; see `semi_axes`."""
         return self.moments.half_widths(self.patch_kind)
 
     @property
     def semi_axes(self) -> np.ndarray:
-        """(T, 2) m, the larger first, of the ellipse of a point contact with the patch's second moments."""
+        """(T, 2) m, the larger first, of the ellipse of a point contact with the second moments of the patch."""
         return self.moments.principal()[0]
 
     @property
     def patch_angle(self) -> np.ndarray:
-        """(T,) rad, of the larger of `semi_axes`, from e_theta towards t_z."""
+        """(T,) rad, direction of the larger of `semi_axes`, from e_theta towards t_z."""
         return self.moments.principal()[1]
 
     def pressure(self, i: int) -> PatchPressure:
@@ -326,33 +327,34 @@ class PairResult(reprs.Shown, ABC):
     # --- against Hertz ---
 
     def curvature(self, i: int) -> np.ndarray:
-        """(2, 2) 1/m, relative curvature of the true surfaces along (e_theta, t_z) under the patch of saved step `i`:
-        the gap is 1/2 x.K.x."""
+        """(2, 2) 1/m, relative curvature of the true surfaces along (e_theta, t_z) at the patch of saved step `i`: the
+        gap is 1/2 x.K.x."""
         return pair_curvature(self, i)
 
     @cached_property
     def patch_kind(self) -> str:
-        """ "line", "line_around" (the line lies along the arc), "point" or "flat", see `hertz`; at the largest
-        load of the run."""
+        """One of "line", "line_around" (the line is along the arc), "point" or "flat", see `hertz`; at the largest load
+        of the run."""
         return patch_kind(self)
 
     @cached_property
     def effective_radius(self) -> float:
-        """1/(1/R1 + 1/R2) across the patch [m], of inside forms with their sign, at the largest load of the run; NaN
-        where the surfaces have no relative curvature across it."""
+        """1/(1/R1 + 1/R2) across the patch [m], negative for inside forms, at the largest load of the run; NaN without
+        relative curvature across it."""
         return effective_radius(self)
 
     @cached_property
     def effective_modulus(self) -> float:
-        """E* [Pa] of the pair, from the materials in the reduced bodies' provenance; a rigid partner adds nothing."""
+        """E* [Pa] of the contact, from the materials in the reduced bodies' provenance; a rigid body does not
+        contribute."""
         return effective_modulus(self.view)
 
     def hertz(self, i: int) -> HertzLine | HertzPoint:
-        """Hertz's contact in saved step `i`: of a line at the line load found at mid-width, of a point at the load.
+        """Hertz solution in saved step `i`: of a line at the computed line load at mid-width, of a point at the load.
 
-        Where nothing touches, and where Hertz's theory does not apply (flat faces, surfaces that conform, a line that
-        lies along the arc, a cover that is thin compared with the patch), its numbers are NaN, its `reason` says why,
-        and so does a warning.
+        Without contact, and where the theory does not apply (flat faces, conforming surfaces, a line along the arc, a
+        layer that is thin compared with the patch), its numbers are NaN, its `reason` states why, and a warning is
+        issued.
         """
         try:
             return hertz(self, i)
@@ -362,12 +364,12 @@ class PairResult(reprs.Shown, ABC):
 
     @abstractmethod
     def stress_errors(self, i: int) -> dict[str, StressError]:
-        """How right the von Mises stress below the line is in saved step `i`, and the depth of its maximum, by flexible
-        body; NaN, and the reason, where that is not known."""
+        """Errors of the von Mises stress below the line in saved step `i`, and of the depth of its maximum, by flexible
+        body; NaN, with the reason, if unknown."""
 
     def hertz_pressure(self, i: int, x: np.ndarray) -> np.ndarray:
-        """Hertz's pressure (n,) [Pa] at arc positions `x` (n,) [m] in the section of `mid_pressure`, about the centre
-        found in step `i`."""
+        """Hertz pressure (n,) [Pa] at arc positions `x` (n,) [m] in the section of `mid_pressure`, about the computed
+        centre in step `i`."""
         found = self.hertz(i)
         reach = found.section if isinstance(found, HertzPoint) else found.half_width
         return found.peak_pressure * np.sqrt(np.maximum(0.0, 1.0 - ((x - self.center[i]) / reach) ** 2))

@@ -1,17 +1,18 @@
 r"""Areas and moments of the pressure over the whole patch, and the half-widths that follow from them.
 
-The pressure is `p(theta, z) = sum_jk p_jk psi_j(theta) zeta_k(z)` on the first body's hats, the area of its surface
-`dA = R sqrt(1 + R'^2) dtheta dz`. With `I^n_k = int zeta_k z^n R sqrt(1 + R'^2) dz` and hats of angular spacing h
+The pressure is `p(theta, z) = sum_jk p_jk psi_j(theta) zeta_k(z)` with bilinear shape functions on the first body's
+contact grid, the area element `dA = R sqrt(1 + R'^2) dtheta dz`. With `I^n_k = int zeta_k z^n R sqrt(1 + R'^2) dz` and
+the angular spacing h of the nodes
 
     P = h sum_jk p_jk I^0_k,       P theta_c = h sum_jk p_jk theta_j I^0_k,       P z_c = h sum_jk p_jk I^1_k,
     P m_theta = h sum_jk p_jk ((theta_j - theta_c)^2 + h^2/6) I^0_k,              P m_z = h sum_jk p_jk I^2_k - P z_c^2,
 
-since the second moment of a hat about its node is h^3/6. Of pressures on cells that travel zeta_k is 1 on the row k, h
-is the angle of a strip, and the pressure in its middle is a sample of a smooth one: without h^2/6 (`cell_result`).
-Lengths along the surface at the centre of pressure are `R(z_c) theta` and `sqrt(1 + R'(z_c)^2) z`; the covariance in
-metres is that of the angles times these factors.
+since the second moment of a shape function about its node is h^3/6. For pressures on moving cells zeta_k is 1 on the
+row k, h is the angle of a strip, and the pressure at its centre is a sample of a smooth function: the term h^2/6 is
+omitted (`cell_result`). Lengths along the surface at the centre of pressure are `R(z_c) theta` and `sqrt(1 + R'(z_c)^2)
+z`; the covariance in metres is that of the angles times these factors.
 
-What a second moment says of a half-width depends on how the pressure is spread. In one direction, with half-width a:
+The relation of second moment and half-width depends on the pressure distribution. In one direction, with half-width a:
 
     p0 sqrt(1 - x^2/a^2)                 line contact, across            m = a^2/4
     p0 sqrt(1 - x^2/a^2 - y^2/b^2)       point contact, either axis      m = a^2/5
@@ -19,9 +20,10 @@ What a second moment says of a half-width depends on how the pressure is spread.
 
 Areas are counted in cells, the part of the surface nearer to a node than to any other, with the resolution of the grid.
 
-Pressure wrench. Integrals of axial hats over a surface of revolution, and the forces of tractions on its cells.
+Pressure wrench. Integrals of axial shape functions over a surface of revolution, and the forces of tractions on its
+cells.
 
-Tractions are constant per cell of area A, and their forces act at its node, or in the middle of a cell that travels.
+Tractions are constant on a cell of area A, and their forces act at its node, or at the centre of a moving cell.
 """
 
 from __future__ import annotations
@@ -39,7 +41,7 @@ SPREAD = {"line": (4.0, 3.0), "line_around": (3.0, 4.0), "point": (5.0, 5.0), "f
 
 
 class PatchMeasure:
-    """Areas of the hats and cells of one column of a contact grid, and the axial integrals of its hats."""
+    """Areas of the nodes and cells of one column of a contact grid, and the integrals of its axial shape functions."""
 
     def __init__(self, surface: Any) -> None:
         self.shape, self.grid = surface.shape, surface.grid
@@ -75,13 +77,13 @@ class PatchMeasure:
 
 
 class Moments:
-    """Load, centre and covariance of the pressure, one row a saved step; zero where nothing touches."""
+    """Load, centre and covariance of the pressure, one row per saved step; zero without contact."""
 
     def __init__(
         self, measure: PatchMeasure, axial: np.ndarray, theta: np.ndarray, widths: tuple[np.ndarray, float]
     ) -> None:
-        """axial (T, columns, 3): sum_k p_jk I^n_k of each column; theta (T, columns), about the line of centres;
-        widths: int psi_j dtheta (T,) of the functions around, and their second moment about their own middle over its
+        """axial (T, columns, 3): sum_k p_jk I^n_k of each column; theta (T, columns), from the line of centres; widths:
+        int psi_j dtheta (T,) of the shape functions around, and their second moment about their own centre over its
         square."""
         h, own = widths
         total = axial[..., 0].sum(axis=1)
@@ -106,7 +108,7 @@ class Moments:
         return np.sqrt(np.maximum(squares, 0.0))
 
     def principal(self) -> tuple[np.ndarray, np.ndarray]:
-        """Semi-axes (T, 2) [m], the larger first, of Hertz's ellipse, and the angle (T,) [rad] of the larger from
+        """Semi-axes (T, 2) [m], the larger first, of the Hertz ellipse, and the angle (T,) [rad] of the larger from
         e_theta towards t_z, in (-pi/2, pi/2]."""
         values, axes = np.linalg.eigh(self.covariance)
         angle = np.arctan2(axes[:, 1, 1], axes[:, 0, 1])
@@ -115,25 +117,25 @@ class Moments:
 
 
 class PatchMoments(Moments):
-    """Of hat coefficients."""
+    """Moments of nodal pressures."""
 
     def __init__(self, measure: PatchMeasure, pressure: np.ndarray, theta: np.ndarray) -> None:
-        """pressure (T, columns, rows) Pa, hat coefficients; theta (T, columns), about the line of centres."""
+        """pressure (T, columns, rows) Pa, nodal values; theta (T, columns), from the line of centres."""
         super().__init__(measure, pressure @ measure.axial.T, theta, (np.full(len(pressure), measure.pitch), 1.0 / 6.0))
 
 
 class CellMoments(Moments):
-    """Of pressures on cells that travel with the patch."""
+    """Moments of pressures on cells that move with the patch."""
 
     def __init__(self, measure: PatchMeasure, places: CellPlaces, pressure: np.ndarray, theta: np.ndarray) -> None:
-        """pressure (T, columns, rows) Pa; theta (T, columns), about the line of centres."""
+        """pressure (T, columns, rows) Pa; theta (T, columns), from the line of centres."""
         axial = np.einsum("tjk,tnk->tjn", pressure, places.axial)
         super().__init__(measure, axial, theta, (places.pitch, 0.0))
 
 
 def axial_integrals(shape: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """int zeta_k R dz [m^2], int zeta_k R R' dz [m^2], int zeta_k (z + R R') R dz [m^3] of the axial hats, each
-    (rows,)."""
+    """int zeta_k R dz [m^2], int zeta_k R R' dz [m^2], int zeta_k (z + R R') R dz [m^3] of the axial shape functions,
+    each (rows,)."""
     x, w = np.polynomial.legendre.leggauss(GAUSS_PER_ROW)
     t = 0.5 * (x + 1.0)
     step = np.diff(z)
@@ -150,7 +152,7 @@ def axial_integrals(shape: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
 
 
 def traction_forces(contact: Any, i: int) -> tuple[np.ndarray, np.ndarray]:
-    """Places (n, 3) [m] of the cells of a pair that have tractions at saved step `i`, and their forces (n, 3) [N] on
+    """Positions (n, 3) [m] of the cells of a contact with tractions at saved step `i`, and their forces (n, 3) [N] on
     the first body; its user axes."""
     traction, surface = contact.friction.traction[i], contact.view.first
     j, k = np.nonzero(np.any(traction != 0.0, axis=0))

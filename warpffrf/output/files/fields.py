@@ -1,7 +1,7 @@
-"""The table of everything a results file and an xarray dataset hold: one row a quantity, one name everywhere.
+"""Table of all quantities of a results file and an xarray dataset: one row per quantity, one name everywhere.
 
-A quantity is stacked over its owners (`contact_force (time, pair, axis)`) when its shape is the same for all of them,
-and kept one array per owner (`contact_pressure/<pair> (time, column, row)`) when it is not.
+A quantity is stacked over its owners (`contact_force (time, pair, axis)`) if its shape is the same for all of them;
+otherwise there is one array per owner (`contact_pressure/<pair> (time, column, row)`).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ USER_ORIGIN = "world, about the origin of the body's user frame"
 AXIS, QUATERNION = ("axis",), ("quaternion",)
 DIRECTION = ("direction",)  # e_theta and t_z of the first surface
 CHART_AXIS = ("chart_axis",)  # e_0 and e_1 of the first surface
-# What the entries are called along dimensions that have the same ones for all owners.
+# Labels of the entries along dimensions that are the same for all owners.
 COMPONENTS = {
     "axis": ("x", "y", "z"),
     "quaternion": ("x", "y", "z", "w"),
@@ -73,7 +73,7 @@ FORCE_FIELDS = (
     Field("applied_deformation", "deformation", "m or rad", "axes of the first port", ("coordinate",), stacked=False),
 )
 
-# Of the force elements that are friction in a joint: their own owners, `joint_friction`.
+# Force elements that model friction in a joint: dimension `joint_friction`.
 JOINT_FRICTION_FIELDS = (
     Field("joint_friction_state", "state", "1 stick, 2 slip", "none"),
     Field("joint_slip_velocity", "slip_velocity", "m/s", "axis of the joint: along, around", ("slip",)),
@@ -103,7 +103,7 @@ CONTACT_FIELDS = (
     ),
 )
 
-# Of the pairs whose pressure stands on cells that travel with the patch: their own owners, `cell_pair`.
+# Contacts whose pressure is constant on cells that move with the patch: dimension `cell_pair`.
 CELL_FRAME = "first surface, along its axis"
 TRAVELLING = "cells that travel with the patch: equal strips across, rows along the axis of the first surface"
 CELL_FIELDS = (
@@ -167,7 +167,7 @@ LAP_FIELDS = (
     Field("lap_state", "state", "0 open, 1 stick, 2 slip", "none", LAP_CELL, stacked=False),
     Field("lap_cell_loss", "loss", "J", "by friction so far", LAP_CELL, stacked=False),
 )
-# Derived by `LapResult`, written so that readers without warpffrf have them, never read back.
+# Derived by `LapResult`, written for readers without warpffrf, not read back.
 FIRST_USER = "user frame of the first body"
 LAP_DERIVED = (
     Field("lap_loss", "loss", "J", "by friction so far"),
@@ -191,7 +191,7 @@ LAP_CELLS = (
     Field("lap_share_cell", "share_cells", "1", "numbers of both cells", ("share", "side"), False),
 )
 
-# Of the pairs that were run with friction: their own owners, `friction_pair`.
+# Contacts with friction: dimension `friction_pair`.
 CELLS = "cells of the contact grid of the first surface"
 COUNTED = "first surface, counted in cells"
 CREEP = "first surface: longitudinal (e_theta), lateral (t_z), at the patch centre"
@@ -214,7 +214,7 @@ FRICTION_FIELDS = (
     Field("contact_cells_per_step", "cells_per_step", "1", "columns of cells, most since the last saved row"),
 )
 
-# Derived by `ContactResult`, written so that readers without warpffrf have them, never read back.
+# Derived by `ContactResult`, written for readers without warpffrf, not read back.
 DERIVED_FIELDS = (
     Field("contact_half_width", "half_width", "m", "first surface, at mid-width"),
     Field("contact_peak_pressure", "peak_pressure", "Pa", "first surface"),
@@ -243,7 +243,7 @@ DERIVED_POSITIONS = (
     Field("contact_pressure_theta", "theta", "rad", "chart of the first surface", ("column",), stacked=False),
     Field("contact_pressure_arc", "arc", "m", "first surface, from the line of centres", ("column",), stacked=False),
 )
-# Derived by `FilmResult`: places of the nodes, the same in all steps.
+# Derived by `FilmResult`: coordinates of the nodes, the same in all steps.
 FILM_POSITIONS = (
     Field("film_theta", "theta", "rad, of a plane m", "chart of the first surface", ("film_column",), stacked=False),
     Field("film_z", "z", "m", "along the axis of the first surface", ("film_row",), stacked=False),
@@ -252,7 +252,7 @@ ENERGY_UNITS = "J"
 
 
 def of_owner(field: Field, owner: Any) -> Field:
-    """The quantity as this owner has it: pressure and friction of a contact pair may stand on cells of its own."""
+    """The quantity for this owner: pressure and friction of a contact may be given on cells of its own."""
     if field.name == "contact_pressure" and getattr(owner, "cells", None) is not None:
         return replace(field, frame=TRAVELLING)
     if field.frame == CELLS and getattr(getattr(owner, "contact", None), "loaded", "") == "cells":

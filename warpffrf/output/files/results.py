@@ -1,35 +1,34 @@
-"""A run as one HDF5 file, and back.
+"""A run as one HDF5 file: writing and reading.
 
     /time (time), /step_size, /iterations, /factorisations
     /body_position (time, body, axis), /contact_force (time, pair, axis), ...   stacked over the owners
-    /lumped_force (time, lumped_contact, axis), ...   over the lumped contacts, where there are any
-    /film_force (time, film, axis), /film_pressure/<film> (time, film_column, film_row), ...   over the oil films, where
-                             there are any; /film_theta/<film>, /film_z/<film> the places of the nodes
-    /lap_force (time, lap, axis), /lap_pressure/<lap> (time, lap_cell), ...   over the laps, where there are any;
+    /lumped_force (time, lumped_contact, axis), ...   over the lumped contacts, if any
+    /film_force (time, film, axis), /film_pressure/<film> (time, film_column, film_row), ...   over the oil films, if
+                             any; /film_theta/<film>, /film_z/<film> coordinates of the nodes
+    /lap_force (time, lap, axis), /lap_pressure/<lap> (time, lap_cell), ...   over the small-sliding contacts, if any;
                              /lap_point/<lap>, /lap_area/<lap>, ... their cells
-    /contact_friction_power (time, friction_pair), ...   over the pairs with friction, where there are any
-    /contact_cell_half_width (time, cell_pair), /contact_cell_z/<pair> (time, row), ...   over the pairs whose pressure
-                             stands on cells that travel with the patch, where there are any
-    /contact_pressure/<pair> (time, column, row), /body_modal/<body>, ...       one dataset an owner
+    /contact_friction_power (time, friction_pair), ...   over the contacts with friction, if any
+    /contact_cell_half_width (time, cell_pair), /contact_cell_z/<pair> (time, row), ...   over the contacts
+                             whose pressure is given on cells that move with the patch, if any
+    /contact_pressure/<pair> (time, column, row), /body_modal/<body>, ...       one dataset per owner
     /sensor/<name> (time, component)
     /energy (time, line)
     /checkpoint/<array>      the complete state at the end, to continue from
     /scene                   names, pairs, mass data, hash of the scene
-    /scene/description       all that a run depends on but reduced bodies, as JSON
-    /reduced/<hash>          each reduced body once, as its own file's bytes
+    /scene/description       everything a run depends on except reduced bodies, as JSON
+    /reduced/<hash>          each reduced body once, as the bytes of its file
 
 Names, energy lines, counters and notes are JSON in the file's attributes. Every dataset has the attributes `units`,
 `frame` and `dims`; `fields.py` is the table. Derived quantities (half-width, positions of the pressure) are written for
-other readers and not read back. Names of owners are percent-encoded where HDF5 needs it ("/", ".").
+other readers and are not read back. Names of owners are percent-encoded where HDF5 requires it ("/", ".").
 
-The schema version goes up with every quantity or name that is new; files of other versions are refused.
+The schema version increases with every new quantity or name; files of other versions are refused.
 
-Behind the last byte stands a checksum of the whole file (`model/files/sealed_file.py`), which other readers pass over.
+A checksum of the whole file follows the last byte (`model/files/sealed_file.py`); other readers ignore it.
 
-History check. Whether the arrays of a run fit together: a row for each saved time, axes of the right length, finite
-motion.
+History check. The arrays of a run must be consistent: one row per saved time, axes of the right length, finite motion.
 
-A seal tells damage to a file; a faulty writer seals wrong arrays, and they would be read as results.
+The checksum detects damage to a file, but not wrong arrays written by a faulty writer.
 """
 
 from __future__ import annotations
@@ -120,8 +119,8 @@ _ONLY_WHERE_THERE = ("lumped_contact", "film", "lap")
 
 
 def write_results(result: Any, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-    """Write `result` to `path`, whole or not at all. Raises InputError for a path that cannot be written, that does not
-    end like a results file, or that exists, unless `overwrite` is set and it is one of warpffrf."""
+    """Write `result` to `path` atomically. Raises InputError for a path that cannot be written, a wrong file ending,
+    and an existing file, unless `overwrite` is set and warpffrf wrote it."""
     check_ending(path, "results", SUFFIXES)
     target = checked_output_path(path, "results", overwrite=overwrite)
     with written_sealed(target) as file:
@@ -130,8 +129,8 @@ def write_results(result: Any, path: str | os.PathLike[str], *, overwrite: bool 
 
 
 def put_result(file: Any, result: Any, *, bodies: bool = True, packing: dict[str, Any] = COMPRESSION) -> None:
-    """Write `result` into an open file; without `bodies` the reduced ones are left to another file. packing: of the
-    datasets of histories."""
+    """Write `result` into an open file; without `bodies` the reduced bodies are left to another file. packing:
+    compression of the datasets of histories."""
     history: History = result.history
     steps = len(history.time)
     file.attrs.update({"format": FORMAT, "schema_version": SCHEMA_VERSION})
@@ -185,7 +184,7 @@ def put_result(file: Any, result: Any, *, bodies: bool = True, packing: dict[str
 def read_history(path: str | os.PathLike[str]) -> History:
     """The `History` in a results file; its `scene` is a `SceneView`.
 
-    Raises InputError when the file is missing, is not a results file, is damaged, or is of another schema.
+    Raises InputError if the file is missing, is not a results file, is damaged, or has another schema.
     """
     source = Path(path).expanduser()
     if not source.is_file():
@@ -205,13 +204,13 @@ def read_history(path: str | os.PathLike[str]) -> History:
         return history
     except InputError as error:
         raise error if str(source) in str(error) else InputError(f"{subject}: {error}; {cure}") from None
-    except Exception as error:  # a document that is not ours raises what it leads to
+    except Exception as error:  # reading a foreign document can raise anything
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"{subject} is damaged ({reason}); {cure}") from error
 
 
 def get_history(file: Any, scene: SceneView | None = None) -> History:
-    """The `History` in an open results file; `scene`: of a file that holds the bodies, for one that does not."""
+    """The `History` in an open results file; `scene`: that of the file with the bodies, for a file without them."""
     groups = {}
     run = {f.attribute: read(file, f.name) for f in RUN_FIELDS}
     for attribute, dim, fields, record in _GROUPS:
@@ -251,7 +250,7 @@ def _budget_line(line: dict[str, Any]) -> BudgetLine:
 
 
 def _fields_of(file: Any, fields: tuple[Field, ...], name: str, n: int = 0) -> dict[str, Any]:
-    """What the file holds of one owner."""
+    """The fields of one owner in the file."""
     return {field.attribute: _get(file, field, name, n) for field in fields}
 
 
@@ -284,7 +283,7 @@ def _put_group(
 
 
 def _put_fixed(file: Any, fields: tuple[Field, ...], owners: dict[str, Any]) -> None:
-    """What is the same in all steps."""
+    """Write quantities that are the same in all steps."""
     for field in fields if owners else ():
         group = file.create_group(field.name)
         for name, owner in owners.items():
@@ -298,7 +297,7 @@ def _get(file: Any, field: Field, name: str, n: int) -> np.ndarray:
 
 def _put_sensors(file: Any, result: Any, packing: dict[str, Any]) -> None:
     group = file.create_group("sensor")
-    file.attrs["sensor_names"] = json.dumps(result.sensor_names)  # HDF5 lists members by name, not in their order
+    file.attrs["sensor_names"] = json.dumps(result.sensor_names)  # HDF5 sorts members by name
     for name in result.sensor_names:
         sensor = result.sensor(name)
         values = np.asarray(sensor.values)
@@ -432,7 +431,7 @@ def _from_bytes(data: np.ndarray, digest: str | None, source: str) -> ReducedBod
         return read_reduced_body(ReducedBody, file, f"the reduced body in results file '{source}'", digest)
 
 
-# other numbers may be NaN, where they are not known
+# other numbers may be NaN if they are unknown
 FINITE = {
     "bodies": ("position", "rotation", "velocity", "angular_velocity", "modal"),
     "joints": ("force", "torque"),
@@ -453,7 +452,7 @@ FINITE = {
 
 
 def check_history(history: History) -> None:
-    """Raise `InputError` that names the first array that cannot be the run's, and why."""
+    """Raise `InputError` that names the first inconsistent array and the reason."""
     steps = np.shape(history.time)[0] if np.ndim(history.time) == 1 else -1
     for field in RUN_FIELDS:
         _check(history, field, field.name, steps, {})
@@ -496,7 +495,7 @@ def check_history(history: History) -> None:
 
 
 def _check_film_grid(film: Any, name: str, scene: Any) -> None:
-    """The fields of a film against the grid of its first surface, as a file has it."""
+    """Check the fields of a film against the grid of its first surface in the file."""
     if not isinstance(scene, SceneView):
         return
     if name not in scene.films:
@@ -510,7 +509,7 @@ def _check_film_grid(film: Any, name: str, scene: Any) -> None:
 
 
 def _check_lap_cells(lap: Any, name: str, scene: Any) -> None:
-    """The fields of a lap against its cells, as a file has them."""
+    """Check the fields of a small-sliding contact against its cells in the file."""
     if not isinstance(scene, SceneView):
         return
     if name not in scene.laps:
@@ -521,7 +520,8 @@ def _check_lap_cells(lap: Any, name: str, scene: Any) -> None:
 
 
 def _check_owner(owner: Any, fields: Any, name: str, steps: int) -> None:
-    """The quantities of one owner; dimensions of one name are of one length. An owner that is None has none."""
+    """Check the quantities of one owner; dimensions of the same name must have the same length. None has no
+    quantities."""
     if owner is None:
         return
     sizes: dict[str, int] = {}

@@ -1,7 +1,7 @@
-"""The histories of a run as a table: a row for each saved step, a column for each number that has a history.
+"""The histories of a run as a table: one row per saved step, one column per scalar history.
 
-A history is what has no dimension besides time and a few named components: forces, motions, approaches, losses, sensors
-and energies, but no pressure fields and no modal coordinates. Columns are called by quantity, component and owner:
+A history has no dimension besides time and a few named components: forces, motions, approaches, losses, sensors and
+energies, but no pressure fields and no modal coordinates. Column names consist of quantity, component and owner:
 
     contact_force_z[roller on plate]      [N]
     body_position_x[roller]               [m]
@@ -12,10 +12,10 @@ Quantities, units and frames are those of the results file (`fields.py`).
 
 Dataset. A run as an xarray dataset: the names, units and frames of the results file.
 
-Quantities. One quantity of a run by its name, and nothing else of the run evaluated.
+Quantities. One quantity of a run by its name, without evaluating any other.
 
-A name is what `to_dataframe` calls a column, the same without its component for all of them, or a field of the results
-file, which has places besides time:
+A name is a column name of `to_dataframe`, the same without component for all components, or a field of the results
+file, which has dimensions besides time:
 
     contact_force_z[roller on plate]     (T,)
     contact_force[roller on plate]       (T, axis)
@@ -63,15 +63,15 @@ from warpffrf.output.files.fields import (
 )
 
 NUMBERED = ("coordinate", "lamina")  # dimensions with a few entries of one owner, numbered from 0
-MOST_NEAR = 4  # names in the answer to one that there is not
+MOST_NEAR = 4  # similar names listed for an unknown name
 TIME_HEADER = "time [s]"
-FIRST_CELLS = (TIME_HEADER, "step_size [s]", "iterations [1]")  # of a CSV file of ours: by them it is known
+FIRST_CELLS = (TIME_HEADER, "step_size [s]", "iterations [1]")  # identify a CSV file written by warpffrf
 
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """One history: `values` (T, components) of the quantity `name` of `owner` ("" of the run), what the components are
-    called (("",) of a scalar), unit and frame."""
+    """One history: `values` (T, components) of the quantity `name` of `owner` ("" for the run), the names of the
+    components (("",) for a scalar), unit and frame."""
 
     name: str
     owner: str
@@ -82,12 +82,12 @@ class Series:
 
     @property
     def label(self) -> str:
-        """Name and owner, as "contact_force[roller on plate]"."""
+        """Name and owner, such as "contact_force[roller on plate]"."""
         return _label(self.name, "", self.owner)
 
     @property
     def columns(self) -> dict[str, np.ndarray]:
-        """Each component (T,) by its column's name, as "contact_force_z[roller on plate]"."""
+        """Each component (T,) by its column name, such as "contact_force_z[roller on plate]"."""
         named = zip(self.components, self.values.T, strict=True)
         return {_label(self.name, component, self.owner): values for component, values in named}
 
@@ -97,8 +97,8 @@ def _label(name: str, component: str, owner: str) -> str:
 
 
 def histories(result: Any) -> list[Series]:
-    """Every history of a `Result` but its time, in the order of the results file; coordinates that a joint does not
-    have are left out."""
+    """Every history of a `Result` except time, in the order of the results file; coordinates that a joint does not have
+    are omitted."""
     history = result.history
     found = [
         Series(field.name, "", ("",), field.units, field.frame, np.asarray(getattr(history, field.attribute))[:, None])
@@ -131,7 +131,7 @@ def series_of_sensor(result: Any, name: str) -> Series:
 
 
 def series_of(field: Field, name: str, owner: Any) -> Series | None:
-    """The history of one owner; None for fields over places and modes, and for what the owner does not have."""
+    """The history of one owner; None for spatial and modal fields, and for quantities that the owner does not have."""
     if len(field.dims) > 1 or not {*field.dims} <= {*COMPONENTS, *NUMBERED}:
         return None
     values = np.asarray(getattr(owner, field.attribute))
@@ -154,7 +154,7 @@ def series_of(field: Field, name: str, owner: Any) -> Series | None:
 
 
 def column(result: Any, name: str) -> tuple[np.ndarray, str]:
-    """Values (T,) and unit of one column. Raises `InputError` with the nearest names for one that there is not."""
+    """Values (T,) and unit of one column. Raises `InputError` with similar names for an unknown one."""
     known: dict[str, tuple[np.ndarray, str]] = {}
     for series in histories(result):
         known |= {column: (np.asarray(values, float), series.units) for column, values in series.columns.items()}
@@ -162,12 +162,12 @@ def column(result: Any, name: str) -> tuple[np.ndarray, str]:
         return known[name]
     near = get_close_matches(name, known, n=MOST_NEAR, cutoff=0.3) or list(known)[:MOST_NEAR]
     said = ", ".join(map(repr, near))
-    raise InputError(f"the result has no history {name!r}; near to it: {said}; to_dataframe and to_csv have all")
+    raise InputError(f"the result has no history {name!r}; similar names: {said}; to_dataframe and to_csv list all")
 
 
 def to_dataframe(result: Any) -> Any:
     """A `pandas.DataFrame` of the histories: index `time` [s], units by column in `.attrs["units"]`. Raises ImportError
-    with the cure where pandas is not installed."""
+    with the remedy if pandas is not installed."""
     try:
         import pandas
     except ImportError as error:
@@ -182,9 +182,9 @@ def to_dataframe(result: Any) -> Any:
 
 
 def write_csv(result: Any, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-    """Write the histories as comma-separated values, the first line with names and units, numbers in full.
+    """Write the histories as comma-separated values; the first line has names and units, numbers have full precision.
 
-    Raises InputError for a path that does not end in .csv or cannot be written, and for a file that exists, unless
+    Raises InputError for a path that does not end in .csv or cannot be written, and for an existing file, unless
     `overwrite` is set and its first line is that of such a table.
     """
     check_ending(path, "to_csv", (".csv",))
@@ -200,7 +200,7 @@ def write_csv(result: Any, path: str | os.PathLike[str], *, overwrite: bool = Fa
 
 
 def _is_table(file: Path) -> bool:
-    """Whether a file is empty or begins as `write_csv` does."""
+    """Whether a file is empty or starts as `write_csv` does."""
     with file.open("rb") as stream:
         start = stream.read(200).decode("utf-8", "replace")
     return not start or start.startswith(",".join(FIRST_CELLS))
@@ -217,8 +217,8 @@ Group = tuple[str, tuple[Field, ...], dict[str, Any]]
 
 
 def owner_groups(result: Any) -> tuple[Group, ...]:
-    """What has histories: (dimension of the owners, their fields, owner by name), kept and derived; bodies, joints,
-    forces and contact pairs always, the rest where there are any."""
+    """Owners of histories: (dimension of the owners, their fields, owner by name), stored and derived; bodies, joints,
+    forces and contacts always, the rest if there are any."""
     history = result.history
     contacts = {name: result.contact(name) for name in history.contacts}
     rubbing = {name: contact.friction for name, contact in contacts.items() if contact.has_friction}
@@ -243,7 +243,7 @@ def owner_groups(result: Any) -> tuple[Group, ...]:
 
 
 def to_xarray(result: Any) -> Any:
-    """`xarray.Dataset`; quantities whose shape differs between owners are named `contact_pressure_<pair>` and so on."""
+    """`xarray.Dataset`; quantities whose shape differs between owners have names such as `contact_pressure_<pair>`."""
     try:
         import xarray as xr
     except ImportError as error:
@@ -286,7 +286,7 @@ def to_xarray(result: Any) -> Any:
         names = [joint.names[place] if place < len(joint.names) else "" for joint in history.joints.values()]
         coords[f"{prefix}_name"] = (("joint",), np.array(names, dtype=object if names else str))
     for name, contact in contacts.items():
-        if name not in cells:  # whose rows move, see contact_cell_z
+        if name not in cells:  # moving rows, see contact_cell_z
             z = np.asarray(contact.view.first.grid.z)
             about = {"units": "m", "frame": "along the axis of the first surface"}
             coords[f"row_{name}"] = ((f"row_{name}",), z, about)
@@ -330,8 +330,8 @@ class Quantity:
 
 
 def quantity(result: Any, name: str) -> Quantity:
-    """The quantity of a `Result` that is called `name`. Raises `NoQuantity`, an `InputError`, with the nearest names
-    for one that there is not."""
+    """The quantity called `name` of a `Result`. Raises `NoQuantity`, an `InputError`, with similar names for an unknown
+    one."""
     base, bracket, owner = name.partition("[")
     owner = owner.removesuffix("]") if bracket else ""
     if bracket and not name.endswith("]"):
@@ -352,7 +352,7 @@ def quantity(result: Any, name: str) -> Quantity:
 
 
 def _dimension(series: Series) -> str:
-    """What the components of a series run along: of those that have the same names everywhere, their dimension."""
+    """Dimension of the components of a series, if their names are the same for all owners."""
     for dim, names in COMPONENTS.items():
         if names == series.components:
             return dim
@@ -360,7 +360,7 @@ def _dimension(series: Series) -> str:
 
 
 def _series_called(result: Any, base: str, owner: str) -> Iterator[Series]:
-    """The histories whose name begins `base`, of one owner."""
+    """The histories whose name starts with `base`, of one owner."""
     history = result.history
     if not owner:
         for field in RUN_FIELDS:
@@ -394,6 +394,6 @@ def _unknown(result: Any, name: str) -> NoQuantity:
     ]
     near = get_close_matches(name, known, n=MOST_NEAR, cutoff=0.3) or known[:MOST_NEAR]
     return NoQuantity(
-        f"the result has no quantity {name!r}; near to it: {', '.join(map(repr, near))}; Result.to_dataframe and "
+        f"the result has no quantity {name!r}; similar names: {', '.join(map(repr, near))}; Result.to_dataframe and "
         "to_csv have all histories"
     )

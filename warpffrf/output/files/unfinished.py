@@ -1,18 +1,18 @@
-"""The folder `run.h5.unfinished` beside results that are being made: what a run has done so far, and a lock.
+"""The folder `run.h5.unfinished` of a run in progress: the rows computed so far, a checkpoint, and a lock.
 
-    lock                         held by the process that runs; says which
-    scene.arrays                 what it takes to make histories of rows: scene, kind, options; written once
-    part-000001.arrays, ...      the rows saved since the part before, as the run collects them
-    checkpoint.arrays            the state after the last part that counts, what the run is to reach, and its options
+    lock                         held by the running process, with its identity
+    scene.arrays                 data to build histories from rows: scene, kind, options; written once
+    part-000001.arrays, ...      the rows saved since the previous part, as the run collects them
+    checkpoint.arrays            the state after the last valid part, the end of the run, and its options
 
-All are plain sealed files (`model/files/sealed_file.py`), which a thread writes beside the run: it copies no row, and
-writing and checksums leave Python's lock to the run. A part is written whole, then the checkpoint that counts it, so
-that at any time the two belong together; a part behind the last that counts was cut and is ignored. The history is made
-when the folder is read. The folder is removed when the results are written. As long as another process holds the lock,
-it is refused to run into the same results.
+All are plain sealed files (`model/files/sealed_file.py`), written by a separate thread: it copies no row, and writing
+and checksums release Python's global lock. A part is written completely, then the checkpoint that includes it, so that
+the two are always consistent; a part that the checkpoint does not include is incomplete and is ignored. The history is
+built when the folder is read. The folder is removed when the results are written. While another process holds the lock,
+a run with the same results file is refused.
 
-Each row is written once, however often parts are; what goes with their number is the checkpoint: after one that took t
-the next part waits t/SHARE at least. While a part is being written the next one is not due.
+Each row is written once, so only the cost of checkpoints grows with the number of parts: after a checkpoint that took
+t, the next part waits at least t/SHARE. No part is due while another one is being written.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ from warpffrf.online.history.history import History
 ENDING = ".unfinished"
 LOCK, SCENE, CHECKPOINT, PART = "lock", "scene.arrays", "checkpoint.arrays", "part-{:06d}.arrays"
 PARTS = "part-*.arrays"
-HASH = re.compile(r"\W*\b[0-9a-f]{32,64}\b")  # of an option
-SHARE = 0.02  # of the time between two parts that writing the checkpoint before took
+HASH = re.compile(r"\W*\b[0-9a-f]{32,64}\b")  # in an option
+SHARE = 0.02  # largest fraction of the time between two parts spent on writing checkpoints
 GO_ON = "the run had not ended: go on with results='{results}' and resume=True (--resume)"
 HISTORY_OF: dict[str, Callable[..., History]] = {  # by `Source.kind`
     keeping.KIND: keeping.history_of,
@@ -58,18 +58,18 @@ class UnfinishedRun:
     """The folder of one run, locked from `open` to `close`; a keeper (`warpffrf.model.messages.checkpoints`)."""
 
     def __init__(self, results: Path, options: Mapping[str, str], every: float) -> None:
-        """results: the file to be; options: of the run, by which a run that goes on is told from another one; every:
-        seconds between two parts."""
+        """results: path of the results file; options: of the run, which identify it when it is resumed; every: seconds
+        between two parts."""
         self.results, self.folder = results, results.with_name(results.name + ENDING)
         self.options, self.every, self.wait = dict(options), every, every
         self.last, self.troubles = time.monotonic(), []
-        self.parts, self.taken = 0, 0  # that count, and chunks of rows in them
-        self._source: Source | None = None  # while it is to be written
+        self.parts, self.taken = 0, 0  # valid parts, and chunks of rows in them
+        self._source: Source | None = None  # until it is written
         self._writer: threading.Thread | None = None
         self._lock: IO[str] | None = None
 
     def open(self) -> None:
-        """Make the folder and lock it. Raises `InputError` where another process has."""
+        """Create the folder and lock it. Raises `InputError` if another process holds the lock."""
         self.folder.mkdir(exist_ok=True)
         file = self.folder / LOCK
         stream = file.open("a+", encoding="utf-8")
@@ -80,7 +80,7 @@ class UnfinishedRun:
             raise InputError(
                 f"results: another run is writing '{self.results}' ({owner}); wait for it, or choose another name"
             )
-        if not _is_file(stream, file):  # whoever had it has just removed it
+        if not _is_file(stream, file):  # the previous owner has just removed it
             stream.close()
             return self.open()
         stream.truncate(0)
@@ -91,7 +91,7 @@ class UnfinishedRun:
         return None
 
     def load(self) -> Unfinished | None:
-        """What there is of an earlier run, to go on from; None without a checkpoint. Raises `InputError` where it is
+        """The state of an earlier run, to continue from; None without a checkpoint. Raises `InputError` if it is
         another run."""
         found = read_checkpoint(self.folder)
         if found is None:
@@ -107,28 +107,28 @@ class UnfinishedRun:
         return Unfinished(rows, checkpoint, Plan(about["last_step"], about["rejected"], tuple(about["notes"])))
 
     def has_checkpoint(self) -> bool:
-        """Whether there is something to go on from."""
+        """Whether there is a checkpoint to continue from."""
         return (self.folder / CHECKPOINT).is_file()
 
     def clear(self) -> None:
-        """Forget an earlier run, or what this one has done."""
+        """Discard the parts of an earlier run or of this one."""
         self.settle()
         for file in (self.folder / CHECKPOINT, *self._files()):
             file.unlink(missing_ok=True)
         self.parts = self.taken = 0
 
     def begin(self, source: Source) -> None:
-        """What rows are of; it is written before the next part."""
+        """Set the source of the rows; it is written before the next part."""
         self._source = source
 
     def due(self) -> bool:
-        """Whether it is time for another part, and the last one is written."""
+        """Whether it is time for another part and the last one is written."""
         busy = self._writer is not None and self._writer.is_alive()
         return not busy and time.monotonic() - self.last >= self.wait
 
     def keep(self, run: Unfinished) -> None:
-        """Write what there is since the last part that counts, and the checkpoint after it, beside the run. Where that
-        fails, the same comes with the next."""
+        """Write the rows since the last valid part, and then the checkpoint, in a separate thread. If that fails, the
+        same rows are written with the next part."""
         self.settle()
         self._writer = threading.Thread(target=self._write, args=(run,), name="warpffrf keeping", daemon=True)
         try:
@@ -138,7 +138,7 @@ class UnfinishedRun:
             self._write(run)
 
     def settle(self) -> None:
-        """Wait for what is being written."""
+        """Wait for the part that is being written."""
         if self._writer is not None:
             self._writer.join()
             self._writer = None
@@ -157,16 +157,16 @@ class UnfinishedRun:
             self._write_checkpoint(run.checkpoint, run.plan, parts)
             self.parts, self.taken = parts, len(run.rows)
             self.wait = max(self.every, (time.monotonic() - begin) / SHARE)
-        except Exception as error:  # whatever it is, the run goes on
+        except Exception as error:  # errors of any kind must not stop the run
             if not self.troubles:
-                log.warning("results: '%s' cannot be written during the run (%s); going on", self.folder, error)
+                log.warning("results: '%s' cannot be written during the run (%s); it continues", self.folder, error)
             said = str(error) or type(error).__name__
-            self.troubles = [f"results: what was done could not be kept during the run ({said})"]
+            self.troubles = [f"results: completed parts could not be saved during the run ({said})"]
         finally:
             self.last = time.monotonic()
 
     def close(self, *, remove: bool) -> None:
-        """Give up the lock; with `remove`, or without a checkpoint, the folder goes too."""
+        """Release the lock; with `remove`, or without a checkpoint, the folder is removed."""
         try:
             self.settle()
             if remove:
@@ -183,7 +183,7 @@ class UnfinishedRun:
                 self._lock.close()
 
     def _files(self) -> list[Path]:
-        """All but the lock and the checkpoint."""
+        """All files except the lock and the checkpoint."""
         return [self.folder / SCENE, *self.folder.glob(PARTS)]
 
     def _write_checkpoint(self, checkpoint: Mapping[str, np.ndarray], plan: Plan, parts: int) -> None:
@@ -194,7 +194,7 @@ class UnfinishedRun:
 
 
 def read_checkpoint(folder: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]] | None:
-    """The checkpoint in `folder`, and what belongs to it; None where there is none yet."""
+    """The checkpoint in `folder` and its metadata; None if there is none yet."""
     if not (folder / CHECKPOINT).is_file():
         return None
     about, checkpoint = _read(folder / CHECKPOINT)
@@ -202,12 +202,12 @@ def read_checkpoint(folder: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]
 
 
 def _rows(folder: Path, parts: int) -> list[Rows]:
-    """The rows of the parts that count."""
+    """The rows of the valid parts."""
     return [_read(folder / PART.format(number))[1] for number in range(1, parts + 1)]
 
 
 def _read(file: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """A file of the folder, whose seal holds. Raises `InputError` for a damaged or missing one."""
+    """A file of the folder, checked by its checksum. Raises `InputError` for a damaged or missing one."""
     subject = f"unfinished run '{file.parent}': {file.name}"
     cure = "begin the run anew with overwrite=True (--overwrite)"
     if not file.is_file():
@@ -216,7 +216,7 @@ def _read(file: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
 
 
 def _write_source(file: Path, source: Source) -> None:
-    """Write what rows are of; where it cannot be put into a file, why."""
+    """Write the source of the rows, or the reason why it cannot be stored."""
     try:
         document, arrays = to_arrays((source.scene, dict(source.options)))
         about = {"kind": source.kind, "hash": source.scene.content_hash(), "document": document}
@@ -226,7 +226,7 @@ def _write_source(file: Path, source: Source) -> None:
 
 
 def _read_source(folder: Path) -> Source:
-    """What the rows in `folder` are of. Raises `InputError` where it was not put there, or by another version."""
+    """The source of the rows in `folder`. Raises `InputError` if it was not stored, or by another version."""
     about, arrays = _read(folder / SCENE)
     reason = about.get("missing", "")
     if not reason:
@@ -237,10 +237,10 @@ def _read_source(folder: Path) -> Source:
             reason = "it is of another version of warpffrf"
         except InputError as error:
             reason = str(error)
-        except Exception as error:  # what another version left out, its methods look for
+        except Exception as error:  # attributes missing in another version raise in its methods
             reason = f"it is of another version of warpffrf ({error})"
     raise InputError(
-        f"unfinished run '{folder}': {SCENE} cannot be made a scene again ({reason}); go on with the run, with "
+        f"unfinished run '{folder}': {SCENE} cannot be converted to a scene ({reason}); go on with the run, with "
         "resume=True (--resume), which does not need it"
     )
 
@@ -252,11 +252,10 @@ def is_unfinished(path: str | os.PathLike[str]) -> bool:
 
 
 def read_unfinished(folder: Path) -> History:
-    """What an unfinished run has done, as a History with status "unfinished". Raises `InputError` where that is
-    nothing."""
+    """The rows of an unfinished run as a History with status "unfinished". Raises `InputError` if there are none."""
     found = read_checkpoint(folder)
     if found is None:
-        raise InputError(f"'{folder}' holds nothing of a run yet; a part is written now and then while it runs")
+        raise InputError(f"'{folder}' has no rows of a run yet; parts are written at intervals while it runs")
     checkpoint, about = found
     source, rows = _read_source(folder), _rows(folder, about["parts"])
     try:
@@ -271,15 +270,16 @@ def read_unfinished(folder: Path) -> History:
 
 
 def different(options: Mapping[str, str], others: Mapping[str, str]) -> str:
-    """The options in which two runs differ, in words; what is known by a hash, as the scene, is another one."""
+    """The options in which two runs differ, as text; options known by a hash, such as the scene, are only reported as
+    different."""
     said = []
     for name in {**options, **others}:
         before, now = (HASH.sub("", of.get(name, "not given")) for of in (others, options))
         if options.get(name) != others.get(name):
-            said.append(f"{name} was {before}, is {now}" if before != now else f"{name} is another one")
+            said.append(f"{name} was {before}, is {now}" if before != now else f"{name} differs")
     return ", ".join(said)
 
 
 def _is_file(stream: IO[str], file: Path) -> bool:
-    """Whether `file` is still the one that was opened."""
+    """Whether `file` is still the file that was opened."""
     return file.exists() and os.path.samestat(os.fstat(stream.fileno()), file.stat())

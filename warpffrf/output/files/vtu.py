@@ -1,17 +1,17 @@
-"""A run as a VTK time series: one .vtu a flexible body or lap and saved step, bound together by one .pvd.
+"""A run as a VTK time series: one .vtu per saved step and flexible body or small-sliding contact, and one .pvd for all.
 
-Points are the rigidly moved, undeformed skin in world axes; the point data `displacement` [m, world axes] (warp by
-this vector), `pressure` [Pa], and of bodies with friction `traction` [Pa, world axes, on this body], `slip` speed
-[m/s], `wear` index [W/m2] and `state` (0 open, 1 stick, 2 slip). Bodies that were reduced with stress points on their
-skin (`reduce(..., stress={"skin": "skin"})`) also have `stress` [Pa, world axes: xx, yy, zz, xy, yz, zx, as ParaView
-takes six components] and `von_mises` [Pa]; where stress is missing, on nodes or whole bodies, it is said in a comment
-of the .pvd and on the logger. ParaView and `pyvista.PVDReader` open the .pvd; one body is one part. Steps are written
-one after the other, so that memory does not grow with their number.
+Points are the rigidly moved, undeformed skin in world axes; the point data `displacement` [m, world axes] (warp by this
+vector), `pressure` [Pa], and of bodies with friction `traction` [Pa, world axes, on this body], `slip` speed [m/s],
+`wear` index [W/m2] and `state` (0 open, 1 stick, 2 slip). Bodies that were reduced with stress points on their skin
+(`reduce(..., stress={"skin": "skin"})`) also have `stress` [Pa, world axes: xx, yy, zz, xy, yz, zx, as ParaView takes
+six components] and `von_mises` [Pa]; missing stresses, on nodes or whole bodies, are reported in a comment of the .pvd
+and by the logger. ParaView and `pyvista.PVDReader` open the .pvd; one body is one part. Steps are written one by one,
+so that memory does not grow with their number.
 
-A lap is a part, too: the triangles that its cells consist of, on the first body with the displacement of its skin,
-with the cell data `pressure` and `traction` [Pa, world axes, on the second face], `gap` [m], `slip` [m, world axes, of
-the second face so far], `state`, `loss` [J/m2, so far] and `cell`, the number of the cell. Bodies have pressure and,
-with friction, traction and state of their laps at the nodes.
+A small-sliding contact is also a part: the triangles of its cells, on the first body with the displacement of its skin,
+with the cell data `pressure` and `traction` [Pa, world axes, on the second face], `gap` [m], accumulated `slip` [m,
+world axes, of the second face], `state`, accumulated `loss` [J/m2] and `cell`, the number of the cell. Bodies have the
+pressure of their small-sliding contacts and, with friction, traction and state at the nodes.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ log = logging.getLogger("warpffrf")
 
 
 def meshio_package() -> Any:
-    """The package. Raises InputError where it cannot be imported, as its versions before 5.3.5 beside NumPy 2."""
+    """The package meshio. Raises InputError if it cannot be imported, such as versions before 5.3.5 with NumPy 2."""
     try:
         import meshio
     except (ImportError, AttributeError) as error:
@@ -53,10 +53,10 @@ def write_time_series(
     result: Any, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False, progress: bool = False
 ) -> Path:
     """Write every `stride`-th saved step; the .vtu files go into a folder named like the .pvd. Returns the .pvd path.
-    progress: how far it is, on stderr.
+    progress: report the progress on stderr.
 
-    Raises InputError for a path without the ending .pvd or one that cannot be written, for a stride below 1, and for
-    a run without flexible bodies, and for a .pvd that exists where `overwrite` is not set.
+    Raises InputError for a path that does not end in .pvd or cannot be written, a stride below 1, a run without
+    flexible bodies, and an existing .pvd, unless `overwrite` is set.
     """
     meshio = meshio_package()
 
@@ -123,7 +123,7 @@ def body_mesh(result: Any, name: str, skin: Skin, i: int) -> Any:
 
 
 def lap_mesh(result: Any, lap: LapResult, placed: LapOnSkin, i: int) -> Any:
-    """The meshio mesh of the cells of one lap at saved step `i`."""
+    """The meshio mesh of the cells of one small-sliding contact at saved step `i`."""
     meshio = meshio_package()
 
     motion, cell = result.history.bodies[lap.view.first_body.name], placed.cell

@@ -1,1 +1,1 @@
-"""Where things are that results and pictures share: what is known of the scene, poses, contact grids, thinned skins."""
+"""Geometry shared by results and pictures: view of the scene, poses, contact grids, thinned skins."""

@@ -1,4 +1,4 @@
-r"""Where the cells are that travel with a patch, in the chart of the pair's first surface.
+r"""Positions of cells that move with a patch, in the chart of the contact's first surface.
 
 Cells are equal strips across, 2 W/columns of arc wide and counted from the middle of the patch, by rows along the
 meridian (`CellHistory`). With the radius R_c of the surface at the middle of the rows a strip spans h = 2 W/(columns
@@ -8,17 +8,17 @@ R_c) of theta, on every row, and
 
 Integrals over the rows are those of the true surface, by a rule that is exact to round-off.
 
-Grid places. Places on a surface's contact grid, windows put into the whole grid, and turning of vectors.
+Grid places. Positions on a surface's contact grid, windows inserted into the whole grid, and rotation of vectors.
 
-Poses. Where a pair touches: poses of the two bodies, and the relative curvature of their true surfaces there.
+Poses. Poses of the two bodies of a contact, and the relative curvature of their true surfaces at the contact.
 
-Every shape has a chart (theta, z), an outward normal n away from the material, and unit tangents with
-`e_theta x t_z = n`. Outside of a body e_theta points to increasing theta, on an inside form (bore, ring, cup) to
-decreasing theta, which is what `side` = +1, -1 says. A plane counts theta in metres along e_theta and has the metric
-radius 1, so that arc = radius * theta everywhere.
+Every shape has a chart (theta, z), an outward normal n away from the material, and unit tangents with `e_theta x t_z =
+n`. Outside of a body e_theta points to increasing theta, on an inside form (bore, ring, cup) to decreasing theta, with
+`side` = +1, -1. A plane counts theta in metres along e_theta and has the metric radius 1, so that arc = radius * theta
+everywhere.
 
-Near a common point with a common normal the undeformed gap of two surfaces is `1/2 x.(K1 + K2).x`, each tensor
-`K = k_theta e_theta e_theta + k_z t_z t_z` in the common tangent plane, convex positive.
+Near a common point with a common normal the undeformed gap of two surfaces is `1/2 x.(K1 + K2).x`, each tensor `K =
+k_theta e_theta e_theta + k_z t_z t_z` in the common tangent plane, convex positive.
 """
 
 from __future__ import annotations
@@ -31,29 +31,29 @@ import numpy as np
 from warpffrf.model.reduced.contact_grid import GAUSS_PER_ROW
 from warpffrf.online.history.history import CellHistory
 
-ON_LINE = 1e-6  # of the width, or length, of all cells: round-off of the chart, on the end planes of a body
+ON_LINE = 1e-6  # of the width, or length, of all cells: round-off of the chart on the end planes of a body
 
 
 class CellPlaces:
-    """Places of the cells of one pair on its first `surface`, one row a saved step."""
+    """Positions of the cells of one contact on its first `surface`, one row per saved step."""
 
     def __init__(self, surface: Any, cells: CellHistory, columns: int) -> None:
         self.surface, self.cells, self.columns = surface, cells, columns
 
     @cached_property
     def z(self) -> np.ndarray:
-        """(T, rows) m, middles of the rows."""
+        """(T, rows) m, centres of the rows."""
         return np.asarray(self.cells.z, dtype=float)
 
     @cached_property
     def z_edges(self) -> np.ndarray:
-        """(T, rows + 1) m, the lines between the rows, and the outermost ones."""
+        """(T, rows + 1) m, boundaries of the rows."""
         half = 0.5 * np.asarray(self.cells.length, dtype=float)
         return np.concatenate([self.z[:, :1] - half[:, :1], self.z + half], axis=1)
 
     @cached_property
     def middle(self) -> np.ndarray:
-        """(T,) m, the middle of the rows."""
+        """(T,) m, centre of the rows."""
         return self.z.mean(axis=1)
 
     @cached_property
@@ -73,29 +73,29 @@ class CellPlaces:
 
     @cached_property
     def offset(self) -> np.ndarray:
-        """(columns,) strips from the middle of the patch to the middle of each strip."""
+        """(columns,) strips from the centre of the patch to the centre of each strip."""
         return np.arange(self.columns) - 0.5 * (self.columns - 1)
 
     @cached_property
     def center(self) -> np.ndarray:
-        """(T,) rad (m on a plane), theta of the middle of the patch on the surface's grid."""
+        """(T,) rad (m on a plane), theta of the centre of the patch on the surface's grid."""
         grid = self.surface.grid
         return grid.theta_start + grid.pitch * np.asarray(self.cells.column, dtype=float)
 
     @cached_property
     def theta(self) -> np.ndarray:
-        """(T, columns) rad (m on a plane), middles of the strips on the surface's grid."""
+        """(T, columns) rad (m on a plane), centres of the strips on the surface's grid."""
         return self.center[:, None] + self.pitch[:, None] * self.offset
 
     @cached_property
     def theta_edges(self) -> np.ndarray:
-        """(T, columns + 1) rad (m on a plane), the lines between the strips, and the outermost ones."""
+        """(T, columns + 1) rad (m on a plane), boundaries of the strips."""
         lines = np.arange(self.columns + 1) - 0.5 * self.columns
         return self.center[:, None] + self.pitch[:, None] * lines
 
     def cells_at(self, i: int, theta: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers of the strip and the row (n,) in which places (theta on the surface's grid, z) (n,) lie at saved step
-        `i`; -1, both, of places beside the cells."""
+        """Indices of the strip and the row (n,) that contain the positions (theta on the surface's grid, z) (n,) at
+        saved step `i`; -1, both, for positions outside of the cells."""
         theta = wrapped(self.surface, theta, float(self.center[i]))
         found, inside = [], np.ones(np.shape(theta), dtype=bool)
         for lines, at in ((self.theta_edges[i], theta), (self.z_edges[i], z)):
@@ -135,13 +135,13 @@ class CellPlaces:
         return self.pitch[:, None] * self.axial[:, 0]
 
 
-# A skin node belongs to a contact surface when it lies within this part of the surface's radius of it, or within
-# twice the deviation of the fit: well above the fit's default tolerance (1e-5), below one layer of elements.
+# A skin node belongs to a contact surface if its distance is within this fraction of the surface's radius, or twice the
+# deviation of the fit: well above the fit's default tolerance (1e-5), below one layer of elements.
 ON_SURFACE = 1e-4
 
 
 def rotate(rotation: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Vectors (n, 3) turned by the unit quaternion (x, y, z, w): user axes to world axes."""
+    """Vectors (n, 3) rotated by the unit quaternion (x, y, z, w): user axes to world axes."""
     u, w = np.asarray(rotation[:3]), float(rotation[3])
     t = 2.0 * np.cross(u, vectors)
     return vectors + w * t + np.cross(u, t)
@@ -157,14 +157,14 @@ def grid_theta_offset(surface: Any) -> float:
 
 
 def wrapped(surface: Any, theta: np.ndarray, about: float) -> np.ndarray:
-    """theta within half a turn of the place `about`; as it is on a plane, whose theta is a length."""
+    """theta within half a revolution of `about`; unchanged on a plane, whose theta is a length."""
     if surface.shape.kind == "plane":
         return theta
     return about + (theta - about + np.pi) % (2.0 * np.pi) - np.pi
 
 
 def spread(surface: Any, first_column: int, window: np.ndarray) -> np.ndarray:
-    """A window (columns_w, rows) that starts at `first_column`, put into the whole grid (columns, rows), zero
+    """A window (columns_w, rows) that starts at `first_column`, inserted into the whole grid (columns, rows), zero
     elsewhere."""
     grid = surface.grid
     whole = np.zeros((grid.columns, len(grid.z)))
@@ -178,10 +178,10 @@ def spread(surface: Any, first_column: int, window: np.ndarray) -> np.ndarray:
 
 
 class GridPlaces:
-    """Where points lie on a surface's contact grid: bilinear weights on four nodes."""
+    """Positions of points on a surface's contact grid: bilinear weights on four nodes."""
 
     def __init__(self, surface: Any, points: np.ndarray, near: float) -> None:
-        """points (n, 3) [m, user frame of the surface's body]; `inside` (n,) tells those no farther than `near` [m]
+        """points (n, 3) [m, user frame of the surface's body]; `inside` (n,) marks those no farther than `near` [m]
         from the surface and within its grid; the other attributes have a row for each of these."""
         grid = surface.grid
         theta, z, distance = surface.shape.chart(points)
@@ -224,7 +224,7 @@ class GridPlaces:
 
 
 class SkinSurface:
-    """Which skin nodes lie on one contact surface, and their places on its grid."""
+    """Skin nodes that lie on one contact surface, and their positions on its grid."""
 
     def __init__(self, surface: Any, points: np.ndarray) -> None:
         z = np.asarray(surface.grid.z, dtype=float)
@@ -236,7 +236,7 @@ class SkinSurface:
         self.nodes = np.flatnonzero(self.places.inside)
 
     def interpolate(self, values: np.ndarray) -> np.ndarray:
-        """Hat interpolation of (columns, rows) at the surface's skin nodes."""
+        """Bilinear interpolation of (columns, rows) at the surface's skin nodes."""
         return self.places.interpolate(values)
 
 
@@ -277,8 +277,8 @@ def tangents(shape: Any, theta: Any, z: Any) -> np.ndarray:
 
 
 def relative_curvature(first: Any, second: Any, poses: tuple[Pose, Pose], theta: float, z: float) -> np.ndarray:
-    """K1 + K2 (2, 2) [1/m] along (e_theta, t_z) of the shape `first` at its point (theta, z); `second` is taken at the
-    point nearest to it."""
+    """K1 + K2 (2, 2) [1/m] along (e_theta, t_z) of the shape `first` at its point (theta, z); `second` is evaluated at
+    its nearest point."""
     point = np.asarray(first.point(theta, z)).reshape(1, 3)
     theta2, z2, _ = second.chart(poses[1].to_user(poses[0].to_world(point)))
     mine = poses[0].turned(tangents(first, theta, z)[:, 0])  # (2, 3), world

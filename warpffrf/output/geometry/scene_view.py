@@ -1,9 +1,8 @@
-"""What the output needs to know of a scene: names, reduced bodies, which surfaces touch, and a hash to tell scenes
-apart.
+"""Scene data needed by the output: names, reduced bodies, contacting surfaces, and a hash to distinguish scenes.
 
 A live run takes it from the `Scene`; a results file stores it, so that pictures and derived quantities need no scene.
 
-Anchors. Where joints and forces act: places on bodies that pictures need besides the motion of the bodies.
+Anchors. Points of action of joints and forces on bodies, needed for pictures.
 """
 
 from __future__ import annotations
@@ -23,9 +22,9 @@ GROUND = "ground"
 
 @dataclass(frozen=True)
 class BodyView:
-    """One body: its name, its reduced body (None when rigid), mass [kg], centre of mass [m, user frame] and inertia
-    about it [kg m2, user axes]; `shapes`: what a rigid one touches with, by name;
-    `stiffening`: whether loads stiffen it, and its deflections shorten it."""
+    """One body: its name, its reduced body (None if rigid), mass [kg], centre of mass [m, user frame] and inertia about
+    it [kg m2, user axes]; `shapes`: contact surfaces of a rigid body, by name; `stiffening`: whether geometric
+    stiffening and foreshortening are active."""
 
     name: str
     reduced: Any
@@ -36,14 +35,14 @@ class BodyView:
     stiffening: bool = False
 
     def surface(self, name: str) -> Any:
-        """The body's contact surface called `name`: a `ContactSurface`, of a rigid body a `RigidSurface`."""
+        """The body's contact surface called `name`: a `ContactSurface`, for a rigid body a `RigidSurface`."""
         return RigidSurface(name, self.shapes[name]) if self.reduced is None else self.reduced.contact_surfaces[name]
 
 
 @dataclass(frozen=True)
 class PairView:
-    """One contact pair: the two bodies (or the ground), the names of the surfaces that touch, coefficient of friction
-    [-], 0 also where it depends on the slip speed."""
+    """One contact: the two bodies (or the ground), the names of the contacting surfaces, coefficient of friction [-], 0
+    also if it depends on the slip speed."""
 
     name: str
     first_body: BodyView
@@ -54,32 +53,32 @@ class PairView:
 
     @property
     def first(self) -> Any:
-        """ContactSurface of the first body; the pressure lives on its grid."""
+        """ContactSurface of the first body, whose grid carries the pressure."""
         return self.first_body.surface(self.first_surface_name)
 
     @property
     def second(self) -> Any:
-        """Contact surface of the second body; its `grid` is None where that is rigid."""
+        """Contact surface of the second body; its `grid` is None if the body is rigid."""
         return self.second_body.surface(self.second_surface_name)
 
 
 @dataclass(frozen=True)
 class FilmView(PairView):
-    """One oil film, on the contact grid of its first surface. clearance [m]: radius of the bore less that of the shaft;
-    None of planes and cones."""
+    """One oil film, on the contact grid of its first surface. clearance [m]: radius of the bore minus that of the
+    shaft; None for planes and cones."""
 
     clearance: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class LapView:
-    """One lap: its bodies (of two faces of one body twice that body), the name of the first body's lap or face, that of
-    the second face ("" of a pair), coefficient of friction [-], and its c cells at the initial pose: `cell` (c,) their
-    numbers on the first face, `points` (c, 3) [m] and `frames` (c, 3, 3) with rows n, t_1, t_2 in user axes of the
-    first body, `area` (c,) [m2] that faces the second face; `partners` (c, 3) [m] and `partner_frames` (c, 3, 3) the
-    same places and directions in the user frame of the second body; of a second flexible face the `shares` (k,) of the
-    forces of cells that cells of that face carry, and `share_cells` (k, 2) the numbers of both, in the lap and on the
-    face."""
+    """One small-sliding contact: its bodies (for two faces of one body twice that body), the name of the first body's
+    pair or face, that of the second face ("" for a pair), coefficient of friction [-], and its c cells at the initial
+    pose: `cell` (c,) indices on the first face, `points` (c, 3) [m] and `frames` (c, 3, 3) with rows n, t_1, t_2 in
+    user axes of the first body, `area` (c,) [m2] facing the second face; `partners` (c, 3) [m] and `partner_frames` (c,
+    3, 3) the same points and directions in the user frame of the second body; for a second flexible face the `shares`
+    (k,) of the forces of cells that cells of that face carry, and `share_cells` (k, 2) the indices of both, in the
+    contact and on the face."""
 
     name: str
     first_body: BodyView
@@ -98,12 +97,12 @@ class LapView:
 
     @property
     def first(self) -> Any:
-        """`LapSurface` of the first body, whose cells these are."""
+        """`LapSurface` of the first body, which defines the cells."""
         return self.first_body.reduced.laps[self.first_surface_name]
 
     @property
     def second(self) -> Any:
-        """`LapSurface` of the second body, None of a pair and of a rigid surface."""
+        """`LapSurface` of the second body, None for a pair and for a rigid surface."""
         reduced = self.second_body.reduced
         return reduced.laps[self.second_surface_name] if reduced is not None and self.second_surface_name else None
 
@@ -115,8 +114,8 @@ class LapView:
 
     @property
     def triangles(self) -> tuple[np.ndarray, np.ndarray]:
-        """Corners (t, 3, 3) [m, user frame of the first body] of the cut facets that the cells consist of, and the cell
-        (t,) of each, counted in this lap."""
+        """Corners (t, 3, 3) [m, user frame of the first body] of the cut facets of the cells, and the cell (t,) of
+        each, numbered in this contact."""
         number = np.full(self.first.cells, -1)
         number[self.cell] = np.arange(len(self.cell))
         own = number[self.first.cell]
@@ -125,8 +124,8 @@ class LapView:
 
 @dataclass(frozen=True)
 class SceneView:
-    """A scene as far as results and pictures need it; `content_hash` tells whether a run can be continued.
-    `description` is that of `Scene.describe`."""
+    """Scene data for results and pictures; `content_hash` determines whether a run can be continued. `description` is
+    that of `Scene.describe`."""
 
     content_hash: str
     bodies: dict[str, BodyView] = field(default_factory=dict)
@@ -136,12 +135,12 @@ class SceneView:
     lumped: dict[str, PairView] = field(default_factory=dict)
     films: dict[str, FilmView] = field(default_factory=dict)
     laps: dict[str, LapView] = field(default_factory=dict)
-    bearings: dict[str, dict[str, Any]] = field(default_factory=dict)  # as `model.bearings.Bearing.describe` says
+    bearings: dict[str, dict[str, Any]] = field(default_factory=dict)  # as in `model.bearings.Bearing.describe`
     description: dict[str, Any] = field(default_factory=dict)
 
 
 def scene_view(scene: Any) -> SceneView:
-    """The view of a live `Scene`; a `SceneView` passes through."""
+    """The view of a live `Scene`; a `SceneView` is returned unchanged."""
     if isinstance(scene, SceneView):
         return scene
     shapes = rigid_shapes((*scene.contacts, *scene.lumped_contacts, *scene.films, *scene.laps))
@@ -194,7 +193,8 @@ def _pairs(contacts: Any, known: dict[str, BodyView]) -> dict[str, PairView]:
 
 
 def rigid_shapes(contacts: Any) -> dict[str, dict[str, Any]]:
-    """Shapes of the rigid surfaces in contact pairs, films and laps of a live scene, {body: {surface: shape}}."""
+    """Shapes of the rigid surfaces in contacts, films and small-sliding contacts of a live scene, {body: {surface:
+    shape}}."""
     found: dict[str, dict[str, Any]] = {}
     for contact in contacts:
         for port in (contact.a, contact.b):
@@ -210,7 +210,7 @@ def ground_view(shapes: dict[str, Any]) -> BodyView:
 
 @dataclass(frozen=True, eq=False)
 class Anchor:
-    """A place where a joint or a force element holds a body.
+    """A point of a body at which a joint or a force element acts.
 
     kind: "joint" or "force"; name: of the joint or element; body: its name, None for the ground; interface: the name of
     the interface whose deformation it follows, or None; point (3,) [m, user frame, world for the ground]; loaded: the
@@ -235,8 +235,8 @@ class Anchor:
         return cls(kind, name, body, interface, np.array(point, dtype=float), bool(loaded))
 
     def local(self, body: Any, modal: np.ndarray, factor: float) -> np.ndarray:
-        """The place (3,) [m, user frame] on `body`, its `BodyView`, with the interface's motion times `factor` at modal
-        coordinates (m,)."""
+        """The position (3,) [m, user frame] on `body`, its `BodyView`, with the interface's motion times `factor` at
+        modal coordinates (m,)."""
         if self.interface is None or body.reduced is None or not len(modal):
             return self.point
         motion = factor * interface_motion(body, self.interface, modal)
@@ -253,7 +253,7 @@ def scene_anchors(scene: Any) -> tuple[Anchor, ...]:
             found += _sides("force", force.name, joint.ports, joint.frames())
             continue
         ports = [port for port in force.ports if getattr(port, "point", None) is not None]
-        at = force.world_point() if hasattr(force, "world_point") else None  # elements whose two sides meet in a point
+        at = force.world_point() if hasattr(force, "world_point") else None  # elements whose two sides coincide
         for n, port in enumerate(ports):
             point = port.point if at is None else port.body.to_user(at)
             found.append(_anchor("force", force.name, port, point, n == len(ports) - 1))

@@ -1,19 +1,19 @@
-"""Nodes of a skin that belong to a face which is given by triangles, and means of its cells at them.
+"""Nodes of a skin that belong to a face given by triangles, and means of its cells at these nodes.
 
-Nodes of a face are the corners of its triangles that look along these, as the faces of a lap within a body may lie on
-each other, node on node. The face across is known by where it lies alone: its nodes look against the triangles, lie
-over one of them, and at the gap that cells have there, to about what bent facets stand off their arc: layers of a body
-that are thinner than this are not told apart. A node has the mean of the cells that meet in it, weighed by the angles
-that their triangles have there, which do not depend on how facets are cut into triangles.
+Nodes of a face are the corners of its triangles with normals in the same direction, because the faces of a contact
+within a body may coincide node by node. The opposite face is identified by its position alone: the normals of its nodes
+oppose those of the triangles, and the nodes lie over a triangle at the gap of its cell, to about the deviation of bent
+facets from their arc: layers of a body thinner than this are not distinguished. A node has the mean of the adjacent
+cells, weighted by the angles of their triangles at the node, which do not depend on the triangulation of facets.
 
-Thinning. A coarser copy of a display surface, so that a recording stays small.
+Thinning. A coarser copy of a display surface, to keep a recording small.
 
-Every kept point is a point of the full surface, so the coarse one moves with real nodes and its values need no
-averaging. On a surface of equal sectors every k-th sector is kept, which keeps a round body round; otherwise nodes
-are clustered on a cubic grid and each cluster keeps its node nearest to the centroid; the cell size is the smallest
-(by bisection) that gives the wanted count.
+Every kept point is a point of the full surface, so the coarse one moves with its nodes and needs no averaging. On a
+surface of equal sectors every k-th sector is kept, which keeps a round body round; otherwise nodes are clustered on a
+cubic grid and each cluster keeps its node nearest to the centroid; the cell size is the smallest (by bisection) that
+gives the required count.
 
-Shown. What of a run is shown: which of its saved rows, and how often its elastic displacement is magnified.
+Shown. Selection of the saved rows to show, and magnification of the elastic displacement.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ import scipy.sparse as sp
 from scipy.spatial import KDTree
 
 Array = np.ndarray
-SAME = 1e-9  # of the extent of a skin: places of one node
-LOOKS = -0.3  # n . n of a node and its face: nodes of faces that lie on each other are told apart, edges belong to both
-INSIDE = 1e-2  # of a triangle: how far beside it a node opposite may lie
-LEVEL = 1e-3  # of the size of a triangle: how far a node opposite may be from where the gap has it, on a plane
-BENT = 0.25  # of the size times the angle to the next triangles: the same of bent faces; their rise is an eighth
+SAME = 1e-9  # of the extent of a skin: closer positions are equal
+LOOKS = -0.3  # n . n of a node and its face: distinguishes nodes of coincident faces; edges belong to both
+INSIDE = 1e-2  # of a triangle: how far outside of it an opposite node may lie
+LEVEL = 1e-3  # of the size of a triangle: tolerance of an opposite node's distance from the gap, for planes
+BENT = 0.25  # of the size times the angle to adjacent triangles: the same for bent faces, whose rise is an eighth
 SLIVER = 1e-3  # of the largest triangle of a cell
-NEIGHBOURS = 9  # triangles around one, itself among them
+NEIGHBOURS = 9  # triangles around one, including itself
 
 
 class SkinNodes:
@@ -50,14 +50,14 @@ class SkinNodes:
         return KDTree(self.points)
 
     def on(self, corners: Array, cell: Array, cells: int) -> sp.csr_matrix:
-        """Means (n, cells) at the nodes that are corners of triangles (t, 3, 3) of cells (t,)."""
+        """Means (n, cells) at the nodes that are corners of the triangles (t, 3, 3) of cells (t,)."""
         corners, cell = _broad(corners, cell)
         reach = SAME * float(np.ptp(self.points, axis=0).max())
         corner, node = _pairs(self._tree.query_ball_point(corners.reshape(-1, 3), reach))
         return self._means(node, corner // 3, _angles(corners).ravel()[corner], _normals(corners)[0], cell, cells)
 
     def across(self, corners: Array, cell: Array, gap: Array) -> sp.csr_matrix:
-        """Means (n, c) at the nodes that lie opposite to triangles (t, 3, 3) of cells (t,) with gaps (c,) [m]."""
+        """Means (n, c) at the nodes opposite to the triangles (t, 3, 3) of cells (t,) with gaps (c,) [m]."""
         corners, cell = _broad(corners, cell)
         normal, area = _normals(corners)
         size, off, middle = np.sqrt(area), gap[cell], corners.mean(axis=1)
@@ -71,7 +71,7 @@ class SkinNodes:
         places = _barycentric(corners[triangle], normal[triangle], away)
         hit = level & np.all(places > -INSIDE, axis=1)
         node, triangle, places = node[hit], triangle[hit], places[hit]
-        edges = np.sum(places < INSIDE, axis=1)  # that the node lies on: two at a corner
+        edges = np.sum(places < INSIDE, axis=1)  # number of edges through the node: two at a corner
         angle = np.where(edges == 0, 2.0 * np.pi, np.pi)
         angle = np.where(edges == 2, _angles(corners)[triangle, np.argmax(places, axis=1)], angle)
         return self._means(node, triangle, angle, -normal, cell, len(gap))
@@ -79,7 +79,8 @@ class SkinNodes:
     def _means(
         self, node: Array, triangle: Array, angle: Array, normal: Array, cell: Array, cells: int
     ) -> sp.csr_matrix:
-        """Of the nodes (k,) that look along the normals (t, 3) of the triangles (k,) that have an angle (k,) there."""
+        """Means at the nodes (k,) whose normals agree with the normals (t, 3) of the triangles (k,), with an angle (k,)
+        there."""
         looks = np.einsum("ki,ki->k", self.normals[node], normal[triangle]) > LOOKS
         shape = len(self.points), cells
         weights = sp.csr_matrix((angle[looks], (node[looks], cell[triangle[looks]])), shape=shape)
@@ -88,7 +89,7 @@ class SkinNodes:
 
 
 def _broad(corners: Array, cell: Array) -> tuple[Array, Array]:
-    """Triangles, and their cells, without slivers that cutting leaves: they have no direction."""
+    """Triangles, and their cells, without slivers from cutting, which have no well-defined direction."""
     area = _normals(corners)[1]
     largest = np.zeros(int(cell.max()) + 1)
     np.maximum.at(largest, cell, area)
@@ -110,14 +111,15 @@ def _angles(corners: Array) -> Array:
 
 
 def _pairs(lists: Array) -> tuple[Array, Array]:
-    """Number of a list and what it holds, for all that lists hold."""
+    """Index of a list and its item, for all items of all lists."""
     counts = np.array([len(held) for held in lists], dtype=int)
     held = np.concatenate([np.asarray(h, dtype=int) for h in lists]) if counts.sum() else np.zeros(0, dtype=int)
     return np.repeat(np.arange(len(counts)), counts), held
 
 
 def _barycentric(corners: Array, normal: Array, away: Array) -> Array:
-    """Coordinates (k, 3) of places `away` (k, 3) from the first corners of triangles (k, 3, 3), seen along normals."""
+    """Barycentric coordinates (k, 3) of points `away` (k, 3) from the first corners of triangles (k, 3, 3), along
+    normals."""
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     whole = np.einsum("ki,ki->k", np.cross(a, b), normal)
     whole = np.where(whole > 0.0, whole, np.inf)
@@ -126,7 +128,7 @@ def _barycentric(corners: Array, normal: Array, away: Array) -> Array:
     return np.stack([1.0 - u - v, u, v], axis=1)
 
 
-MIN_SECTORS = 24  # fewer would no longer look round
+MIN_SECTORS = 24  # fewer would not look round
 BISECTIONS = 24  # halvings of the cell size: far below the spacing of any mesh
 
 
@@ -138,8 +140,8 @@ def _clusters(points: np.ndarray, cell: float) -> np.ndarray:
 def thinned(
     points: np.ndarray, triangles: np.ndarray, max_points: int, sectors: int = 1
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Indices (k,) of the kept points, at most `max_points`, and triangles (t, 3) among them; everything when it
-    is small enough."""
+    """Indices (k,) of the kept points, at most `max_points`, and triangles (t, 3) among them; everything if it is small
+    enough."""
     if len(points) <= max_points:
         return np.arange(len(points)), np.asarray(triangles)
     if sectors > 1 and len(points) % sectors == 0 and sectors // MIN_SECTORS * max_points >= len(points):
@@ -189,13 +191,11 @@ def vertex_normals(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return normals / np.where(length > 0.0, length, 1.0)
 
 
-SHOWN_DISPLACEMENT = (
-    0.015  # automatic magnification: the largest displacement is drawn at most this part of the smallest body's size
-)
+SHOWN_DISPLACEMENT = 0.015  # automatic magnification: largest displacement drawn, over the smallest body size
 
 
 def frame_rows(steps: int, max_frames: int) -> tuple[np.ndarray, int]:
-    """Rows to show, first and last among them, at most `max_frames`, and the stride between them."""
+    """Rows to show, including the first and the last, at most `max_frames`, and the stride between them."""
     if steps == 0:
         return np.zeros(0, dtype=int), 1
     if steps == 1 or max_frames == 1:
@@ -205,13 +205,13 @@ def frame_rows(steps: int, max_frames: int) -> tuple[np.ndarray, int]:
 
 
 def rows_every(steps: int, stride: int) -> np.ndarray:
-    """Every `stride`th row from the first on, and the last."""
+    """Every `stride`th row from the first, and the last."""
     rows = np.arange(0, steps, stride)
     return rows if rows[-1] == steps - 1 else np.append(rows, steps - 1)
 
 
 def automatic_factor(largest: float, size: float) -> float:
-    """Magnification of elastic displacements up to `largest` [m] on bodies whose smallest has the extent `size` [m]."""
+    """Magnification of elastic displacements up to `largest` [m] if the smallest body has the extent `size` [m]."""
     return round_factor(SHOWN_DISPLACEMENT * size / largest) if largest > 0.0 else 1.0
 
 

@@ -1,7 +1,7 @@
-"""A run as a moving picture: .gif, which needs nothing else, or .mp4 by the program ffmpeg.
+"""A run as an animation: .gif without further programs, or .mp4 by the program ffmpeg.
 
-Frames are drawn (`scene_picture`), encoded and written one after the other, so that memory holds one of them however
-many there are. An animation that is interrupted leaves no file.
+Frames are drawn (`scene_picture`), encoded and written one by one, so that memory holds only one of them. An
+interrupted animation leaves no file.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from warpffrf.output.geometry.skin_nodes import frame_rows, rows_every
 from warpffrf.output.plots.picture import write_picture
 from warpffrf.output.plots.scene_picture import ScenePicture, row_at
 
-MAX_FRAMES = 100  # where nobody says how many
+MAX_FRAMES = 100  # default
 ENDINGS = (".gif", ".mp4")
 SIGNATURE = b"written by warpffrf"
-COLORS = 256  # of a frame of a .gif
+COLORS = 256  # colours of a .gif frame
 NEEDS_FFMPEG = (
     "animate: an .mp4 needs the program ffmpeg, which is not on the path; install it (Debian, Ubuntu: apt install "
     "ffmpeg), or write a .gif"
@@ -40,7 +40,7 @@ Frame = Callable[[np.ndarray], Any]  # takes pixels (height, width, 3) uint8
 def write_still(
     result: Any, path: str | os.PathLike[str], field: str, *, time: float | None, factor: float | None, overwrite: bool
 ) -> Path:
-    """Draw the bodies at the saved step next to `time` [s]; see `Result.picture`."""
+    """Draw the bodies at the saved step nearest to `time` [s]; see `Result.picture`."""
     i = row_at(result, time, "picture")
     picture = ScenePicture(result, field, np.array([i]), factor=factor, what="picture")
     figure = picture.figure()
@@ -52,7 +52,7 @@ def write_animation(
     result: Any, path: str | os.PathLike[str], field: str, *, every: int | None, fps: float, factor: float | None,
     overwrite: bool, progress: bool,
 ) -> Path:  # fmt: skip
-    """Draw every `every`th saved step, so that there are about `MAX_FRAMES` if None; see `Result.animate`."""
+    """Draw every `every`th saved step, None: about `MAX_FRAMES` frames; see `Result.animate`."""
     check_ending(path, "animate", ENDINGS)
     rate = require_number(fps, "animate: fps", positive=True)
     if every is not None:
@@ -84,8 +84,8 @@ def write_animation(
 
 @contextmanager
 def _gif(path: Path, fps: float, program: str | None) -> Iterator[Frame]:
-    """A .gif that plays for ever, each frame with colours of its own."""
-    delay = max(round(100.0 / fps), 2)  # hundredths of a second; players take shorter ones as a tenth
+    """Write a .gif that loops forever; each frame has its own colour table."""
+    delay = max(round(100.0 / fps), 2)  # hundredths of a second; players slow down shorter ones to a tenth
     with path.open("wb") as file:
         first = True
 
@@ -101,23 +101,23 @@ def _gif(path: Path, fps: float, program: str | None) -> Iterator[Frame]:
 
 
 def _gif_start(width: int, height: int) -> bytes:
-    """Signature, size without a table of colours, the loop, and who wrote it."""
+    """Signature, size without a global colour table, the loop, and the mark of warpffrf."""
     size = width.to_bytes(2, "little") + height.to_bytes(2, "little")
     loop = b"\x21\xff\x0bNETSCAPE2.0\x03\x01\x00\x00\x00"
     return b"GIF89a" + size + b"\x70\x00\x00" + loop + b"\x21\xfe" + bytes([len(SIGNATURE)]) + SIGNATURE + b"\x00"
 
 
 def _gif_frame(pixels: np.ndarray, delay: int) -> bytes:
-    """One frame: how long it stays, its place, colours and pixels, taken from a .gif of this frame alone."""
+    """One frame: its delay, position, colour table and pixels, taken from a .gif of this frame alone."""
     from PIL import Image
 
     image = Image.fromarray(pixels).quantize(COLORS, dither=Image.Dither.NONE)
     single = BytesIO()
     image.save(single, "GIF", interlace=0)
     data = single.getvalue()
-    table = 3 << ((data[10] & 7) + 1)  # bytes of the table of colours of the whole file, which becomes the frame's
+    table = 3 << ((data[10] & 7) + 1)  # bytes of the global colour table, which becomes the frame's
     at = 13 + table
-    while data[at] == 0x21:  # extensions: a label and blocks, the last of them empty
+    while data[at] == 0x21:  # extensions: a label and blocks; the last block is empty
         at += 2
         while data[at]:
             at += data[at] + 1
@@ -136,7 +136,7 @@ def _ffmpeg() -> str:
 
 @contextmanager
 def _mp4(path: Path, fps: float, program: str | None) -> Iterator[Frame]:
-    """An .mp4 of the encoder that ffmpeg has for it, fed with raw frames."""
+    """Write an .mp4 with the encoder that ffmpeg provides, from raw frames."""
     process: subprocess.Popen | None = None
     with tempfile.TemporaryFile() as said:
 

@@ -1,4 +1,4 @@
-"""Plots of bearings: the load of each element where it stands, on polar axes, and over time."""
+"""Plots of bearings: the load of each element at its angular position, on polar axes, and over time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ MOST_NAMED = 12  # curves in a legend
 
 
 def load_zone(bearing: BearingResult, ax: Any, row: int) -> None:
-    """Loads on the inner and the outer ring at the places of the elements, the first element's at the bottom."""
+    """Loads on the inner and the outer ring at the angular positions of the elements; the first element is at the
+    bottom."""
     if not hasattr(ax, "set_theta_zero_location"):
         raise InputError("plot: 'load_zone' is drawn on polar axes; leave ax out, or make it with projection='polar'")
     angle = bearing.angle[row]
@@ -49,7 +50,7 @@ POLAR = frozenset({"load_zone"})
 
 
 def the_bearing(result: Any, name: str | None) -> BearingResult:
-    """The bearing called `name`, the first one if None; raises `InputError` where there is none."""
+    """The bearing called `name`, the first one if None; raises `InputError` if there is none."""
     if name is None and not result.bearing_names:
         raise InputError("plot: the scene has no bearing; make one with scene.add_ball_bearing(...), and run again")
     return result.bearing(result.bearing_names[0] if name is None else name)

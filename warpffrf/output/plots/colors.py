@@ -1,9 +1,9 @@
-"""Colour maps and legend pictures; ranges are fixed over a run.
+"""Colour maps and legend pictures; colour ranges are fixed over a run.
 
-Value colors. Colours of numbers between two ends, evenly or in equal ratios, for lines on white.
+Value colors. Colours of numbers between two limits, on a linear or logarithmic scale, for lines on white.
 
-Scales of axes: from zero, so that a small change looks small; cut where that would hide all there is to see, which
-the label says; and never so fine that round-off looks like a ripple.
+Scales of axes: from zero, so that a small change looks small; cut if that would hide all variation, which the label
+then states; and never so fine that round-off looks like a signal.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from warpffrf.output.contact.friction import STATES
 
 LEVELS = 256
 MOST_BARS = 3  # of a legend in one column
-PRESSURE_STOPS = ("#c9ced6", "#ffe066", "#ff9f1c", "#e63946", "#6a040f")  # grey where nothing presses
+PRESSURE_STOPS = ("#c9ced6", "#ffe066", "#ff9f1c", "#e63946", "#6a040f")  # grey: no pressure
 TRACTION_STOPS = ("#c9ced6", "#a8ddb5", "#43a2ca", "#0868ac", "#081d58")
 SLIP_STOPS = ("#c9ced6", "#fdd0a2", "#fd8d3c", "#d94801", "#7f2704")
 WEAR_STOPS = ("#c9ced6", "#d4b9da", "#df65b0", "#ce1256", "#67001f")
 STATE_COLORS = ("#c9ced6", "#2a7fb8", "#ff9f1c")  # open, stick, slip
 DISPLACEMENT_STOPS = ("#dfe7ee", "#74c0e3", "#2a7fb8", "#1b3a8a", "#2d0a4e")
 STRESS_STOPS = ("#2b4c9b", "#3fa7d6", "#7bd389", "#f6d743", "#d7263d")
-UNKNOWN = (118, 118, 118)  # of a value that is not finite: dark grey, in no scale
+UNKNOWN = (118, 118, 118)  # values that are not finite: dark grey, in no scale
 
 
 def largest(values: list[np.ndarray]) -> float:
-    """Largest finite value in the arrays; 0 when there is none."""
+    """Largest finite value in the arrays; 0 if there is none."""
     tops = [float(np.max(v[np.isfinite(v)], initial=0.0)) for v in values]
     return max(tops, default=0.0)
 
@@ -54,7 +54,7 @@ class ColorScale:
         )
 
     def rgb(self, values: np.ndarray) -> np.ndarray:
-        """(..., 3) uint8 colours of SI values; below 0 and above the top take the end colours, NaN is `UNKNOWN`."""
+        """(..., 3) uint8 colours of SI values, clipped to [0, top]; NaN is `UNKNOWN`."""
         level = (
             np.clip(np.nan_to_num(values) / self.top * (LEVELS - 1), 0, LEVELS - 1)
             if self.top > 0
@@ -76,7 +76,7 @@ def _packed(rgb: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class ColorClasses:
-    """Colours of a quantity that is one of a few: class n is called `names[n]`."""
+    """Colours of a classification: class n is called `names[n]`."""
 
     label: str
     names: tuple[str, ...]
@@ -96,13 +96,13 @@ class ColorClasses:
 
 
 def displacement_scale(top: float) -> ColorScale:
-    """Colours of displacements up to `top` [m], in the unit that suits it."""
+    """Colours of displacements up to `top` [m], in a suitable unit."""
     unit, per_metre = ("mm", 1e3) if top > 1e-3 else ("µm", 1e6)
     return ColorScale(f"elastic displacement of the bodies [{unit}]", top, per_metre, DISPLACEMENT_STOPS)
 
 
 def field_scale(field: str, top: float, of: str = "") -> ColorScale | ColorClasses:
-    """Colours of a field of `Skin.fields` or of the displacement up to `top` [SI]; `of`: whose pressure it is."""
+    """Colours of a field of `Skin.fields` or of the displacement up to `top` [SI]; `of`: the owner of the pressure."""
     if field == "displacement":
         return displacement_scale(top)
     if field == "state":
@@ -118,7 +118,7 @@ def field_scale(field: str, top: float, of: str = "") -> ColorScale | ColorClass
 
 
 def legend_rows(scales: Sequence[ColorScale | ColorClasses]) -> int:
-    """Bars one under the other in `legend_picture`: more than `MOST_BARS` stand in two columns."""
+    """Bars below each other in `legend_picture`: more than `MOST_BARS` are placed in two columns."""
     return len(scales) if len(scales) <= MOST_BARS else -(-len(scales) // 2)
 
 
@@ -140,7 +140,7 @@ def legend_picture(scales: Sequence[ColorScale | ColorClasses]) -> np.ndarray:
 
 
 def draw_bar(axes: Any, scale: ColorScale | ColorClasses) -> None:
-    """A horizontal colour bar with ticks and unit, or names, on matplotlib axes of its size."""
+    """A horizontal colour bar with ticks and unit, or names, on matplotlib axes."""
     from matplotlib.colorbar import ColorbarBase
     from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize
 
@@ -184,11 +184,11 @@ def map_axes_picture(
 
 
 MAP = "viridis"
-BRIGHTEST = 0.93  # of the colour map; above it lines are hard to see on white
+BRIGHTEST = 0.93  # of the colour map; brighter lines are hard to see on white
 
 
 def value_colors(low: float, high: float, *, ratios: bool) -> Any:
-    """A matplotlib `ScalarMappable`: its `to_rgba(value)` is the colour of a value, and a colour bar is made of it."""
+    """A matplotlib `ScalarMappable`: `to_rgba(value)` returns the colour of a value; it also defines a colour bar."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import ListedColormap, LogNorm, Normalize
@@ -199,18 +199,18 @@ def value_colors(low: float, high: float, *, ratios: bool) -> Any:
 
 
 HEADROOM = 1.08  # of the largest value of a plot
-SMALL = 0.1  # of the mean: values that vary by less are a flat line on a scale from zero
-ROUND_OFF = 1e-5  # of the mean: values that vary by less are constant, up to round-off and the tolerance of iterations
-ROOM = 0.1  # of the range, above and below it on a cut axis
-LEAST = 1e-6  # of a quantity's size: no axis shows less of it, but of motions, which no iteration finds
+SMALL = 0.1  # of the mean: a smaller variation is a flat line on a scale from zero
+ROUND_OFF = 1e-5  # of the mean: a smaller variation is round-off or iteration tolerance
+ROOM = 0.1  # of the range, above and below the values on a cut axis
+LEAST = 1e-6  # of a quantity's size: smallest range of an axis, except for motions, which no iteration computes
 
 
 def from_zero(ax: Any, values: Any, *beside: Any, least: float = 0.0) -> None:
-    """Scale the y axis of `ax`, which has its label, from zero to a little above the largest of `values` (n,) and of
-    what is drawn `beside` them, `least` at the least: what is far below that is round-off.
+    """Scale the y axis of `ax`, which has its label, from zero to slightly above the largest of `values` (n,) and of
+    the other values drawn, `beside`, at least to `least`: smaller values are round-off.
 
-    All that vary together by less than `SMALL` of their mean, but by more than `ROUND_OFF`, fill the axis instead, and
-    its label says by how much the `values` vary. What is not finite does not count.
+    If all of them vary by less than `SMALL` of their mean, but by more than `ROUND_OFF`, the axis is cut to their range
+    instead, and its label states the variation of `values`. Non-finite values are ignored.
     """
     own = _finite(values)
     drawn = np.concatenate([own, *(_finite(v) for v in beside)])
@@ -235,7 +235,7 @@ def no_finer(ax: Any, least: float) -> None:
 
 
 def about_zero(ax: Any, least: float) -> None:
-    """Widen the y axis of `ax` to at least -`least` to `least`."""
+    """Extend the y axis of `ax` to at least -`least` to `least`."""
     low, high = ax.get_ylim()
     ax.set_ylim(min(low, -least), max(high, least))
 

@@ -22,19 +22,19 @@ from warpffrf.output.plots.picture import write_drawing, write_picture
 
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
-MOST_INSIDE = 8  # curves named in a legend inside the axes; more stand to the right of them
-COLORS, STYLES = 10, ("-", "--", ":", "-.")  # after so many colours another line style, so that none comes twice
-LEGEND_ROWS = 16  # names above each other there
-PAGE_COLUMNS = 6  # names beside each other below a page
-SECTIONS = {"point": "Across the patch through its centre"}  # of other kinds at mid-width
+MOST_INSIDE = 8  # curves named in a legend inside the axes; with more the legend is at the right
+COLORS, STYLES = 10, ("-", "--", ":", "-.")  # another line style after so many colours, so that none is used twice
+LEGEND_ROWS = 16  # rows of a legend at the right
+PAGE_COLUMNS = 6  # columns of a legend below a page
+SECTIONS = {"point": "Across the patch through its centre"}  # other kinds: at mid-width
 PROFILE, REFERENCE, FORCE = "#1b6ca8", "#d1495b", "#2a9d6f"
 
 
 class OfPair:
-    """A result as if it had one contact pair, `name`."""
+    """A result restricted to the contact `name`."""
 
     def __init__(self, result: Any, name: str) -> None:
-        result.contact(name)  # refuses a name that there is not
+        result.contact(name)  # raises for an unknown name
         self._result, self.contact_names = result, [name]
 
     def __getattr__(self, name: str) -> Any:
@@ -50,13 +50,13 @@ def _contact(result: Any) -> Any:
 
 
 def _last_touching(contact: Any) -> int:
-    """The last saved row in which the pair touches; the last row when it never does."""
+    """The last saved row in which the surfaces touch; the last row if they never do."""
     touching = np.flatnonzero(contact.touching)
     return int(touching[-1]) if len(touching) else len(contact.touching) - 1
 
 
 def hertz_of(contact: Any, i: int) -> HertzLine | HertzPoint | None:
-    """Hertz's contact in saved step `i`, None where he does not apply or nothing touches."""
+    """Hertz solution in saved step `i`, None if it does not apply or nothing touches."""
     try:
         return hertz(contact, i)
     except InputError:
@@ -68,12 +68,12 @@ def _at(result: Any, i: int) -> str:
 
 
 def _marker(rows: np.ndarray) -> str:
-    """What shows a curve of one row."""
+    """Marker of a curve with one row."""
     return "o" if len(rows) == 1 else ""
 
 
 def _legend(ax: Any, curves: int) -> None:
-    """A legend of several curves: inside the axes while it leaves them room, else to their right, where none hides."""
+    """Add a legend of several curves: inside the axes if there is room, else to their right."""
     if curves > MOST_INSIDE:
         columns = -(-curves // LEGEND_ROWS)
         ax.legend(
@@ -84,7 +84,7 @@ def _legend(ax: Any, curves: int) -> None:
 
 
 def _crowd_below(figure: Any) -> None:
-    """Move legends that stand beside their axes below the page, where they take no width from its panels."""
+    """Move legends at the right of their axes below the page, where they take no width from the panels."""
     for ax in figure.axes:
         legend = ax.get_legend()
         if legend is not None and len(legend.get_texts()) > MOST_INSIDE:
@@ -95,7 +95,8 @@ def _crowd_below(figure: Any) -> None:
 
 
 def force(result: Any, ax: Any) -> None:
-    """Force of every pair, lumped contact, oil film and lap against time, as bars of a run of one row."""
+    """Force of every contact, lumped contact, oil film and small-sliding contact against time; bars for a run of one
+    row."""
     forces = {name: result.contact(name).force_magnitude for name in result.contact_names}
     forces |= {name: np.linalg.norm(c.force, axis=1) for name, c in result.history.lumped_contacts.items()}
     pressed = bool(forces)
@@ -116,16 +117,18 @@ def force(result: Any, ax: Any) -> None:
 
 
 def _profile(ax: Any, contact: Any, x: np.ndarray, p: np.ndarray, lines: np.ndarray) -> None:
-    """Pressures p (n,) at x (n,) along a section: joined between nodes, constant on cells between `lines` (n + 1,)."""
+    """Pressures p (n,) at x (n,) along a section: linear between nodes, or constant on cells between `lines` (n +
+    1,)."""
     if isinstance(contact, CellContactResult):
         ax.stairs(p, lines, lw=1.0, color=PROFILE, label="computed, on the cells")
         ax.plot(x, p, "o", ms=3.0, color=PROFILE)
     else:
-        ax.plot(x, p, "o-", ms=3.5, lw=1.0, color=PROFILE, label="computed, at the hats")
+        ax.plot(x, p, "o-", ms=3.5, lw=1.0, color=PROFILE, label="computed, at the nodes")
 
 
 def across(result: Any, ax: Any) -> None:
-    """Pressure across the patch at mid-width, of a point contact through its centre, beside Hertz at the load found."""
+    """Pressure across the patch at mid-width (point contact: through its centre), with the Hertz solution at the same
+    load."""
     contact = _contact(result)
     i = _last_touching(contact)
     p = contact.mid_pressure[i] * 1e-6
@@ -150,7 +153,8 @@ def across(result: Any, ax: Any) -> None:
 
 
 def along(result: Any, ax: Any) -> None:
-    """Pressure along the axis, in the column with the largest pressure of `across`, beside Hertz of a point contact."""
+    """Pressure along the axis, in the column with the largest pressure of `across`, with the Hertz solution of a point
+    contact."""
     contact = _contact(result)
     i = _last_touching(contact)
     patch = contact.pressure(i)
@@ -170,7 +174,7 @@ def along(result: Any, ax: Any) -> None:
 
 
 def patch(result: Any, ax: Any) -> None:
-    """Pressure on the unwrapped patch, bilinear between hats and constant on cells that travel with it."""
+    """Pressure on the unwrapped patch, bilinear between nodes or constant on cells that move with it."""
     contact = _contact(result)
     i = _last_touching(contact)
     field = contact.pressure(i)
@@ -191,15 +195,15 @@ def patch(result: Any, ax: Any) -> None:
 
 
 def stress_depth(result: Any, ax: Any) -> None:
-    """Von Mises and largest shear stress against depth below the centre of the patch, of the pressure alone, with the
-    depths at which Hertz has his largest, b the half-width of a line or the smaller semi-axis."""
+    """Von Mises and largest shear stress against depth below the centre of the patch, due to the pressure alone, with
+    the depths of the Hertz maxima; b is the half-width of a line or the smaller semi-axis."""
     contact = _contact(result)
     i = _last_touching(contact)
     draw_depth(contact, ax, i, _at(result, i))
 
 
 def energy(result: Any, ax: Any) -> None:
-    """What closes the energy balance, and the grid defect, over the largest energy at hand."""
+    """Energy residual and grid defect over the largest energy of the run."""
     scale = result.energy_scale
     ax.plot(result.time * 1e3, result.energy_residual, color=PROFILE, label="energy residual (numerical)", zorder=3)
     defect = result.energy.get("contact_grid")
@@ -209,13 +213,13 @@ def energy(result: Any, ax: Any) -> None:
         )
     ax.axhline(0.0, color="0.7", lw=0.6)
     about_zero(ax, LEAST)
-    ax.set(xlabel="time [ms]", ylabel="over the energy at hand [-]")
-    ax.set_title(f"Energy residual; energy at hand {scale:.3g} J", fontsize=10)
+    ax.set(xlabel="time [ms]", ylabel="over the energy scale [-]")
+    ax.set_title(f"Energy residual; energy scale {scale:.3g} J", fontsize=10)
     ax.legend(frameon=False, fontsize=8)
 
 
 def widths(result: Any, ax: Any) -> None:
-    """Half-width and peak pressure against time, beside Hertz at the load of each row."""
+    """Half-width and peak pressure against time, with the Hertz solution at the load of each row."""
     contact = _contact(result)
     rows = np.flatnonzero(contact.touching)
     time, mark = result.time[rows] * 1e3, "-" + _marker(rows)
@@ -238,10 +242,10 @@ def widths(result: Any, ax: Any) -> None:
 
 
 def ripple(result: Any, ax: Any) -> None:
-    """Force, half-width and peak pressure of the second half of the run about their means in per cent, so that a small
-    change looks large, down to 1e-3 %.
+    """Force, half-width and peak pressure of the second half of the run, as deviations from their means in per cent,
+    down to 1e-3 %.
 
-    Less is round-off and the tolerance of iterations.
+    Smaller deviations are round-off and iteration tolerance.
     """
     contact = _contact(result)
     rows = np.flatnonzero(contact.touching & (result.time >= 0.5 * (result.time[0] + result.time[-1])))
@@ -262,9 +266,9 @@ def ripple(result: Any, ax: Any) -> None:
     ax.legend(frameon=False, fontsize=7, loc="upper left")
 
 
-SUMMARY = "summary"  # of the command line: the page with all plots
+SUMMARY = "summary"  # command-line word for the page with all plots
 Draw = Callable[[Any, Any], None]
-# Histories: of a run of one row a page has numbers in their place.
+# Histories: for a run of one row a page shows their numbers instead.
 OVER_TIME = {
     "widths", "ripple", "energy", "creepage", "spin", "t_gamma", "power", "film_thickness", "lap_history"
 }  # fmt: skip
@@ -291,13 +295,13 @@ def plot(
     row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
     bearing: str | None = None,
 ) -> Any:  # fmt: skip
-    """Draw `kind` on `ax` (a new one when None) and return the axes.
+    """Draw `kind` on `ax` (a new one if None) and return the axes.
 
-    contact, film, lap, bearing: names of the pair, film, lap and bearing to draw, the first ones if None; row: saved
-    step of the maps of films and laps and of the loads of bearings, the last one if None; channel, speed: of plots of a
-    history its name and the body that turns. Raises `InputError` for an unknown kind, pair, film, lap, bearing or row,
-    a run without rows, plots of friction, films, laps or bearings of a run without them, and of histories without a
-    name.
+    contact, film, lap, bearing: names of the contact, film, small-sliding contact and bearing to draw, the first ones
+    if None; row: saved step of the maps of films and laps and of the loads of bearings, the last one if None; channel,
+    speed: name of a history and of the rotating body, for plots of a history. Raises `InputError` for an unknown kind,
+    contact, film, lap, bearing or row, a run without rows, plots of friction, films, laps or bearings of a run without
+    them, and plots of histories without a name.
     """
     known = {**PLOTS, **FRICTION_PLOTS}
     kinds = (*known, *FILM_PLOTS, *LAP_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS)
@@ -319,7 +323,7 @@ def plot(
 
 
 def _shown(result: Any, contact: str | None, row: int | None) -> tuple[Any, int]:
-    """The result, of one pair where one is named, and the saved step that is drawn. Raises `InputError`."""
+    """The result, restricted to one contact if one is named, and the saved step to draw. Raises `InputError`."""
     if contact is not None:
         result = OfPair(result, contact)
     if len(result.time) == 0:
@@ -347,7 +351,7 @@ def _of_bearing(draw: Callable[[Any, Any, int], None], bearing: str | None, row:
 
 
 def drawable(result: Any, film: str | None = None, row: int = -1, lap: str | None = None) -> dict[str, Draw]:
-    """The kinds of plots that the run has data for, with what draws them on axes; film, row, lap: as of `plot`."""
+    """The kinds of plots for which the run has data, with their drawing functions; film, row, lap: as of `plot`."""
     drawn: dict[str, Draw] = dict(PLOTS) if result.contact_names else {"energy": energy}
     if result.contact_names and not has_material(_contact(result)):
         del drawn["stress_depth"]
@@ -366,7 +370,7 @@ def drawable(result: Any, film: str | None = None, row: int = -1, lap: str | Non
 
 
 def about_kinds() -> dict[str, str]:
-    """Every kind of plot, and in a sentence what it shows."""
+    """Every kind of plot with a one-sentence description."""
     draws: dict[str, Callable[..., None]] = {
         **PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **LAP_PLOTS, **BEARING_PLOTS, **HISTORY_PLOTS
     }  # fmt: skip
@@ -377,8 +381,8 @@ def about_kinds() -> dict[str, str]:
 def summary(
     result: Any, contact: str | None = None, film: str | None = None, row: int | None = None, lap: str | None = None
 ) -> Any:
-    """A matplotlib Figure with every plot that the run has data for; contact, film, row, lap: as of `plot`, which says
-    what is raised, too."""
+    """A matplotlib Figure with every plot for which the run has data; contact, film, row, lap and errors raised: as of
+    `plot`."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -412,7 +416,7 @@ def summary(
 
 
 def _numbers(result: Any, ax: Any, film: str | None, lap: str | None) -> None:
-    """What the histories of a run of one row have."""
+    """Numbers of the histories of a run of one row."""
     numbers = numbers_of(
         result,
         _contact(result) if result.contact_names else None,
@@ -428,8 +432,8 @@ def write_plot(
     lap: str | None = None, row: int | None = None, channel: str | None = None, speed: str | None = None,
     dpi: int = 130, overwrite: bool = False,
 ) -> Path:  # fmt: skip
-    """Write `plot(result, kind, ...)` as a picture; the ending chooses the format (.png, .pdf, .svg). Raises InputError
-    as `plot` does, for a path not writable, and for a file that exists where `overwrite` is not set."""
+    """Write `plot(result, kind, ...)` as a picture; the file ending selects the format (.png, .pdf, .svg). Raises
+    InputError as `plot`, for a path that cannot be written, and for an existing file, unless `overwrite` is set."""
 
     def draw(ax: Any) -> None:
         plot(result, kind, ax, contact, film, row, lap, channel, speed)
@@ -440,6 +444,6 @@ def write_plot(
 
 
 def write_figure(result: Any, path: str | os.PathLike[str], *, dpi: int = 130, overwrite: bool = False) -> Path:
-    """Write the summary figure; the ending chooses the format (.png, .pdf, .svg). Raises InputError for a path
-    not writable, and for a file that exists where `overwrite` is not set."""
+    """Write the summary figure; the file ending selects the format (.png, .pdf, .svg). Raises InputError for a path
+    that cannot be written, and for an existing file, unless `overwrite` is set."""
     return write_plot(result, SUMMARY, path, dpi=dpi, overwrite=overwrite)

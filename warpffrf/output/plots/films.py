@@ -11,32 +11,32 @@ from warpffrf.model.errors import InputError
 from warpffrf.output.contact.result import FilmResult
 from warpffrf.output.plots.colors import LEAST, from_zero, largest
 
-FULL = 1.0 - 1e-3  # fill of the gap below which there is a cavity
+FULL = 1.0 - 1e-3  # film fraction below which the gap is cavitated
 GAP, PEAK, CIRCLE = "#1b6ca8", "#d1495b", "0.55"
 CIRCLE_POINTS = 181
 ROOM = 1.12  # of the clearance, to either side of the circle
 
 
 def has_orbit(film: FilmResult) -> bool:
-    """True where there is a clearance circle, of two surfaces of revolution that are no cones."""
+    """True if there is a clearance circle: two surfaces of revolution that are not cones."""
     return film.clearance is not None and bool(np.any(np.isfinite(film.eccentricity)))
 
 
 def pressure(film: FilmResult, ax: Any, row: int) -> None:
-    """Pressure on the unwrapped first surface, with the rims of its cavities dashed."""
+    """Pressure on the unwrapped first surface, with the cavity boundaries dashed."""
     _map(film, ax, row, film.pressure[row] * 1e-6, ("pressure [MPa]", "magma_r"), from_zero=True)
     ax.set_title(f"Film '{film.name}': pressure, {_at(film, row)}", fontsize=10)
 
 
 def gap(film: FilmResult, ax: Any, row: int) -> None:
-    """Gap on the unwrapped first surface, with the rims of cavities dashed."""
+    """Gap on the unwrapped first surface, with the cavity boundaries dashed."""
     _map(film, ax, row, film.gap[row] * 1e6, ("gap [µm]", "viridis"), from_zero=False)
     ax.set_title(f"Film '{film.name}': gap, {_at(film, row)}", fontsize=10)
 
 
 def orbit(film: FilmResult, ax: Any, row: int) -> None:
     """Path of the eccentricity over the clearance in the clearance circle, along e_0 and e_1 of the first surface, with
-    its begin, and the place in the saved step `row`."""
+    its start and the position in the saved step `row`."""
     if not has_orbit(film):
         raise InputError(
             f"plot: film '{film.name}' has no clearance circle, which takes two surfaces of revolution that are no "
@@ -76,13 +76,13 @@ def _at(film: FilmResult, row: int) -> str:
 
 
 def _map(film: FilmResult, ax: Any, row: int, values: np.ndarray, look: tuple[str, str], *, from_zero: bool) -> None:
-    """`values` (columns, rows) over the chart of the first surface; of a full turn from 0 to 360 degrees."""
+    """`values` (columns, rows) over the chart of the first surface; a full revolution from 0 to 360 degrees."""
     x, order = _around(film)
     label, colors = look
     low = min(0.0, float(np.nanmin(values))) if from_zero else None
     image = ax.pcolormesh(x, film.z * 1e3, values[order].T, shading="gouraud", cmap=colors, vmin=low)
     low, high = image.get_clim()
-    if high - low < (least := LEAST * float(np.nanmax(np.abs(values)))):  # one value, which round-off is no pattern of
+    if high - low < (least := LEAST * float(np.nanmax(np.abs(values)))):  # uniform up to round-off
         image.set_clim(0.5 * (low + high - least), 0.5 * (low + high + least))
     ax.figure.colorbar(image, ax=ax, label=label)
     fill = film.fill[row][order]
@@ -93,8 +93,8 @@ def _map(film: FilmResult, ax: Any, row: int, values: np.ndarray, look: tuple[st
 
 
 def _around(film: FilmResult) -> tuple[np.ndarray, np.ndarray]:
-    """Places of columns along the map, ascending, in degrees, of a plane in mm, and the numbers of the columns there;
-    a full turn is closed by its first column."""
+    """Positions of columns along the map, ascending, in degrees (plane: mm), and the column indices there; a full
+    revolution is closed by its first column."""
     surface = film.view.first
     columns = np.arange(len(film.theta))
     if surface.shape.profile().planar:

@@ -1,7 +1,7 @@
 """Plots of friction: tractions along the rolling direction, stick and slip on the patch, creepages, spin, T-gamma,
 power, wear.
 
-Depth. Stress below the centre of a patch against depth, with the depths at which Hertz has his largest.
+Depth. Stress below the centre of a patch against depth, with the depths of the Hertz maxima.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from warpffrf.output.plots.colors import HEADROOM, LEAST, STATE_COLORS, about_ze
 from warpffrf.output.plots.panels import load_ratio
 
 SHOWN_WIDTHS = 1.6  # half-widths to either side of the middle of the patch
-TRACE = 0.02  # of the tractions of one sign: less of the other shows nothing in the plot
+TRACE = 0.02  # of the tractions of one sign: smaller ones of the other sign are not visible
 LEGEND_ROOM = 1.35  # of the range of tractions
-NO_ARROWS = 1e-3  # of the largest bound: tractions below it are no arrows, which would look as long as any
-MOST_ARROWS = 24  # tractions drawn in a map in either direction: more are not told apart in a panel
+NO_ARROWS = 1e-3  # of the largest bound: smaller tractions are drawn without arrows
+MOST_ARROWS = 24  # tractions drawn in a map in either direction; more cannot be distinguished in a panel
 PRESSURE, BOUND, TRACTION, ACROSS, SECOND = "#8a94a3", "#d1495b", "#1b6ca8", "#2a9d6f", "#b57f00"
 
 
 def rubbing(result: Any) -> Any:
-    """The first contact pair with friction; raises `InputError` where there is none."""
+    """The first contact with friction; raises `InputError` if there is none."""
     for name in result.contact_names:
         if result.contact(name).has_friction:
             return result.contact(name)
@@ -51,8 +51,8 @@ def _coefficient(contact: Any) -> float | None:
 
 
 def full_slip(contact: Any) -> dict[str, float]:
-    """What each history of friction would be at most in the run, were all to slip: of it `LEAST` is round-off. A
-    coefficient that depends on speed counts as 1."""
+    """Upper bound of each friction history for full slip; `LEAST` of it is round-off. A coefficient that depends on
+    speed counts as 1."""
     friction, size = contact.friction, np.sqrt(largest([contact.patch_area]) / np.pi)
     force = (_coefficient(contact) or 1.0) * largest([contact.force_magnitude])
     speed = largest([np.abs(friction.rolling_velocity), np.abs(friction.creep_velocity)])
@@ -64,20 +64,20 @@ def full_slip(contact: Any) -> dict[str, float]:
 
 
 def _seen(values: np.ndarray, *beside: np.ndarray) -> bool:
-    """True where a curve is more than round-off beside the others: of a direction that nothing drives."""
+    """True if a curve is more than round-off of the others; false for a direction that is not driven."""
     most = largest([np.abs(v) for v in (values, *beside)])
     return largest([np.abs(values)]) > LEAST * most
 
 
 def _both_signs(tau: np.ndarray) -> bool:
-    """True where tractions in either direction are more than a trace of those in the other."""
+    """True if tractions in either direction exceed a trace of those in the other."""
     most = np.nanmax(tau, initial=0.0), -np.nanmin(tau, initial=0.0)
     return min(most) > TRACE * max(most)
 
 
 def traction(result: Any, ax: Any) -> None:
-    """Pressure, the bound mu p and the tractions along the rolling direction at mid-width, with stick and slip; of a
-    point contact through its centre."""
+    """Pressure, the bound mu p and the tractions along the rolling direction at mid-width (point contact: through its
+    centre), with stick and slip."""
     contact = rubbing(result)
     i = _last_touching(contact)
     profile = contact.friction.profile(i, _coefficient(contact))
@@ -112,7 +112,7 @@ def traction(result: Any, ax: Any) -> None:
     drawn = [v[np.isfinite(v)] for v in (*bounds, tau, profile["across"] * 1e-6)]
     low, high = (float(f(np.concatenate(drawn), initial=0.0)) for f in (np.min, np.max))
     room = (LEGEND_ROOM - 1.0) * (high - low)  # for the legend, on the side of the larger tractions
-    least = (HEADROOM - 1.0) * (high - low)  # so that a curve at zero does not lie on the frame
+    least = (HEADROOM - 1.0) * (high - low)  # keeps a curve at zero off the frame
     low, high = min(HEADROOM * low, -least), max(HEADROOM * high, least)
     ax.set_ylim(low - room * (sign < 0.0), (high + room * (sign > 0.0)) or 1.0)
     _around(ax, contact, i)
@@ -138,8 +138,8 @@ def _around(ax: Any, contact: Any, i: int) -> None:
 
 
 def stick_slip(result: Any, ax: Any, row: int | None = None) -> None:
-    """State of every cell on the unwrapped patch, with arrows of the tractions on the first body, in saved step `row`,
-    the last one that touches unless given."""
+    """State of every cell on the unwrapped patch, with arrows of the tractions on the first body, in saved step `row`;
+    None: the last one in contact."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
@@ -175,7 +175,7 @@ def stick_slip(result: Any, ax: Any, row: int | None = None) -> None:
 
 @dataclass(frozen=True)
 class StickSlipMap:
-    """`stick_slip` in saved step `row` of `result` under a title of its own, as a panel for `panels.save_panels`."""
+    """`stick_slip` in saved step `row` of `result` with its own title, as a panel for `panels.save_panels`."""
 
     title: str
     result: Any
@@ -231,7 +231,7 @@ def spin(result: Any, ax: Any) -> None:
 
 
 def t_gamma(result: Any, ax: Any) -> None:
-    """T-gamma against time, beside the friction power over the rolling speed."""
+    """T-gamma against time, with the friction power over the rolling speed."""
     contact = rubbing(result)
     time, friction = result.time * 1e3, contact.friction
     per_metre = friction.power_per_metre
@@ -272,13 +272,13 @@ FRICTION_PLOTS: dict[str, Callable[[Any, Any], None]] = {
 
 
 MISES, SHEAR, REFERENCE = "#1b6ca8", "#2a9d6f", "#d1495b"
-STYLES = ("-", "--")  # of the two bodies where Poisson's ratios differ
-DEPTH_HEADROOM = 1.35  # of the largest stress: room for the legend beside the curves, which go back below
-NOTE_WIDTH = 36  # characters a line
+STYLES = ("-", "--")  # of the two bodies if Poisson's ratios differ
+DEPTH_HEADROOM = 1.35  # of the largest stress: room for the legend above the curves, which decrease with depth
+NOTE_WIDTH = 36  # characters per line
 
 
 def has_material(contact: Any) -> bool:
-    """True where the bodies of the pair say of what they are made, so that the stress below is known."""
+    """True if the bodies have material data, so that the stress below the surface can be computed."""
     try:
         return bool(poisson_ratios(contact.view))
     except InputError:
@@ -286,8 +286,8 @@ def has_material(contact: Any) -> bool:
 
 
 def draw_depth(contact: Any, ax: Any, i: int, at: str) -> None:
-    """Draw von Mises and largest shear stress below the patch of saved step `i`, and Hertz's marks or why there are
-    none; `at`: the time, in words."""
+    """Draw von Mises and largest shear stress below the patch of saved step `i`, and the Hertz maxima or the reason why
+    there are none; `at`: the time, as text."""
     title = f"Below the centre of the patch, {at}"
     ax.set(xlabel="stress [MPa]", ylabel="depth [mm]")
     if not contact.touching[i]:
@@ -325,7 +325,7 @@ def draw_depth(contact: Any, ax: Any, i: int, at: str) -> None:
 
 
 def _hertz(contact: Any, i: int) -> tuple[HertzLine | HertzPoint | None, str]:
-    """Hertz's contact, or why he does not apply."""
+    """The Hertz solution, or the reason why it does not apply."""
     try:
         return hertz_contact(contact, i), ""
     except InputError as error:

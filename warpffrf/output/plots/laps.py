@@ -1,4 +1,5 @@
-"""Plots of laps: maps of pressure, state and loss over cells laid flat; histories; a page of maps at some times."""
+"""Plots of small-sliding contacts: maps of pressure, state and loss over unrolled cells; histories; a page of maps at
+selected times."""
 
 from __future__ import annotations
 
@@ -14,22 +15,22 @@ from warpffrf.output.loops import value_at
 from warpffrf.output.plots.colors import PRESSURE_STOPS, STATE_COLORS, WEAR_STOPS, from_zero, largest
 
 SHRINK = 0.8  # of colour bars
-ROOM = 0.03  # of a map's extent, beside it
-PAGE_TIMES = 3  # rows of maps on a page where no times are given
-PAGE_WIDTH, PAGE_HEIGHTS = 5.0, (1.9, 5.0)  # inches a map
-TITLES, DRAWN = 1.1, 0.7  # inches above and below a map, and part of its width that cells take
+ROOM = 0.03  # margin of a map, of its extent
+PAGE_TIMES = 3  # rows of maps on a page by default
+PAGE_WIDTH, PAGE_HEIGHTS = 5.0, (1.9, 5.0)  # inches per map
+TITLES, DRAWN = 1.1, 0.7  # inches above and below a map, and fraction of its width for the cells
 FORCE, AREA = "#1b6ca8", "#d1495b"
 
 
 def pressure(lap: LapResult, ax: Any, row: int) -> None:
-    """Pressure of the cells, one colour range for the run."""
+    """Pressure of the cells, with one colour range for the run."""
     colors = _map(lap, ax, lap.pressure[row] * 1e-6, PRESSURE_STOPS, largest([lap.largest_pressure]) * 1e-6)
     ax.figure.colorbar(colors, ax=ax, label="pressure [MPa]", shrink=SHRINK)
     ax.set_title(f"Lap '{lap.name}': pressure, {_at(lap, row)}", fontsize=10)
 
 
 def state(lap: LapResult, ax: Any, row: int) -> None:
-    """Cells that are open, stick and slip."""
+    """State of the cells: open, stick and slip."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
     cells = _map(lap, ax, lap.state[row], STATE_COLORS, 1.0)
@@ -40,10 +41,10 @@ def state(lap: LapResult, ax: Any, row: int) -> None:
 
 
 def loss(lap: LapResult, ax: Any, row: int) -> None:
-    """Energy that friction has taken per area, one colour range for the run."""
+    """Friction energy per area, with one colour range for the run."""
     top = largest([lap.loss_density])
     colors = _map(lap, ax, lap.loss_density[row], WEAR_STOPS, top)
-    ax.figure.colorbar(colors, ax=ax, label="loss so far [J/m²]", shrink=SHRINK)
+    ax.figure.colorbar(colors, ax=ax, label="accumulated loss [J/m²]", shrink=SHRINK)
     ax.set_title(f"Lap '{lap.name}': loss {lap.loss[row]:.4g} J so far, {_at(lap, row)}", fontsize=10)
 
 
@@ -62,9 +63,9 @@ def history(lap: LapResult, ax: Any, row: int) -> None:
 
 
 def lap_figure(result: Any, name: str | None, times: Sequence[float] | np.ndarray | None) -> Any:
-    """A matplotlib Figure: pressure, state and loss of a lap, the first one if None, in saved steps next to `times`
-    [s], a line each; `PAGE_TIMES` of the run if None. Raises `InputError` for a run without laps, a name that there is
-    not, and times outside of the run."""
+    """A matplotlib Figure: pressure, state and loss of a small-sliding contact, the first one if None, in the saved
+    steps nearest to `times` [s], one row each; `PAGE_TIMES` of the run if None. Raises `InputError` for a run without
+    small-sliding contacts, an unknown name, and times outside of the run."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -88,7 +89,7 @@ def lap_figure(result: Any, name: str | None, times: Sequence[float] | np.ndarra
 
 
 def the_lap(result: Any, name: str | None) -> LapResult:
-    """The lap of a plot, the first one if None. Raises `InputError` where there is none."""
+    """The small-sliding contact of a plot, the first one if None. Raises `InputError` if there is none."""
     if name is None and not result.lap_names:
         raise InputError("plot: the scene has no lap; give it one with scene.add(Lap(...)), and run again")
     if not len(result.time):
@@ -101,7 +102,7 @@ def _at(lap: LapResult, row: int) -> str:
 
 
 def _map(lap: LapResult, ax: Any, values: np.ndarray, stops: tuple[str, ...], top: float) -> Any:
-    """`values` (c,) from 0 to `top` on the cells laid flat; returns the coloured polygons."""
+    """`values` (c,) from 0 to `top` on the unrolled cells; returns the coloured polygons."""
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import LinearSegmentedColormap
 

@@ -1,13 +1,13 @@
-r"""A deformed skin as a flat, shaded picture: a parallel projection whose triangles are drawn from the back to the
-front. Matplotlib's own 3-D axes sort and shade far more slowly and leave wide margins.
+r"""A deformed skin as a flat, shaded picture: a parallel projection whose triangles are drawn from back to front.
+Matplotlib's own 3-D axes sort and shade far more slowly and leave wide margins.
 
 Mode shapes. Pictures of mode shapes: the deformed skins of bodies in colour over the undeformed ones in grey.
 
-A mode of a scene is complex: its motion is Re(u exp(i w t)), and what is drawn is the moment at which the point that
-goes farthest is at its farthest, Re(u exp(-i arg u_max)). Displacements are scaled, the largest to a given part of the
-extent of all that is drawn; colours show amplitudes |u| over the largest. Rigid bodies have no skin: a box of their
-mass and inertia stands for them, of sides l_x^2 = 6 (J_y + J_z - J_x)/m along their principal axes, no longer than
-`BOX` of the skins beside it.
+A mode of a scene is complex: its motion is Re(u exp(i w t)). It is drawn at the instant of the largest displacement of
+the point with the largest amplitude, Re(u exp(-i arg u_max)). Displacements are scaled so that the largest is a given
+fraction of the extent of the drawing; colours show amplitudes |u| over the largest. Rigid bodies have no skin: they are
+drawn as a box of the same mass and inertia, with sides l_x^2 = 6 (J_y + J_z - J_x)/m along their principal axes, at
+most `BOX` of the extent of the skins.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ from warpffrf.model.reduced.inertia import skin_displacement
 from warpffrf.output.geometry.skin_nodes import thinned
 from warpffrf.output.plots.colors import ColorScale
 
-MAX_TRIANGLES = 20_000  # of a picture: smaller ones than a few pixels are wasted
-# The eye looks along the shortest extent of a body most of all, so that discs show their face, and sees the other two
-# aslant; shares of the unit direction along the longest, middle and shortest extent
+MAX_TRIANGLES = 20_000  # per picture: more would be smaller than a few pixels
+# View direction: mainly along the shortest extent of a body, so that discs show their face, oblique to the other two;
+# components of the unit direction along the longest, middle and shortest extent
 EYE_SHARES = (0.35, 0.5, 0.8)
 # from rest to the largest displacement; bright colours, because they are shaded
 MODE_STOPS = ("#d9e2ea", "#7cc6dd", "#8fd694", "#f7d65a", "#e8563f")
 LIGHT = (0.35, 0.55, 0.76)  # from the right, from above, from the eye
-AMBIENT = 0.7  # brightness of a face turned away from the light
+AMBIENT = 0.7  # brightness of a face that points away from the light
 CLOSED = 1e-6  # of the area: the area vectors of a closed skin cancel to this
 MARGIN = 0.04  # around the picture, of its size
 
 
 @dataclass(frozen=True, eq=False)
 class ModeSkin:
-    """The skin of a body, thinned to what a picture needs: points (n, 3) [m], triangles (t, 3), which points of the
-    body's skin they are (n,), and the largest extent of the whole body [m]."""
+    """The skin of a body, thinned for pictures: points (n, 3) [m], triangles (t, 3), indices (n,) of the points in the
+    body's skin, and the largest extent of the whole body [m]."""
 
     points: np.ndarray
     triangles: np.ndarray
@@ -56,7 +56,7 @@ class ModeSkin:
 def mode_skin(body: ReducedBody, max_points: int | None = None) -> ModeSkin:
     """The skin of `body` with at most `max_points` points; None: with at most about `MAX_TRIANGLES` triangles."""
     surface = body.surface
-    if max_points is None:  # a closed surface has two triangles a point
+    if max_points is None:  # a closed surface has two triangles per point
         max_points = MAX_TRIANGLES // 2 if len(surface.triangles) > MAX_TRIANGLES else max(len(surface.points), 1)
     sectors = max((s.recovery.sectors for s in body.contact_surfaces.values()), default=1)
     kept, triangles = thinned(surface.points, surface.triangles, max_points, sectors)
@@ -65,14 +65,14 @@ def mode_skin(body: ReducedBody, max_points: int | None = None) -> ModeSkin:
 
 
 def eye_axes(points: np.ndarray) -> np.ndarray:
-    """Rows (3, 3): to the right, upwards, towards the eye, for a view that suits the extents of `points` (n, 3)."""
+    """Rows (3, 3): right, up, towards the viewer, for a view that suits the extents of `points` (n, 3)."""
     extents = np.ptp(points, axis=0)
     order = np.argsort(-np.round(extents / max(extents.max(), np.finfo(float).tiny), 3), kind="stable")
     eye = np.zeros(3)
     eye[order] = EYE_SHARES
     eye /= np.linalg.norm(eye)
     up = np.eye(3)[1]
-    if order[2] != 2:  # z is upwards, and y away from the eye; a body that is flat in z is seen with y upwards
+    if order[2] != 2:  # z is up and y points away from the viewer; a body that is flat in z is seen with y up
         up, eye[1] = np.eye(3)[2], -eye[1]
     right = np.cross(up, eye)
     right /= np.linalg.norm(right)
@@ -81,33 +81,32 @@ def eye_axes(points: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """Triangles as they are painted: corners (t, 3, 3), to the right, upwards and towards the eye, and colours (t, 3)
-    in 0 to 1."""
+    """Triangles as painted: corners (t, 3, 3), right, up and towards the viewer, and colours (t, 3) in 0 to 1."""
 
     corners: np.ndarray
     colors: np.ndarray
 
 
 def shaded(points: np.ndarray, triangles: np.ndarray, axes: np.ndarray, colors: np.ndarray) -> Faces:
-    """What is seen of triangles (t, 3) over `points` (n, 3) along `axes` (3, 3), with `colors` (n, 3) in 0 to 1 of the
-    points."""
+    """The visible faces of triangles (t, 3) over `points` (n, 3) along `axes` (3, 3), with `colors` (n, 3) in 0 to 1 of
+    the points."""
     corners = (points @ axes.T)[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.abs(normals).sum()
-    if np.abs(normals.sum(axis=0)).max() < CLOSED * area:  # faces on the far side of a closed body cannot be seen
+    if np.abs(normals.sum(axis=0)).max() < CLOSED * area:  # faces on the far side of a closed body are hidden
         inwards = np.einsum("ti,ti->", corners.mean(axis=1) - corners.mean(axis=(0, 1)), normals) < 0.0
         near = normals[:, 2] < 0.0 if inwards else normals[:, 2] > 0.0
         triangles, corners, normals = triangles[near], corners[near], normals[near]
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     normals /= np.where(length > 0.0, length, 1.0)
-    normals *= np.where(normals[:, 2:] < 0.0, -1.0, 1.0)  # a face seen from behind is lit as if turned round
+    normals *= np.where(normals[:, 2:] < 0.0, -1.0, 1.0)  # a face seen from behind is lit like its front
     light = AMBIENT + (1.0 - AMBIENT) * np.clip(normals @ np.array(LIGHT), 0.0, 1.0)
     return Faces(corners, colors[triangles].mean(axis=1) * light[:, None])
 
 
 def paint(ax: Any, parts: list[Faces], axes: np.ndarray, box: np.ndarray, *, alpha: float = 1.0) -> None:
-    """Paint `parts` on `ax` from the back to the front, seen along `axes` (3, 3); `alpha` of what is behind a face is
-    covered. `box` (k, 3): points that shall lie inside the picture."""
+    """Paint `parts` on `ax` from back to front, seen along `axes` (3, 3); `alpha`: opacity of the faces. `box` (k, 3):
+    points that must lie inside the picture."""
     from matplotlib.collections import PolyCollection
 
     corners, colors = np.concatenate([p.corners for p in parts]), np.concatenate([p.colors for p in parts])
@@ -143,9 +142,9 @@ def draw_skin(
     paint(ax, [shaded(points, triangles, axes, colors)], axes, box, alpha=alpha)
 
 
-DRAWN = 0.06  # largest displacement of a picture, of the largest extent
+DRAWN = 0.06  # largest displacement drawn, of the largest extent
 GREY, THROUGH = (0.62, 0.65, 0.69), 0.35  # of the undeformed skin
-BOX = 0.25  # of the extent of the skins, a side of a rigid body's box at the most
+BOX = 0.25  # largest side of a rigid body's box, of the extent of the skins
 COLUMNS, PANEL = 4, (3.6, 3.1)  # of a page of shapes; inches
 CORNERS = np.array([[i, j, k] for i in (-0.5, 0.5) for j in (-0.5, 0.5) for k in (-0.5, 0.5)])
 SIDES = np.array(
@@ -156,8 +155,8 @@ SIDES = np.array(
 
 @dataclass(frozen=True, eq=False)
 class MovedSkin:
-    """A skin, undeformed: points (n, 3) [m], triangles (t, 3) among them, and the displacements (n, 3) of a mode, real
-    or complex, all in one frame."""
+    """A skin, undeformed: points (n, 3) [m], triangles (t, 3), and the displacements (n, 3) of a mode, real or complex,
+    all in one frame."""
 
     points: np.ndarray
     triangles: np.ndarray
@@ -165,7 +164,7 @@ class MovedSkin:
 
 
 def skins_of(modes: Any, i: int) -> list[MovedSkin]:
-    """Mode `i` of `Modes` of a scene: skins of the flexible bodies in the state that the modes are about, and boxes of
+    """Mode `i` of `Modes` of a scene: skins of the flexible bodies in the reference state of the modes, and boxes of
     the rigid ones, world axes."""
     found, rigid = [], []
     bodies = list(modes.scene.bodies)
@@ -193,12 +192,12 @@ def inertia_box(mass: float, inertia: np.ndarray, longest: float) -> tuple[np.nd
     [kg m2], scaled down to sides of at most `longest` [m]."""
     values, axes = np.linalg.eigh(inertia)
     sides = np.sqrt(np.maximum(6.0 * (values.sum() - 2.0 * values) / mass, 0.0))
-    sides = np.maximum(sides, 0.02 * sides.max())  # a plate without thickness is seen edge on, too
+    sides = np.maximum(sides, 0.02 * sides.max())  # a plate without thickness is also seen edge-on
     return CORNERS * (sides * min(1.0, longest / max(sides.max(), np.finfo(float).tiny))) @ axes.T, SIDES
 
 
 def draw_shape(ax: Any, skins: Sequence[MovedSkin], title: str, *, drawn: float = DRAWN) -> None:
-    """Draw a mode on the matplotlib axes `ax`; drawn: its largest displacement, of the largest extent."""
+    """Draw a mode on the matplotlib axes `ax`; drawn: its largest displacement, as a fraction of the largest extent."""
     skins = [outward(skin) for skin in skins]
     first = np.cumsum([0, *(len(skin.points) for skin in skins)])
     points = np.concatenate([skin.points for skin in skins])
@@ -220,14 +219,15 @@ def draw_shape(ax: Any, skins: Sequence[MovedSkin], title: str, *, drawn: float 
 
 
 def outward(skin: MovedSkin) -> MovedSkin:
-    """The skin with triangles turned so that a closed one has its normals outside, by the sign of its volume."""
+    """The skin with triangles oriented so that the normals of a closed one point outwards, by the sign of its
+    volume."""
     corners = skin.points[skin.triangles] - skin.points.mean(axis=0)
     volume = np.einsum("ti,ti->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
     return skin if volume >= 0.0 else MovedSkin(skin.points, skin.triangles[:, ::-1], skin.displacement)
 
 
 def shapes_figure(modes: Sequence[tuple[str, Sequence[MovedSkin]]], title: str, *, drawn: float = DRAWN) -> Any:
-    """A matplotlib Figure with a picture of each of `modes`, its title and its skins."""
+    """A matplotlib Figure with a picture of each of `modes`, given as title and skins."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

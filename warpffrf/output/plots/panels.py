@@ -1,11 +1,11 @@
 """A picture of several plots side by side, each of curves over one pair of axes; matplotlib is imported when drawn.
 
-Overlay. Curves of two runs, one over the other, a panel for each quantity.
+Overlay. Curves of two runs, one over the other, one panel per quantity.
 
-One row. Plots of a run of one saved row, as an equilibrium: bars and numbers in the place of histories that are a dot.
+One row. Plots of a run of one saved row, such as an equilibrium: bars and numbers instead of histories with one point.
 
-Histories. Plots of one history of a run, which has to be named: its spectrum, and spectra of windows, over frequency or
-with the rotation of a body.
+Histories. Plots of one named history of a run: its spectrum, and spectra of windows, over frequency or with the
+rotation of a body.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from warpffrf.output.plots.colors import LEAST, largest, no_finer
 from warpffrf.output.plots.picture import write_picture
 
 PANEL_SIZE = (5.2, 3.9)  # inches
-COLUMNS = 3  # side by side at most
+COLUMNS = 3  # maximum side by side
 DPI = 110
 COLORS = ("#1b6ca8", "#d1495b", "#2a9d6f", "#b57f00", "#6d5aa8", "#4f5d6b")
 REFERENCE_DASH = (0, (5, 3))
@@ -32,7 +32,7 @@ MARKS = "os^D"
 
 
 class Drawn(Protocol):
-    """What `save_panels` takes; one that has a `projection` is drawn on axes of that kind."""
+    """An item of `save_panels`; one with a `projection` is drawn on axes of that kind."""
 
     def draw(self, ax: object) -> None:
         """Draw on matplotlib axes."""
@@ -41,9 +41,9 @@ class Drawn(Protocol):
 @dataclass(frozen=True)
 class Panel:
     """One plot: `curves` {name: (x (n,), y (n,))} as lines, `reference` likewise, dashed and on top of them, `points`
-    likewise, as marks.
+    likewise, as markers.
 
-    `limits`: the range (low, high) of y to show, for curves of which one runs away.
+    `limits`: the range (low, high) of y to show, for diverging curves.
     """
 
     title: str
@@ -94,16 +94,16 @@ class Polar(Panel):
 
 
 def save_panels(panels: Sequence[Drawn], path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-    """Draw the panels into one picture; the ending of `path` chooses the format (.png, .pdf, .svg); returns its path.
+    """Draw the panels into one picture; the ending of `path` selects the format (.png, .pdf, .svg); returns its path.
 
-    Raises `InputError` for no panels, a path that cannot be written, an unknown ending, and a file that exists where
-    `overwrite` is not set.
+    Raises `InputError` for no panels, a path that cannot be written, an unknown ending, and an existing file, unless
+    `overwrite` is set.
     """
     return write_picture(panels_figure(panels), path, "panels", overwrite=overwrite)
 
 
 def panels_figure(panels: Sequence[Drawn], title: str = "") -> Any:
-    """A matplotlib Figure with the panels, `COLUMNS` of them side by side. Raises `InputError` for none."""
+    """A matplotlib Figure with the panels, `COLUMNS` side by side. Raises `InputError` if there are none."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -152,7 +152,7 @@ class Overlaid:
         self._dress(ax)
 
     def _bars(self, ax: Any, names: tuple[str, str]) -> None:
-        """The numbers of two runs of one row, as equilibria."""
+        """Draw the numbers of two runs of one row, such as equilibria."""
         values = [float(self.first[1][0]), float(self.second[1][0])]
         bars = ax.bar(range(2), values, width=0.5, color=(FIRST, SECOND), label=names)
         ax.bar_label(bars, fmt="%.6g", padding=2, fontsize=9)
@@ -163,12 +163,12 @@ class Overlaid:
 
     def _dress(self, ax: Any) -> None:
         ax.set_ylabel(f"{self.label.partition('[')[0].replace('_', ' ')} [{self.units}]")
-        ax.set_title(self.title, fontsize=9, loc="right")  # a power of ten stands on the left
+        ax.set_title(self.title, fontsize=9, loc="right")  # a power of ten is on the left
         ax.grid(alpha=0.3)
 
 
 def overlay_figure(panels: Sequence[Overlaid], names: tuple[str, str]) -> Any:
-    """A matplotlib Figure with a panel for each quantity and one legend below."""
+    """A matplotlib Figure with one panel per quantity and one legend below."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -182,13 +182,13 @@ def overlay_figure(panels: Sequence[Overlaid], names: tuple[str, str]) -> Any:
     return figure
 
 
-BAR, TALL, FONT = "#1b6ca8", 12, 8  # more bars than so many have smaller names
-FEW = 4  # bars are no thicker than those of so many
+BAR, TALL, FONT = "#1b6ca8", 12, 8  # more bars than `TALL` have smaller names
+FEW = 4  # thickness of bars is limited to that of so many
 ROOM = 1.3  # of the longest bar, for its number
 
 
 def draw_bars(ax: Any, values: Mapping[str, np.ndarray], label: str) -> None:
-    """A bar for each of `values` {name: (1,)}, from the top, with its number; `label` has the unit."""
+    """One bar for each of `values` {name: (1,)}, from the top, with its number; `label` has the unit."""
     sizes = np.array([float(value[0]) for value in values.values()])
     sizes[sizes < LEAST * np.max(sizes, initial=0.0)] = 0.0
     bars = ax.barh(range(len(sizes)), sizes, color=BAR)
@@ -213,8 +213,8 @@ def draw_numbers(ax: Any, numbers: Mapping[str, str], title: str) -> None:
 
 
 def numbers_of(result: Any, contact: Any, friction: Any, film: Any, lap: Any) -> dict[str, str]:
-    """What histories of the run have in its row; contact, friction, film, lap: those whose figures are drawn, or None
-    (friction: the pair that rubs)."""
+    """Values of the histories of a run in its only row; contact, friction, film, lap: those to list, or None (friction:
+    the contact with friction)."""
     found: dict[str, str] = {}
     if contact is not None and contact.touching[0]:
         found["half-width"] = f"{contact.half_width[0] * 1e3:.4g} mm"
@@ -222,7 +222,7 @@ def numbers_of(result: Any, contact: Any, friction: Any, film: Any, lap: Any) ->
         try:
             line = hertz(contact, 0)
         except InputError:
-            pass  # Hertz does not apply
+            pass  # the Hertz solution does not apply
         else:
             found["Hertz at this load"] = f"{line.half_width * 1e3:.4g} mm, {line.peak_pressure * 1e-6:.4g} MPa"
     if friction is not None:
@@ -233,24 +233,24 @@ def numbers_of(result: Any, contact: Any, friction: Any, film: Any, lap: Any) ->
     if lap is not None:
         found["normal force of the lap"] = f"{lap.normal_force[0] * 1e-3:.4g} kN"
         found["slipping area of the lap"] = f"{lap.slip_area[0] * 1e6:.4g} mm²"
-    found["energy at hand"] = f"{result.energy_scale:.4g} J"
+    found["energy scale"] = f"{result.energy_scale:.4g} J"
     return found
 
 
 def load_ratio(friction: Any, row: int) -> str:
-    """Tangential over normal load in a row; what is round-off is 0."""
+    """Tangential over normal load in a row; round-off is set to 0."""
     ratio = float(np.nan_to_num(friction.traction_coefficient[row]))
     return f"{ratio:.4g}" if abs(ratio) > LEAST else "0"
 
 
 def spectrum(result: Any, ax: Any, channel: str, speed: str | None) -> None:
-    """Amplitudes of a history by frequency, or by orders of the rotation of a body; needs a channel."""
+    """Amplitudes of a history by frequency, or by orders of the rotation of a body; requires a channel."""
     (result.spectrum(channel) if speed is None else result.orders(channel, speed)).draw(ax)
 
 
 def waterfall(result: Any, ax: Any, channel: str, speed: str | None) -> None:
-    """Spectra of consecutive windows of a history over time, or over the speed of a body with lines of orders; needs a
-    channel."""
+    """Spectra of consecutive windows of a history over time, or over the speed of a body with lines of constant order;
+    requires a channel."""
     result.waterfall(channel, speed).draw(ax)
 
 
@@ -258,7 +258,7 @@ HISTORY_PLOTS: dict[str, Callable[[Any, Any, str, str | None], None]] = {"spectr
 
 
 def the_channel(kind: str, channel: str | None) -> str:
-    """The history that a plot needs. Raises InputError where none is named."""
+    """The history of a plot. Raises InputError if none is named."""
     if channel is None:
         raise InputError(
             f"plot: '{kind}' needs the history to draw, channel='contact_force_z[NAME]'; columns of to_csv have the "

@@ -1,4 +1,4 @@
-"""A matplotlib figure as a file, which says that warpffrf wrote it."""
+"""Writing a matplotlib figure to a file that is marked as written by warpffrf."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ SIGNATURE = {".png": "Software", ".pdf": "Creator", ".svg": "Creator"}
 def write_picture(
     figure: Any, path: str | os.PathLike[str], what: str, *, overwrite: bool = False, dpi: int | None = None
 ) -> Path:
-    """Write `figure`; the ending chooses the format (.png, .pdf, .svg). Raises InputError naming `what` for an unknown
-    ending, a path that cannot be written, and a file that exists, unless `overwrite` is set and warpffrf wrote it."""
+    """Write `figure`; the ending selects the format (.png, .pdf, .svg). Raises InputError naming `what` for an unknown
+    ending, a path that cannot be written, and an existing file, unless `overwrite` is set and warpffrf wrote it."""
     target = checked_output_path(path, what, overwrite=overwrite)
     ending = target.suffix.lower()
     if ending not in SIGNATURE:
@@ -31,7 +31,7 @@ def write_picture(
 def write_drawing(
     draw: Callable[[Any], Any], path: str | os.PathLike[str], what: str, *, overwrite: bool = False, dpi: int = 130
 ) -> Path:
-    """Write what `draw` draws on axes of its own, as `write_picture` does."""
+    """Write what `draw` draws on new axes, as `write_picture`."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

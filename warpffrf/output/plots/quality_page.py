@@ -1,4 +1,4 @@
-"""The quality of a reduced body on one page: mode shapes, compliance decay, frequencies covered, key figures."""
+"""Quality of a reduced body on one page: mode shapes, compliance decay, frequency coverage, key figures."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from warpffrf.output.plots.modes import MovedSkin, draw_shape, mode_skin, shapes
 from warpffrf.output.plots.picture import write_picture
 
 GALLERY = (2, 4)  # rows and columns of mode pictures
-FIRST_ELASTIC = 7  # a free body's modes 1 to 6 are its rigid motions
+FIRST_ELASTIC = 7  # modes 1 to 6 of a free body are rigid-body motions
 DPI = 100
 SIZE = (16.0, 12.0)  # inch: 1600 x 1200 pixels
-TEXT_WIDTH = 52  # characters a line of the text column
-TEXT_LINES = 70  # that the column holds
-MOST_SURFACES = 2  # contact surfaces in the plot of decay; more would hide each other
+TEXT_WIDTH = 52  # characters per line of the text column
+TEXT_LINES = 70  # lines of the text column
+MOST_SURFACES = 2  # contact surfaces in the plot of decay
 ALONG, OTHER = "#2a9d5c", "#8a5bb5"
 
 
 def write_quality_page(body: ReducedBody, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-    """Write the page to `path` (.png, .pdf, .svg); returns the path. Raises `InputError` where it cannot be
-    written, or exists and `overwrite` is not set."""
+    """Write the page to `path` (.png, .pdf, .svg); returns the path. Raises `InputError` if it cannot be written, or
+    exists and `overwrite` is not set."""
     return write_picture(quality_figure(body), path, "quality page", overwrite=overwrite, dpi=DPI)
 
 
@@ -51,7 +51,7 @@ def quality_figure(body: ReducedBody) -> Any:
 
 
 def gallery(figure: Any, place: Any, body: ReducedBody) -> None:
-    """The first elastic modes on the skin, coloured by displacement; the bare skin where there are none."""
+    """The first elastic modes on the skin, coloured by displacement; the undeformed skin if there are none."""
     rows, columns = GALLERY
     count = min(len(body.frequencies), rows * columns)
     skin = mode_skin(body)
@@ -89,7 +89,7 @@ def _mode_name(body: ReducedBody, mode: int) -> str:
 
 
 def hat_response(surface: ContactSurface, column: int, row: int) -> np.ndarray:
-    """D (columns, rows) [m/N]: normal displacement of every hat per unit force on one, by the local modes."""
+    """D (columns, rows) [m/N]: normal displacement of every contact node per unit force on one, by the local modes."""
     grid = surface.grid
     c, rows = grid.columns_per_sector, grid.rows
     blocks = surface.lags.reshape(len(surface.lags), c, rows, c, rows)
@@ -99,7 +99,7 @@ def hat_response(surface: ContactSurface, column: int, row: int) -> np.ndarray:
 
 
 def decay(ax: Any, body: ReducedBody) -> None:
-    """Displacement per unit force on a hat in the middle, against the distance from it."""
+    """Displacement per unit force on a central contact node, against the distance from it."""
     if not body.contact_surfaces:
         _say(ax, "no contact surface, no local modes")
         return
@@ -130,7 +130,7 @@ def decay(ax: Any, body: ReducedBody) -> None:
 def _decay_line(
     ax: Any, distance: np.ndarray, values: np.ndarray, color: str, marker: str, label: str, *, thin: bool = False
 ) -> None:
-    """Absolute values over the distance in mm; values of the other sign have hollow markers."""
+    """Absolute values over the distance in mm; negative values have hollow markers."""
     use = np.flatnonzero((distance > 0.0) & (values != 0.0))
     use = use[np.argsort(distance[use], kind="stable")]
     x, y = distance[use] * 1e3, values[use]
@@ -142,7 +142,7 @@ def _decay_line(
 
 
 def frequencies(ax: Any, body: ReducedBody) -> None:
-    """The number of modes up to each frequency, the range that is covered, and what was asked for."""
+    """The number of modes up to each frequency, the covered range, and the requested one."""
     from matplotlib.ticker import MaxNLocator
 
     f = body.frequencies * 1e-3
@@ -176,7 +176,7 @@ def frequencies(ax: Any, body: ReducedBody) -> None:
 
 
 def _text(ax: Any, body: ReducedBody) -> None:
-    """Key figures, wrapped to the column."""
+    """Key figures, wrapped to the column width."""
     ax.set_axis_off()
     lines: list[str] = []
     for line in body.info().splitlines():

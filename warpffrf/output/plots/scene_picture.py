@@ -1,9 +1,9 @@
-"""The bodies of a run at a saved step as a picture that needs neither screen nor graphics card: a parallel projection,
-shaded, coloured by one field, with its colours and the time.
+"""The bodies of a run at a saved step as a picture drawn without screen or graphics card: a parallel projection,
+shaded, coloured by one field, with colour bar and time.
 
-Flexible bodies are their deformed skins, the elastic displacement magnified, rigid motion not. Rigid bodies are drawn
-where no body is flexible, as their boxes of inertia. Eye, colours and magnification hold for all rows of a
-picture or an animation, and are found in a pass of their own, so that no more than one row is held at a time.
+Flexible bodies are drawn as deformed skins with magnified elastic displacement; rigid motion is not magnified. Rigid
+bodies are drawn as their boxes of inertia if no body is flexible. View, colours and magnification are the same for all
+rows of a picture or an animation; a first pass determines them, so that only one row is in memory at a time.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from warpffrf.output.geometry.skin_nodes import automatic_factor
 from warpffrf.output.plots.colors import draw_bar, field_scale, largest
 from warpffrf.output.plots.modes import MAX_TRIANGLES, eye_axes, paint, shaded
 
-SIZE, DPI = (9.6, 7.2), 100  # inches, and dots an inch: 960 by 720 pixels, even as films need them
-SCENE, BAR = (0.02, 0.13, 0.96, 0.80), (0.2, 0.055, 0.6, 0.025)  # axes, of the figure
+SIZE, DPI = (9.6, 7.2), 100  # inches, and dots per inch: 960 by 720 pixels, even as video encoders require
+SCENE, BAR = (0.02, 0.13, 0.96, 0.80), (0.2, 0.055, 0.6, 0.025)  # axes, in fractions of the figure
 RIGID_COLOR = (0.62, 0.66, 0.71)
-FEWEST_POINTS = 500  # of a body among many
+FEWEST_POINTS = 500  # per body if there are many
 
 Seen = Callable[[int], None]
 
 
 def row_at(result: Any, time: float | None, what: str) -> int:
-    """The saved step next to `time` [s], the last one if None. Raises `InputError` naming `what` for a time outside of
-    the run and a run without saved steps."""
+    """The saved step nearest to `time` [s], the last one if None. Raises `InputError` naming `what` for a time outside
+    of the run and a run without saved steps."""
     times = np.asarray(result.time)
     if not len(times):
         raise InputError(f"{what}: the run has no saved row to draw")
@@ -46,9 +46,9 @@ def row_at(result: Any, time: float | None, what: str) -> int:
 class ScenePicture:
     """Draws the bodies of `result` at any of `rows`, coloured by `field` of `Skin.fields` or "displacement".
 
-    factor: magnification of the elastic displacement, chosen from 1, 2, 5, 10, ... when None. seen: told how many rows
-    the first pass has seen. Raises InputError for a field that no body has, a factor that is not positive, and a scene
-    without anything to draw.
+    factor: magnification of the elastic displacement; None: chosen from 1, 2, 5, 10, ... seen: called with the number
+    of rows processed by the first pass. Raises InputError for a field that no body has, a factor that is not positive,
+    and a scene without anything to draw.
     """
 
     def __init__(

@@ -1,13 +1,14 @@
-"""One contact pair in a recording: the relief on the patch and the unwrapped map, by every field that the run has.
+"""One contact in a recording: the relief on the patch and the unwrapped map, by every field of the run.
 
-Below `/world/contacts/<pair>`, a frame that stays with the patch, `relief` shows the pressure as height and colour, and
-with friction `relief_traction`, `relief_slip`, `relief_state`, `relief_wear` the same height in other colours. Below
-`/patch_map/<pair>` lie the labelled axes, once, and a picture for each field; the map of the traction has its arrows.
+Below `/world/contacts/<pair>`, a frame that follows the patch, `relief` shows the pressure as height and colour, and
+with friction `relief_traction`, `relief_slip`, `relief_state`, `relief_wear` show the same height in other colours.
+Below `/patch_map/<pair>` are the labelled axes, logged once, and a picture for each field; the map of the traction has
+arrows.
 
-Contact series. Curves of one contact pair for a recording.
+Contact series. Curves of one contact for a recording.
 
-Machine series. Curves of a whole machine for a recording: lumped contacts, oil films, laps, reactions, applied forces,
-joint coordinates, sensors, energies.
+Machine series. Curves of a whole machine for a recording: lumped contacts, oil films, small-sliding contacts,
+reactions, applied forces, joint coordinates, sensors, energies.
 """
 
 from __future__ import annotations
@@ -23,9 +24,9 @@ from warpffrf.output.recording.glyphs import LEAST_SHOWN, MOST_LABELS
 from warpffrf.output.recording.patch_map import cell_map, map_window, pixels, pressure_map
 
 MAP_SHAPE = (220, 480)  # pixels (height, width) of the patch map
-COARSER = 2  # pixels of a map to one of the pictures of friction: constant cells need no more
+COARSER = 2  # pixels of a map per pixel of the pictures of friction, whose values are constant on cells
 ARROW_LENGTH = 0.6  # of the largest body, for the largest force of the run
-ARROW_CELLS = 1.5  # columns of cells that the arrow of the largest traction is long
+ARROW_CELLS = 1.5  # length of the arrow of the largest traction, in columns of cells
 ARROW_COLOR = (20, 20, 20)
 FIRST_COLOR, SECOND_COLOR = (120, 190, 255), (255, 170, 90)
 FRICTION_FIELDS = ("traction", "state", "slip", "wear")
@@ -39,15 +40,17 @@ TITLES = {
 
 
 def relief_name(field: str) -> str:
-    """Entity of the relief that is coloured by `field`."""
+    """Entity of the relief coloured by `field`."""
     return "relief" if field == "pressure" else f"relief_{field}"
 
 
 class ContactColors:
-    """Colours of the contact fields, one range for all pairs of a run; `fields` are those that some pair has."""
+    """Colours of the contact fields, one range for all contacts of a run; `fields` are those that at least one contact
+    has."""
 
     def __init__(self, contacts: list[Any], films: list[Any], laps: list[Any], rows: np.ndarray) -> None:
-        """films, laps: their pressures, and the tractions of laps, have the colours of those of contacts."""
+        """films, laps: their pressures, and the tractions of small-sliding contacts, have the colours of those of
+        contacts."""
         rubbing = [c.friction for c in contacts if c.has_friction]
         pressing = "contact" if contacts else "film" if films else "lap"
         self.fields = (["pressure"] if contacts else []) + (list(FRICTION_FIELDS) if rubbing else [])
@@ -72,7 +75,7 @@ class ContactColors:
 
 
 def field_window(contact: Any, field: str, i: int) -> np.ndarray:
-    """(columns, rows) of one field of the pair at saved step `i`, SI units."""
+    """(columns, rows) of one field of the contact at saved step `i`, SI units."""
     if field == "pressure":
         return contact.mean_pressure[i]
     friction = contact.friction
@@ -85,7 +88,7 @@ def field_window(contact: Any, field: str, i: int) -> np.ndarray:
 
 
 class ContactScene:
-    """Logs one pair into a recording."""
+    """Logs one contact into a recording."""
 
     def __init__(self, recorder: Any, contact: Any) -> None:
         self.recorder, self.contact = recorder, contact
@@ -102,7 +105,7 @@ class ContactScene:
         return self.recorder.path("patch_map", self.contact.name, *parts)
 
     def static(self) -> None:
-        """Topology of the reliefs, and the map's axes as a still picture that the fields' pictures are laid into."""
+        """Log the topology of the reliefs, and the map's axes as a static picture that frames the fields' pictures."""
         rr, log = self.recorder.rr, self.recorder.log_static
         shape = fr.relief_values(self.contact, self.contact.history.pressure[0]).shape
         triangles = fr.grid_triangles(*shape).astype(np.uint32)
@@ -117,7 +120,7 @@ class ContactScene:
             log(self.map(field), rr.Transform3D(translation=[left, top, 0.0], scale=scale))
 
     def frame(self, i: int) -> None:
-        """Relief, maps and arrows of saved row i."""
+        """Log relief, maps and arrows of saved row i."""
         recorder, contact = self.recorder, self.contact
         rr, log, colors = recorder.rr, recorder.stream.log, recorder.contact_colors
         frame = fr.patch_frame(recorder.result, contact, i)
@@ -139,7 +142,7 @@ class ContactScene:
         self._forces(frame, i)
 
     def _tractions(self, i: int) -> Any:
-        """Arrows of the tractions on the first body in the pixels of the map; of the largest a cell long."""
+        """Arrows of the tractions on the first body in pixels of the map; the largest is one cell long."""
         rr, contact = self.recorder.rr, self.contact
         picture, (left, top) = pixels(contact, i, self.window, MAP_SHAPE), self.corner
         tau, most = contact.friction.traction[i], self.recorder.contact_colors.top_traction
@@ -148,7 +151,7 @@ class ContactScene:
         width = float(np.abs(np.diff(contact.cell_lines(i)[0])).max())
         cell = width / self.window.reach * 0.5 * MAP_SHAPE[1]
         scale = ARROW_CELLS * cell / most if most > 0.0 else 0.0
-        # the picture's y runs downwards
+        # the picture's y axis points downwards
         vectors = scale * np.stack([tau[0][shown], -tau[1][shown]], axis=-1)
         origins = picture[shown] + np.array([left, top])
         return rr.Arrows2D(
@@ -156,8 +159,8 @@ class ContactScene:
         )
 
     def _forces(self, frame: fr.PatchFrame, i: int) -> None:
-        """Both forces, drawn beside the bodies' end so that no body hides them; none of a pair that carries nothing,
-        and no numbers where many pairs would write over each other."""
+        """Both forces, drawn outside the bodies' ends so that no body hides them; none without load, and no numbers if
+        there are too many contacts."""
         recorder, contact = self.recorder, self.contact
         low, high = contact.ends
         origin = frame.origin - frame.axes[:, 1] * 0.75 * (high - low)
@@ -197,12 +200,12 @@ FRICTION_PLOTS = {
     "friction_power": "Friction power [W]",
     "contact_area": "Contact, stick and slip area [mm²]",
     "wear": "Largest wear index, pressure times slip [W/mm²]",
-    "cells_per_step": "Columns that the patch advances a step [-]",
+    "cells_per_step": "Columns that the patch advances per step [-]",
 }
 
 
 def contact_series(contact: Any) -> list[Series]:
-    """Entities `plots/<kind>/<pair>` and `solver/active_hats/<pair>`; NaN where a quantity has no meaning."""
+    """Entities `plots/<kind>/<pair>` and `solver/active_hats/<pair>`; NaN where a quantity is undefined."""
     name = contact.name
     found: list[Series] = [
         (("plots", "force", name), f"{name} [kN]", contact.force_magnitude * 1e-3),
@@ -241,10 +244,10 @@ def _friction_series(name: str, contact: Any) -> list[Series]:
 
 
 Series = tuple[tuple[str, ...], str, np.ndarray]  # entity path below the root, label with the unit, values (T,)
-STORES = ("kinetic", "strain", "potential", "contact")  # lines of the ledger that are energies at hand
+STORES = ("kinetic", "strain", "potential", "contact")  # ledger lines that are stored energies
 FLOWS = ("force_work", "drive_work", "damping", "friction")
-MOST_SENSORS = 6  # further ones are in the results; a plot of more curves is not read
-EQUIVALENT = Stress.components[-1]  # of a stress only this one is drawn
+MOST_SENSORS = 6  # curves per plot; further sensors are only in the results
+EQUIVALENT = Stress.components[-1]  # the only component of a stress that is drawn
 FROM_START = ", change from the start"
 MACHINE_PLOTS = {
     "lumped_force": "Forces of lumped contacts [N]",
@@ -263,7 +266,7 @@ MACHINE_PLOTS = {
 
 
 def machine_series(result: Any) -> list[Series]:
-    """What there is to plot of lumped contacts, films, laps, joints, forces, sensors and energies; entities
+    """Curves of lumped contacts, films, small-sliding contacts, joints, forces, sensors and energies; entities
     `plots/<kind>/<name>`."""
     history = result.history
     found: list[Series] = []
@@ -298,7 +301,7 @@ def machine_series(result: Any) -> list[Series]:
             found.append((("plots", "coordinate", name, coordinate), label, joint.named(coordinate)))
     for name in result.sensor_names[:MOST_SENSORS]:
         sensor = result.sensor(name)
-        moved = sensor.kind == Position.kind  # a path of millimetres is not seen beside a place of metres
+        moved = sensor.kind == Position.kind  # displacements of millimetres are not visible at positions of metres
         shown = sensor.values - sensor.values[:1] if moved else sensor.values
         for component, values in zip(sensor.components, shown.T, strict=True):
             if sensor.kind != Stress.kind or component == EQUIVALENT:
@@ -306,7 +309,7 @@ def machine_series(result: Any) -> list[Series]:
                 found.append((("plots", sensor.kind, name, component), label, values))
     for line in (*STORES, *FLOWS):
         values = np.asarray(history.energy.get(line, np.zeros(0)))
-        moved = line == "potential"  # its zero is anywhere
+        moved = line == "potential"  # its reference level is arbitrary
         values = values - values[:1] if moved else values
         if np.any(values != 0.0):
             found.append((("plots", "energy", line), f"{line.replace('_', ' ')}{FROM_START * moved} [J]", values))

@@ -1,11 +1,10 @@
-"""What a recording shows, computed before anything is logged, so that colour ranges and magnification hold for the
-whole run.
+"""Data of a recording, computed before logging, so that colour ranges and magnification are fixed for the whole run.
 
-Streams. Recording streams of rerun that leave nothing behind when they are closed.
+Streams. Recording streams of rerun that release their resources when they are closed.
 
-Left to itself rerun (0.41) keeps four threads and more than a megabyte of every recording that is saved with a
-blueprint until the process ends: two threads of a stream that was disconnected, and two of the blueprint's own, whose
-stream and memory hold one another.
+By default rerun (0.41) keeps four threads and more than a megabyte of every recording saved with a blueprint until the
+process ends: two threads of a disconnected stream, and two of the blueprint's own, whose stream and memory refer to
+each other.
 """
 
 from __future__ import annotations
@@ -31,13 +30,14 @@ class BodyFrames:
     triangles: np.ndarray  # (t, 3)
     displacement: np.ndarray  # (F, n, 3) m, float32, user frame
     size: float  # m, largest extent
-    values: np.ndarray | None = None  # (F, n) float32, another field in SI units, where one was asked for
+    values: np.ndarray | None = None  # (F, n) float32, another field in SI units, if requested
 
 
 def body_frames(
     skins: dict[str, Skin], rows: np.ndarray, max_points: int, field: str, progress: bool = False
 ) -> dict[str, BodyFrames]:
-    """The `skins` of all flexible bodies at the given rows with a `field` of `Skin.fields`; progress: how far it is."""
+    """The `skins` of all flexible bodies at the given rows with a `field` of `Skin.fields`; progress: progress
+    callback."""
     frames = {}
     bar = Progress("skins of the recording", len(skins) * len(rows), enabled=progress, unit="skin")
     for done, (name, skin) in enumerate(skins.items()):
@@ -56,7 +56,7 @@ def body_frames(
 
 @dataclass
 class PatchFrame:
-    """Where the patch of one pair is, at mid-width under the line of centres on the first surface."""
+    """Frame of the patch of one contact, at mid-width at the line of centres on the first surface."""
 
     origin: np.ndarray  # (3,) m, world
     axes: np.ndarray  # (3, 3), columns: e_theta, t_z, outward normal; world
@@ -73,7 +73,7 @@ def _local_frame(contact: Any, i: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def patch_frame(result: Any, contact: Any, i: int) -> PatchFrame:
-    """The frame that the close-up looks from at saved step `i`."""
+    """The frame of the close-up view at saved step `i`."""
     motion = result.history.bodies[contact.view.first_body.name]
     point, local = _local_frame(contact, i)
     origin = np.asarray(motion.position[i]) + rotate(motion.rotation[i], point[None])[0]
@@ -81,8 +81,8 @@ def patch_frame(result: Any, contact: Any, i: int) -> PatchFrame:
 
 
 def grid_triangles(columns: int, rows: int) -> np.ndarray:
-    """Triangles (2 (columns - 1)(rows - 1), 3) of a structured grid with the row index fastest, seen
-    counter-clockwise from outside."""
+    """Triangles (2 (columns - 1)(rows - 1), 3) of a structured grid with the row index fastest, counter-clockwise as
+    seen from outside."""
     j, k = np.meshgrid(np.arange(columns - 1), np.arange(rows - 1), indexing="ij")
     a = (j * rows + k).ravel()
     b, c, d = a + rows, a + rows + 1, a + 1
@@ -90,13 +90,13 @@ def grid_triangles(columns: int, rows: int) -> np.ndarray:
 
 
 def _beside(loaded: np.ndarray, count: int) -> tuple[int, int]:
-    """First and last of `count` lines that have something, and one more on either side; (0, 0) for none."""
+    """First and last of `count` lines that are not empty, extended by one on either side; (0, 0) for none."""
     return (max(int(loaded[0]) - 1, 0), min(int(loaded[-1]) + 1, count - 1)) if len(loaded) else (0, 0)
 
 
 def relief_values(contact: Any, values: np.ndarray) -> np.ndarray:
-    """`values` (columns, rows) at the vertices of the pair's relief: those of the nodes, or each cell's at its four
-    corners (2 columns, 2 rows), so that walls stand between the cells."""
+    """`values` (columns, rows) at the vertices of the contact's relief: those of the nodes, or each cell's value at its
+    four corners (2 columns, 2 rows), with vertical walls between the cells."""
     return values.repeat(2, axis=0).repeat(2, axis=1) if isinstance(contact, CellContactResult) else values
 
 
@@ -113,7 +113,7 @@ def relief(contact: Any, i: int, top: float, height: float) -> np.ndarray:
     """Vertices (vertices, 3) [m] of the pressure relief in the patch frame, p/top * height above the true surface, in
     the order of `relief_values`.
 
-    Columns and rows beyond the first without pressure fall together with it, so that only the patch is seen.
+    Columns and rows beyond the first without pressure are collapsed onto it, so that only the patch is visible.
     """
     shape = contact.view.first.shape
     pressure = relief_values(contact, contact.mean_pressure[i])
@@ -133,18 +133,18 @@ APPLICATION = "warpffrf"
 
 
 def new_stream() -> Any:
-    """A stream that goes nowhere yet; to be closed with `close_stream` by whoever has it as `stream`."""
+    """A stream without a sink; the owner stores it as `stream` and closes it with `close_stream`."""
     import rerun as rr
 
     return rr.RecordingStream(APPLICATION)
 
 
 def in_memory(stream: Any, blueprint: Any) -> Any:
-    """Let `stream` go to memory, which opens with `blueprint`; `drain_as_bytes` of the answer is a .rrd file.
+    """Send `stream`, which opens with `blueprint`, to memory; `drain_as_bytes` of the return value is a .rrd file.
 
-    A stream to a file never comes back from a disk that is full. The blueprint is sent as by
-    `stream.send_blueprint(blueprint)`, but with its own stream in hand, to disconnect it. That needs names that rerun
-    does not publish: where another version has none of them, it is done by that.
+    A stream to a file never returns if the disk is full. The blueprint is sent as by
+    `stream.send_blueprint(blueprint)`, but through a stream that can be disconnected. This uses private names of rerun;
+    in versions without them the public function is called.
     """
     import rerun as rr
     import rerun_bindings as native
@@ -164,10 +164,10 @@ def in_memory(stream: Any, blueprint: Any) -> Any:
 
 
 def close_stream(owner: Any) -> None:
-    """Write what is left of `owner.stream`, close it and take it from the owner.
+    """Flush `owner.stream`, close it and remove it from the owner.
 
-    rerun ends the threads of streams that nobody refers to when it is initialised again, which makes no recording here
-    and leaves those of the user as they are.
+    rerun ends the threads of unreferenced streams when it is initialised again, which makes no recording here and does
+    not affect the user's recordings.
     """
     import rerun as rr
 

@@ -1,13 +1,13 @@
-r"""What a recording draws besides deforming skins: rigid bodies, and arrows of joint reactions and applied forces.
+r"""Elements of a recording besides deforming skins: rigid bodies, and arrows of joint reactions and applied forces.
 
-A rigid body is drawn as its box of inertia (`geometry.inertia_box`), and a bar from its centre of mass to every place
-where a joint or a force holds it.
+A rigid body is drawn as its box of inertia (`geometry.inertia_box`), with a bar from its centre of mass to each anchor
+of a joint or a force.
 
-Rigid shapes. True shapes of rigid contact surfaces in a recording: they have no mesh, and are drawn as far as a patch
-comes.
+Rigid shapes. True shapes of rigid contact surfaces in a recording: they have no mesh, and are drawn as far as the
+patches extend.
 
-A plane reaches `AROUND` of the largest body beyond the patches of the run, a surface of revolution as far along its
-axis, all the way around; a sphere is drawn whole. Of an oil film the patch is its grid.
+A plane extends `AROUND` of the largest body beyond the patches of the run, a surface of revolution as far along its
+axis, over the full circumference; a sphere is drawn completely. The patch of an oil film is its grid.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ JOINT_COLOR, LOAD_COLOR, LUMPED_COLOR = (90, 200, 120), (235, 110, 60), (80, 130
 ARROW_LENGTH = 0.45  # of the scene's largest body, for the largest force of the run
 ARROW_RADIUS, BAR_RADIUS, POINT_RADIUS = 0.008, 0.01, 0.015  # of the largest body
 LEAST_SHOWN = 1e-3  # of the largest force: shorter arrows are dots
-MOST_LABELS = 8  # more names in a picture hide it
+MOST_LABELS = 8  # more names would hide the picture
 
 
 class Glyphs:
@@ -41,17 +41,17 @@ class Glyphs:
         forces = [self._force(a) for a in self.loaded] + [contact.force for contact in self.lumped.values()]
         self.top_force = largest([np.linalg.norm(force[rows], axis=1) for force in forces])
         self.labelled = len(forces) <= MOST_LABELS
-        # solid boxes would hide what touches beside them
+        # solid boxes would hide bodies in contact with them
         mode, touching = recorder.rr.components.FillMode, recorder.contacts or self.lumped or self.result.film_names
         self.fill = mode.MajorWireframe if touching else mode.Solid
 
     def _force(self, anchor: Anchor) -> Any:
-        """Recorded force (T, 3) [N] at the anchor, world; None for one that is not in the result."""
+        """Recorded force (T, 3) [N] at the anchor, world axes; None if the result does not have it."""
         owners = self.result.history.joints if anchor.kind == "joint" else self.result.history.forces
         return owners[anchor.name].force if anchor.name in owners else None
 
     def static(self) -> None:
-        """Boxes and bars of the rigid bodies, which move with their frames."""
+        """Log boxes and bars of the rigid bodies, which move with their frames."""
         recorder = self.recorder
         rr = recorder.rr
         for n, body in enumerate(self.result.view.bodies.values()):
@@ -71,8 +71,8 @@ class Glyphs:
                 recorder.log_static(recorder.path("world", body.name, "bars"), lines)
 
     def frame(self, i: int) -> None:
-        """Arrows of saved row i: what acts on the second side of each joint, on each loaded place, and on the first
-        body of each lumped contact."""
+        """Log the arrows of saved row i: forces on the second side of each joint, on each loaded anchor, and on the
+        first body of each lumped contact."""
         for anchor in self.loaded:
             color = JOINT_COLOR if anchor.kind == "joint" else LOAD_COLOR
             self._arrow(anchor.kind, anchor.name, self._place(anchor, i), self._force(anchor)[i], color)
@@ -88,7 +88,7 @@ class Glyphs:
         if size <= LEAST_SHOWN * self.top_force:
             stream.log(f"{path}/force", rr.Arrows3D(vectors=np.zeros((0, 3))))
             return
-        # a push ends where it acts, a reaction begins there: neither hides the place
+        # an applied force ends at its anchor, a reaction starts there, so that neither hides the anchor
         vector = scale * force
         origin = at - vector if kind == "force" else at
         label = [f"{name} {force_text(size)}"] if self.labelled else None
@@ -107,7 +107,7 @@ class Glyphs:
 
 
 def force_text(value: float) -> str:
-    """A force [N] in words, N or kN."""
+    """A force [N] as text, N or kN."""
     return f"{value * 1e-3:.3g} kN" if value >= 1e3 else f"{value:.3g} N"
 
 
@@ -121,21 +121,21 @@ def rigid_size(body: BodyView, anchors: tuple[Anchor, ...]) -> float:
 
 AROUND = 0.6  # of the largest body
 POINTS = (97, 25)  # around and along
-POLE = 1.0 - 1e-6  # of the radius of an arc: the last ring before its end
+POLE = 1.0 - 1e-6  # of the radius of an arc: the last ring before the pole
 Reach = tuple[tuple[float, float], tuple[float, float]]  # ranges of theta and z
-GROOVE = 0.7  # of it, of a groove: farther up, that of a ring would close over the balls
+GROOVE = 0.7  # of the radius of a groove: more would let a ring enclose the balls
 COLOR = (168, 176, 186, 255)
 
 
 class RigidShapes:
-    """Draws the rigid surfaces of the recording's pairs, lumped contacts and oil films, children of their bodies, so
-    that they move with them."""
+    """Draws the rigid surfaces of the recording's contacts, lumped contacts and oil films as children of their bodies,
+    so that they move with them."""
 
     def __init__(self, recorder: Any) -> None:
         self.recorder = recorder
         rigid = {self._path(c.view): c for c in recorder.contacts if c.view.second.grid is None}
-        self._contacts = rigid  # one pair a surface: it shows where the patches are
-        self._lumped: dict[str, tuple[Any, str, Any]] = {}  # path -> shape, body, one contact it is in
+        self._contacts = rigid  # one contact per surface: it locates the patches
+        self._lumped: dict[str, tuple[Any, str, Any]] = {}  # path -> shape, body, one of its contacts
         for name, view in recorder.result.view.lumped.items():
             for body, surface in (
                 (view.first_body, view.first_surface_name),
@@ -174,7 +174,7 @@ class RigidShapes:
         self.recorder.log_static(path, mesh)
 
     def _lumped_reach(self, shape: Any, body: str, contact: Any) -> Reach:
-        """As `_reach`, about the places of a lumped contact."""
+        """As `_reach`, from the contact points of a lumped contact."""
         recorder = self.recorder
         rows = [int(i) for i in recorder.rows[recorder.good]]
         own = [Pose.of(recorder.result.history.bodies, body, i).to_user(contact.place[i][None])[0] for i in rows]
@@ -182,7 +182,7 @@ class RigidShapes:
         return self._around([(float(t), float(s)) for t, s in zip(theta, z, strict=True)])
 
     def _film_reach(self, view: FilmView) -> Reach:
-        """As `_reach`, about the corners of the film's grid in the first row that is drawn."""
+        """As `_reach`, from the corners of the film's grid in the first row that is drawn."""
         recorder, first = self.recorder, view.first
         i = int(recorder.rows[recorder.good][0]) if np.any(recorder.good) else 0
         own, other = (
@@ -194,8 +194,8 @@ class RigidShapes:
         return self._around(list(zip(theta.tolist(), z.tolist(), strict=True)))
 
     def _reach(self, contact: Any) -> Reach:
-        """Ranges of theta [rad, m on a plane] and z [m] on the rigid surface that the patches of the run lie in, and
-        more."""
+        """Ranges of theta [rad, m on a plane] and z [m] on the rigid surface that contain the patches of the run, with
+        a margin."""
         recorder, shape = self.recorder, contact.view.second.shape
         places = []
         for i in recorder.rows[recorder.good]:
@@ -216,8 +216,8 @@ def shape_mesh(
     shape: Any, theta: tuple[float, float], z: tuple[float, float]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points (n, 3) [m], outward normals (n, 3) and triangles (t, 3) of a shape over ranges of theta and z; a surface
-    of revolution all around, and no farther along than its arc reaches, of a sphere all of it, of a groove
-    what raceways have of it."""
+    of revolution over the full circumference and at most to the ends of its arc, a sphere completely, a groove as far
+    as raceways extend."""
     profile = shape.profile()
     around, along = theta, z
     if not profile.planar:
@@ -237,7 +237,7 @@ def shape_mesh(
 
 
 def _spread(along: tuple[float, float], profile: Any, count: int) -> np.ndarray:
-    """Places along the axis: equal steps, of an arc equal steps of its angle."""
+    """Positions along the axis: equal steps; for an arc equal steps of its angle."""
     if not profile.crown:
         return np.linspace(*along, count)
     radius = abs(profile.crown)

@@ -1,8 +1,8 @@
-"""One lap in a recording: its cells as coloured triangles on the first body, by every field that it has.
+"""One small-sliding contact in a recording: its cells as coloured triangles on the first body, for each of its fields.
 
-Below `/world/laps/<lap>`, which moves with the first body, lie `pressure`, `state` and, with friction, `loss`: the
-triangles that the cells consist of, displaced with the skin times the deformation factor, one colour a cell. Each has a
-view of its own, as the faces hide them where all bodies are drawn.
+Below `/world/laps/<lap>`, which moves with the first body, are `pressure`, `state` and, with friction, `loss`: the
+triangles of the cells, displaced with the skin times the deformation factor, one colour per cell. Each has a view of
+its own, because the faces hide them where all bodies are drawn.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from warpffrf.output.plots.colors import (
 )
 
 TITLES = {"pressure": "Pressure", "state": "Stick and slip", "loss": "Loss by friction"}
-EYE = 1.3  # eye to cells, in extents of the lap
-SIDEWAYS = 0.35  # of it, so that bent faces are seen as such
+EYE = 1.3  # distance from the eye to the cells, in extents of the contact
+SIDEWAYS = 0.35  # of the distance, so that the curvature of faces is visible
 LAP_TEXT = (
     "Cells of laps lie on their first body, in views of their own, as faces that touch hide them: their pressure, "
     "which ones are open, stick and slip, and the energy per area that friction has taken so far. In a recording with "
@@ -33,7 +33,8 @@ LAP_TEXT = (
 
 
 class LapColors:
-    """Colours of the fields of laps, one range for all of a run; `fields` are those that some lap has."""
+    """Colours of the fields of small-sliding contacts, one range for the whole run; `fields` are those that at least
+    one of them has."""
 
     def __init__(self, laps: list[LapResult], rows: np.ndarray) -> None:
         rubbing = any(lap.friction > 0.0 for lap in laps)
@@ -44,7 +45,7 @@ class LapColors:
         self._scales: dict[str, ColorScale | ColorClasses] = {
             "pressure": ColorScale("pressure of laps [MPa]", pressure, 1e-6, PRESSURE_STOPS),
             "state": ColorClasses("state of the cells of laps", STATES, STATE_COLORS),
-            "loss": ColorScale("loss of laps by friction so far [J/m²]", loss, 1.0, WEAR_STOPS),
+            "loss": ColorScale("accumulated friction loss of laps [J/m²]", loss, 1.0, WEAR_STOPS),
         }
 
     def scale(self, field: str) -> ColorScale | ColorClasses:
@@ -53,7 +54,7 @@ class LapColors:
 
 
 class LapScene:
-    """Logs one lap into a recording."""
+    """Logs one small-sliding contact into a recording."""
 
     def __init__(self, recorder: Any, lap: LapResult, skin: Any) -> None:
         self.recorder, self.lap = recorder, lap
@@ -61,11 +62,11 @@ class LapScene:
         self._on = LapOnSkin(lap.view, skin)
 
     def path(self, *parts: str) -> str:
-        """Entity below the lap's frame."""
+        """Entity below the contact's frame."""
         return self.recorder.path("world", "laps", self.lap.name, *parts)
 
     def static(self) -> None:
-        """Topology: triangles that share no corner, so that each has one colour."""
+        """Log the topology: triangles without shared corners, so that each has one colour."""
         rr = self.recorder.rr
         triangles = np.arange(3 * len(self._on.cell), dtype=np.uint32).reshape(-1, 3)
         normals = np.repeat(self.lap.frames[self._on.cell, 0], 3, axis=0).astype(np.float32)
@@ -74,7 +75,7 @@ class LapScene:
             self.recorder.log_static(self.path(field), mesh)
 
     def frame(self, i: int) -> None:
-        """Pose, places and colours of saved row `i`."""
+        """Log pose, positions and colours of saved row `i`."""
         recorder, lap = self.recorder, self.lap
         rr, log = recorder.rr, recorder.stream.log
         motion = recorder.result.history.bodies[lap.view.first_body.name]
@@ -97,7 +98,7 @@ class LapScene:
         corners = self._on.corners.reshape(-1, 3)
         middle, extent = corners.mean(axis=0), float(np.ptp(corners, axis=0).max())
         normal = lap.area @ lap.frames[:, 0] / lap.area.sum()
-        if np.linalg.norm(normal) < SIDEWAYS:  # all around: from the side of any cell
+        if np.linalg.norm(normal) < SIDEWAYS:  # closed around the axis: from the side of any cell
             normal = lap.frames[0, 0]
         up = np.eye(3)[np.argmin(np.abs(normal))]
         eye = normal / np.linalg.norm(normal) + SIDEWAYS * up

@@ -1,4 +1,4 @@
-"""The arrangement of views that a recording opens with."""
+"""The arrangement of views of a recording."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from warpffrf.output.recording.contact_scene import (
 
 HEADROOM = 1.1  # of the largest value of a plot
 CLOSE_UP_DISTANCE = 0.9  # eye to patch, in widths of the body
-PLAYBACK_SECONDS = 12.0  # how long the viewer takes to play a run, however short the run
-MOST_PLOTS = 4  # beside the machine; all are in a tab of their own
+PLAYBACK_SECONDS = 12.0  # playback time of a run in the viewer, for any duration of the run
+MOST_PLOTS = 4  # next to the machine; all are in a tab of their own
 
 
 def blueprint(recorder: Any) -> Any:
@@ -39,7 +39,7 @@ def blueprint(recorder: Any) -> Any:
     arrows = ["+ /world/joint_arrows/**", "+ /world/force_arrows/**", "+ /world/lumped_arrows/**"]
     rigid = [recorder.path("world", name) for name, body in result.view.bodies.items() if body.reduced is None]
     hidden = [f"- {path}/{shape}" for path in rigid for shape in ("box", "bars")]
-    # what touches comes first; rigid bodies and arrows of joints then have a view of their own
+    # contacts come first; rigid bodies and joint arrows then have a view of their own
     contents = [*bodies, *forces, *hidden] if recorder.contacts else [*bodies, *arrows]
     machine = _machine_view(recorder, contents)
     close_ups = [_close_up(recorder, scene, field) for scene in recorder.scenes for field in scene.fields]
@@ -106,7 +106,7 @@ def _machine_view(recorder: Any, contents: list[str]) -> Any:
 
 
 def _machine_tab(recorder: Any, plots: list[Any], contents: list[str]) -> list[Any]:
-    """All plots of joints, forces and energies; beside them, where the first tab is about contact, the machine."""
+    """All plots of joints, forces and energies, with the machine if the first tab shows contacts."""
     import rerun.blueprint as rrb
 
     if not plots:
@@ -116,7 +116,7 @@ def _machine_tab(recorder: Any, plots: list[Any], contents: list[str]) -> list[A
 
 
 def _from_zero(kind: str, values: list[np.ndarray]) -> Any:
-    """A plot of a kind of `CONTACT_PLOTS` whose scale starts at zero, so that round-off does not look like a signal."""
+    """A plot of a kind of `CONTACT_PLOTS` with a scale from zero, so that round-off does not look like a signal."""
     import rerun.blueprint as rrb
 
     top = largest(values)
@@ -130,8 +130,8 @@ def _of_kind(series: list[Series], kind: str) -> list[np.ndarray]:
 
 
 def _axis(values: list[np.ndarray], size: float = 0.0) -> Any:
-    """The scale of a plot whose curves move by less than `LEAST` of their largest value, or of the `size` that they may
-    have: round-off; None, the viewer's, of others."""
+    """The scale of a plot whose curves vary by less than `LEAST` of their largest value, or of their possible `size`,
+    which is round-off; None, the viewer's default, for others."""
     import rerun.blueprint as rrb
 
     seen = np.concatenate([v[np.isfinite(v)] for v in values] or [np.zeros(0)])
@@ -154,7 +154,7 @@ def _speed(duration: float) -> float:
 
 
 def _machine_eye(recorder: Any) -> Any:
-    """From the front right, a little above, far enough to see every body all the time."""
+    """View from the front right, slightly above, far enough to show every body at all times."""
     import rerun.blueprint as rrb
 
     result = recorder.result
@@ -174,7 +174,7 @@ def _machine_eye(recorder: Any) -> Any:
 
 
 def _close_up(recorder: Any, scene: Any, field: str) -> Any:
-    """The patch seen in its own frame: the eye is fixed there, so it follows the patch."""
+    """Close-up of the patch in its own frame: the fixed view follows the patch."""
     import rerun.blueprint as rrb
 
     contact, window = scene.contact, scene.window
@@ -192,7 +192,7 @@ def _close_up(recorder: Any, scene: Any, field: str) -> Any:
 
 
 def _titled(recorder: Any, scene: Any, field: str) -> str:
-    """What a view shows, and of which pair where there are several."""
+    """Title of a view, with the contact's name if there are several."""
     return TITLES[field] + (f" '{scene.contact.name}'" if len(recorder.scenes) > 1 else "")
 
 
@@ -210,7 +210,7 @@ def _map(scene: Any, field: str) -> Any:
 
 
 def _friction_tab(recorder: Any) -> list[Any]:
-    """Maps of traction and state beside each other, and the histories of friction."""
+    """Maps of traction and state side by side, and the histories of friction."""
     import rerun.blueprint as rrb
 
     scenes = [scene for scene in recorder.scenes if scene.contact.has_friction]

@@ -1,16 +1,15 @@
-"""A rerun recording of a run: `show` and `streams` import rerun beside it.
+"""A rerun recording of a run: `show` and `streams` import rerun when needed.
 
-Entities: `/world/<body>` carries the rigid motion as a transform, its child `surface` the deforming skin in the user
-frame with the displacement times the deformation factor, coloured by displacement, or its children `box` and `bars`
-where it is rigid; `/world/joint_arrows`, `/world/force_arrows`, `/world/lumped_arrows` what joints, forces and
-lumped contacts do, see `glyphs`;
-`/world/contacts/<pair>` is a frame that stays with the patch (x along the arc, y along the axis, z outwards) and
-carries the pressure relief, `/patch_map/<pair>` the unwrapped patch, see `contact_scene`; `/world/forces/<pair>` the
-contact's arrows; `/world/laps/<lap>` the cells of a lap, see `lap_scene`; `/plots`, `/solver` scalars over all saved
-rows.
+Entities: `/world/<body>` carries the rigid motion as a transform; its child `surface` is the deforming skin in the user
+frame with the displacement times the deformation factor, coloured by displacement; rigid bodies have the children `box`
+and `bars`. `/world/joint_arrows`, `/world/force_arrows`, `/world/lumped_arrows` show forces of joints, force elements
+and lumped contacts, see `glyphs`. `/world/contacts/<pair>` is a frame that follows the patch (x along the arc, y along
+the axis, z outwards) and carries the pressure relief, `/patch_map/<pair>` is the unwrapped patch, see `contact_scene`;
+`/world/forces/<pair>` has the contact's arrows; `/world/laps/<lap>` the cells of a small-sliding contact, see
+`lap_scene`; `/plots` and `/solver` are scalars over all saved rows.
 
-Every array is handed over as a fresh copy: rerun sends later than it is called, and a buffer changed in between is
-sent changed.
+Every array is passed as a fresh copy: rerun sends data after the call returns, so a buffer modified in between would be
+sent modified.
 """
 
 from __future__ import annotations
@@ -46,10 +45,10 @@ from warpffrf.output.recording.lap_scene import LAP_TEXT, LapColors, LapScene
 from warpffrf.output.recording.layout import blueprint
 from warpffrf.output.result import Result
 
-MAX_POINTS = 8000  # a body: 16 bytes a point and frame, so 300 frames of two bodies stay under 80 MB
-MAX_SERIES = 4000  # points of a scalar plot: more than a screen has pixels
-AXES_LENGTH = 0.58  # of the largest body: out of a roller's rim
-RIGID_AXES_LENGTH = 0.2  # where nothing hides them
+MAX_POINTS = 8000  # per body: 16 bytes per point and frame, so 300 frames of two bodies stay below 80 MB
+MAX_SERIES = 4000  # points of a scalar plot: more than the pixels of a screen
+AXES_LENGTH = 0.58  # of the largest body: extends beyond a roller's rim
+RIGID_AXES_LENGTH = 0.2  # for bodies that do not hide the axes
 AXES_COLORS = [(230, 80, 80), (90, 200, 90), (90, 130, 255)]  # x, y, z
 COLOR_NAMES = {VON_MISES: "von Mises stress", "slip": "slip speed", "wear": "wear index"}
 CONTACT_TEXT = (
@@ -71,7 +70,7 @@ FRICTION_TEXT = (
 
 @dataclass(frozen=True)
 class RecordingInfo:
-    """What was written: path, frames shown, stride in saved rows, deformation factor, rows left out because they
+    """Summary of the recording: path, frames shown, stride in saved rows, deformation factor, rows omitted because they
     are not finite."""
 
     path: Path
@@ -97,16 +96,16 @@ def record(
 ) -> RecordingInfo:
     """Write a .rrd of a result, or of a results file (.h5), that `warpffrf view FILE` or `rerun FILE` opens.
 
-    color: what the bodies' surfaces are coloured by: "displacement", or of their contacts, oil films and laps
-    "pressure", with friction "traction" and "state", and of contacts with friction "slip" and "wear"; "von_mises" of
-    bodies that were reduced with `stress={"skin": "skin"}`, where surfaces without stress are dark grey.
+    color: quantity of the surface colours: "displacement"; for contacts, oil films and small-sliding contacts
+    "pressure", with friction "traction" and "state", and for contacts with friction "slip" and "wear"; "von_mises" for
+    bodies reduced with `stress={"skin": "skin"}` (surfaces without stress are dark grey).
 
-    deformation_factor: magnification of the elastic displacement, chosen from 1, 2, 5, 10, ... when None; rigid
-    motion is never magnified. Drawn are every `every`th saved row and the last, or where that is None, so many that
-    there are at most `max_frames`; of each body's surface at most `max_points` points. Rows with a value that is not
-    finite are left out and listed in the answer and in the recording. progress: how far it is, on stderr. Raises
-    InputError for a path that cannot be written, a factor or count that is not positive, a colour that the run does not
-    have, a run without saved rows, and a file that exists, unless `overwrite` is set and warpffrf wrote it.
+    deformation_factor [-]: magnification of the elastic displacement; None: chosen from 1, 2, 5, 10, ...; rigid motion
+    is never magnified. Every `every`th saved row and the last are drawn; None: at most `max_frames` rows; at most
+    `max_points` points of each body's surface. Rows with non-finite values are omitted and listed in the return value
+    and in the recording. progress: report the progress on stderr. Raises InputError for a path that cannot be written,
+    a factor or count that is not positive, a colour that the run does not have, a run without saved rows, and an
+    existing file, unless `overwrite` is set and warpffrf wrote it.
 
     >>> info = wf.record(result, "rollers.rrd", max_frames=20)
     """
@@ -157,7 +156,7 @@ def _row_is_finite(result: Any, bodies: dict[str, fr.BodyFrames], f: int, i: int
 
 
 class _Recorder:
-    """Writes one recording; the colour ranges and the factor are fixed in the constructor."""
+    """Writes one recording; the constructor fixes the colour ranges and the factor."""
 
     def __init__(
         self,
@@ -183,11 +182,11 @@ class _Recorder:
             stride,
         )
         self.contacts = [result.contact(name) for name in result.contact_names]
-        drawn = np.flatnonzero(good)  # one by one: a copy of all rows would be as large as they are
+        drawn = np.flatnonzero(good)  # row by row: a copy of all rows would double the memory
         shown = [np.linalg.norm(b.displacement[f], axis=-1) for b in bodies.values() for f in drawn]
         top = largest(shown)
         view = result.view
-        # where bodies touch the view is that of the flexible ones: invented inertias of carriages would rule it
+        # with contacts the view fits the flexible bodies: rigid ones may have arbitrary inertia boxes
         seen = [b for b in view.bodies.values() if b.reduced is None and not (self.contacts and bodies)]
         rigid = [rigid_size(b, view.anchors) for b in seen]
         self.size = max([b.size for b in bodies.values()] + rigid, default=0.0) or 0.1
@@ -273,7 +272,7 @@ class _Recorder:
     def _static(self) -> None:
         rr, log = self.rr, self.log_static
         log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
-        for name in self.result.history.bodies:  # the user frame shows how a round body turns
+        for name in self.result.history.bodies:  # the user frame shows the rotation of a round body
             length = (AXES_LENGTH if self.contacts else RIGID_AXES_LENGTH) * self.size
             lines = [[[0.0, 0.0, 0.0], axis] for axis in (length * np.eye(3)).tolist()]
             strips = rr.LineStrips3D(lines, colors=AXES_COLORS, radii=0.004 * self.size)
@@ -294,7 +293,7 @@ class _Recorder:
         log("about", rr.TextDocument(self._about(), media_type=rr.MediaType.MARKDOWN))
 
     def log_static(self, path: str, *archetypes: Any) -> None:
-        """Log something that holds for the whole recording."""
+        """Log data for the whole recording."""
         self.stream.log(path, *archetypes, static=True)
 
     def _about(self) -> str:
@@ -306,8 +305,8 @@ class _Recorder:
             "# What this shows",
             f"Flexible bodies are coloured by {COLOR_NAMES.get(self.color, self.color)}, contact patches by pressure; "
             "the ranges hold for the whole run. The red, green and blue lines are x, y, z of each body's user frame "
-            "and turn with it. "
-            "A rigid body is the box with its mass and moments of inertia, with bars to the places that hold it.",
+            "and rotate with it. "
+            "A rigid body is the box with its mass and moments of inertia, with bars to its joints and forces.",
             "Green arrows are reactions of joints on their second body, orange ones forces on the body that they load, "
             "blue ones those of lumped contacts on their first body; "
             f"one length for all, the largest is {force_text(self.glyphs.top_force)}.",
@@ -330,11 +329,9 @@ class _Recorder:
         series = machine_series(result)
         for c in self.contacts:
             series += contact_series(c)
-        series.append((("solver", "iterations"), "Newton iterations a step", history.iterations))
+        series.append((("solver", "iterations"), "Newton iterations per step", history.iterations))
         series.append((("solver", "factorisations"), "factorisations a step", history.factorisations))
-        series.append(
-            (("solver", "energy_residual"), "energy residual over the largest energy at hand", result.energy_residual)
-        )
+        series.append((("solver", "energy_residual"), "energy residual over the energy scale", result.energy_residual))
         series.append((("solver", "step_size"), "step size [s]", history.step_size))
         for parts, label, values in series:
             path = self.path(*parts)

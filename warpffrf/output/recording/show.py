@@ -1,14 +1,14 @@
 r"""`show_modes`: a mode of a reduced body, animated in rerun.
 
-Mode i of a free body is numbered as finite-element programs do: 1 to 3 translations along x, y, z, 4 to 6 rotations
-about x, y, z through the centre of mass, from 7 on the elastic modes by frequency. Drawn is
+Modes of a free body are numbered as in finite-element programs: 1 to 3 are translations along x, y, z, 4 to 6 rotations
+about x, y, z through the centre of mass, from 7 on elastic modes by frequency. The drawn position is
 
     x(t) = X + scale L sin(2 pi t/T) u/max|u|,
 
-L the largest extent of the body, T the seconds that a cycle takes on the screen, the same for every mode. The colour is
-the amplitude |u| over its largest value: it stays, the shape moves. The mesh's topology is logged once, positions in
-every frame, colours when the mode changes. Every array is handed over as a fresh copy, because rerun sends later than
-it is called.
+with the largest extent L of the body and the duration T of a cycle on the screen, the same for every mode. The colour
+is the amplitude |u| over its largest value and is constant in time. The topology of the mesh is logged once, positions
+in every frame, colours when the mode changes. Every array is passed as a fresh copy, because rerun sends data after the
+call returns.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from warpffrf.output.recording.viewer import has_screen
 
 RIGID_MODES = 6
 RIGID_NAMES = ("translation x", "translation y", "translation z", "rotation x", "rotation y", "rotation z")
-SCALE = 0.05  # of the largest extent: well visible, and a mode still looks like a small displacement
+SCALE = 0.05  # of the largest extent: well visible and still a small displacement
 CYCLE_SECONDS = 2.0  # on the screen
 MAX_POINTS = 8000  # 96 kB a frame
 MAX_MODES = 20  # shown one after the other: 20 modes of 60 frames of 8000 points are 115 MB
@@ -40,7 +40,7 @@ EYE_DISTANCE = 1.9  # from the middle, in largest extents of the body
 
 @dataclass(frozen=True)
 class ShownModes:
-    """What was shown: the .rrd file (None: in a viewer), numbers of the modes, their frequencies [Hz] (rigid: 0)."""
+    """Result of `show_modes`: the .rrd file (None: in a viewer), mode numbers, their frequencies [Hz] (rigid: 0)."""
 
     path: Path | None
     modes: tuple[int, ...]
@@ -56,10 +56,10 @@ def show_modes(
     scale: float | None = None,
     overwrite: bool = False,
 ) -> ShownModes:
-    """Animate mode number `mode`, see `ReducedBody.show`; None: the first `MAX_MODES` elastic modes, a cycle each.
+    """Animate mode number `mode`, see `ReducedBody.show`; None: the first `MAX_MODES` elastic modes, one cycle each.
 
     Raises `InputError` for a mode that the body does not have, fewer than 2 frames, a scale that is not positive, a
-    body without skin, a path that cannot be written, and, without `path`, where there is no screen.
+    body without skin, a path that cannot be written, and, without `path`, if there is no screen.
     """
     numbers = _numbers(body, mode)
     count = require_count(frames, "show: frames", 2)
@@ -122,7 +122,7 @@ def _require_screen() -> None:
 
 
 class _Animation:
-    """One recording of modes, one after the other on the timeline "time"."""
+    """One recording of modes in sequence on the timeline "time"."""
 
     def __init__(
         self,

@@ -1,8 +1,8 @@
-"""Rerun's own program: the commands that open a recording, serve it to a browser and make a picture of it.
+"""The rerun program: commands that open a recording, serve it to a browser and draw a picture of it.
 
-Commands are built here and started by `run`, apart from each other. The viewer needs a screen. A server without one
-serves the recording to the browser of another machine, or draws it on a virtual screen with the software renderer of
-Mesa (Vulkan); rerun's own `--headless` leaves pictures incomplete.
+Commands are built here and started by `run`. The viewer requires a screen. A server without a screen serves the
+recording to the browser of another machine, or draws it on a virtual screen with the software renderer of Mesa
+(Vulkan); pictures of rerun's own `--headless` are incomplete.
 """
 
 from __future__ import annotations
@@ -20,27 +20,27 @@ from urllib.parse import quote
 from warpffrf.model.errors import InputError
 from warpffrf.model.files.paths import checked_output_path, written_whole
 
-WINDOW = (1600, 1000)  # points, two pixels each
-SCREEN = (6600, 4200)  # pixels: the pointer stands in its middle, and must not stand on the window
-PICTURE_SECONDS = 180.0  # until a picture is given up: it takes some 15 s
+WINDOW = (1600, 1000)  # points of two pixels each
+SCREEN = (6600, 4200)  # pixels: the pointer is in the middle and must not be over the window
+PICTURE_SECONDS = 180.0  # timeout; a picture takes about 15 s
 DRIVERS = ("/usr/share/vulkan/icd.d", "/usr/local/share/vulkan/icd.d", "/etc/vulkan/icd.d")
 DRIVER_VARIABLES = ("VK_DRIVER_FILES", "VK_ICD_FILENAMES", "VK_ADD_DRIVER_FILES")
-LAST_WORDS = 30  # of what the viewer says where it fails
+LAST_WORDS = 30  # lines of the viewer's output shown after a failure
 ENDING = ".rrd"
 LOOPBACK = "127.0.0.1"
-WEB_PORT, DATA_PORT = 9090, 9876  # rerun's own, of the page and of what the page reads
+WEB_PORT, DATA_PORT = 9090, 9876  # defaults of rerun, of the page and of its data
 
 
 def has_screen() -> bool:
-    """Whether a viewer can open: on Linux the variables of the window system tell."""
+    """Whether a viewer can open: on Linux according to the variables of the window system."""
     linux = sys.platform.startswith("linux")
     return not linux or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def viewer_command(recording: Path, *, serve: bool = False, bind: str = LOOPBACK) -> list[str]:
-    """What opens `recording`: the viewer, or with `serve` a server of it that a browser opens, which listens on the
-    address `bind` alone. Raises `InputError` where there is no screen for a viewer, for no recording, for what is no
-    address, and where rerun is missing."""
+    """Command that opens `recording`: the viewer, or with `serve` a server for browsers that listens only on the
+    address `bind`. Raises `InputError` for a viewer without screen, a missing recording, an invalid address, and if
+    rerun is missing."""
     _require_recording(recording)
     if serve:
         try:
@@ -59,8 +59,8 @@ def viewer_command(recording: Path, *, serve: bool = False, bind: str = LOOPBACK
 
 
 def served_at(bind: str) -> str:
-    """What a browser opens of a server on the address `bind`, and who can. Of a server on all addresses: by the name
-    of this machine."""
+    """Address for the browser of a server on the address `bind`, and who can reach it. A server on all addresses is
+    named by this machine's name."""
     address = ipaddress.ip_address(bind)
     host = socket.gethostname() if address.is_unspecified else f"[{bind}]" if address.version == 6 else bind
     page = f"http://{host}:{WEB_PORT}?url=rerun%2Bhttp%3A%2F%2F{quote(host, safe='')}%3A{DATA_PORT}%2Fproxy"
@@ -73,8 +73,8 @@ def served_at(bind: str) -> str:
 
 
 def picture_command(recording: Path, picture: Path) -> list[str]:
-    """What draws `recording` as it opens into `picture` (.png): on the screen that there is, or a virtual one. Raises
-    `InputError` with the packages that are missing for that, for no recording, and where rerun is missing."""
+    """Command that draws the initial view of `recording` into `picture` (.png), on the existing screen or a virtual
+    one. Raises `InputError` with the missing packages, for a missing recording, and if rerun is missing."""
     _require_recording(recording)
     size = "{}x{}".format(*WINDOW)
     command = [_rerun(), str(recording), "--port", "auto", "--window-size", size, "--screenshot-to", str(picture)]
@@ -92,13 +92,13 @@ def picture_command(recording: Path, picture: Path) -> list[str]:
 
 
 def run(command: list[str]) -> int:
-    """Start `command` and wait for its end; its exit code."""
+    """Run `command` and return its exit code."""
     return subprocess.run(command).returncode
 
 
 def recording_picture(recording: Path, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-    """Draw a recording as it opens into a .png. Raises `InputError` as `picture_command`, for a path that cannot be
-    written or exists, and where the viewer makes no picture."""
+    """Draw the initial view of a recording into a .png. Raises `InputError` as `picture_command`, for a path that
+    cannot be written or exists, and if the viewer writes no picture."""
     if Path(path).suffix.lower() != ".png":
         raise InputError(f"picture: of a recording it must end in .png, got '{path}'")
     with tempfile.TemporaryDirectory() as folder:
@@ -118,7 +118,7 @@ def recording_picture(recording: Path, path: str | os.PathLike[str], *, overwrit
 
 
 def _sign(drawn: Path, signed: Path) -> None:
-    """The picture as one that warpffrf wrote, and may replace."""
+    """Mark the picture as written by warpffrf, which may replace it."""
     from PIL import Image
     from PIL.PngImagePlugin import PngInfo
 
@@ -134,7 +134,7 @@ def _require_recording(file: Path) -> None:
 
 
 def _rerun() -> str:
-    """The program beside the interpreter, or on the path."""
+    """The program in the interpreter's folder, or on the path."""
     beside = shutil.which("rerun", path=str(Path(sys.executable).parent))
     found = beside or shutil.which("rerun")
     if found is None:

@@ -1,10 +1,9 @@
-"""Alike things of a report as one: the rollers of a bearing have as many pairs, and few readers want each.
+"""Grouping of similar entries of a report: a rolling bearing has as many contacts as rolling elements.
 
-A thing is a block of lines. Blocks are alike where they differ in figures and in numbers within names alone, as
-'roller 3' from 'roller 12', and are of the same sort, if their kind says what sorts there are. From `FEWEST` on they
-become one block: a figure that is not the same in all is told as its least and its largest, as they would be printed,
-each with the name of the thing that has it. What is said of a thing in words, such as a warning, is a part of its
-block, so that nothing that is said of one alone disappears among the others.
+An entry is a block of lines. Blocks are similar if they differ only in numbers, also within names ('roller 3', 'roller
+12'), and have the same sort, if they have one. `FEWEST` or more similar blocks become one block: a quantity that
+differs between them is given as its minimum and maximum, as printed, each with the name of the entry that has it. Text
+of an entry, such as a warning, belongs to its block, so that a statement about a single entry is never lost.
 """
 
 from __future__ import annotations
@@ -14,30 +13,30 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-FEWEST = 4  # that are alike: up to there all are told
+FEWEST = 4  # similar blocks that are grouped; fewer are all listed
 Pairs = Literal["folded", "all"]
 FIGURE = re.compile(r"(?<![\w.'#])[-+]?(?:\d+\.?\d*(?:e[-+]?\d+)?|nan|inf)(?![\w'])")
 QUOTED = re.compile(r"(?<!\w)'[^']*'(?!\w)")
-OF_BODY = re.compile(r"\d+(?=\[')")  # of a surface as messages call it, roller 3['rim']
+OF_BODY = re.compile(r"\d+(?=\[')")  # of a surface as named in messages, roller 3['rim']
 DIGITS = re.compile(r"\d+")
-MARK = "\0"  # in the place of a figure
+MARK = "\0"  # placeholder of a number
 
 
 @dataclass(frozen=True)
 class Block:
-    """Lines on one thing, called `name`; `sort`: what else it must have in common to be alike, where its name needs
-    not be; None where names decide."""
+    """Lines on one entry called `name`; `sort`: a further key that similar entries must share if names need not agree;
+    None if names decide."""
 
     name: str
     lines: Sequence[str]
     sort: str | None = None
 
     def skeleton(self) -> tuple[str, ...]:
-        """The lines without figures, and without what may differ in names."""
+        """The lines without numbers, and without the variable parts of names."""
         return (self.sort or "", *(FIGURE.sub(MARK, self._without_names(line)) for line in self.lines))
 
     def figures(self) -> list[list[str]]:
-        """The figures of each line as they are printed."""
+        """The numbers of each line as printed."""
         return [FIGURE.findall(self._without_names(line)) for line in self.lines]
 
     def _without_names(self, line: str) -> str:
@@ -46,8 +45,8 @@ class Block:
 
 
 def folded(blocks: Sequence[Block], kind: str, pairs: Pairs = "folded") -> list[list[str]]:
-    """The lines of all blocks, alike ones as one in the place of the first; `kind`: how the first line begins, before
-    the name, with the plural made by an s. pairs: "all" leaves them apart."""
+    """The lines of all blocks, with similar ones grouped at the position of the first; `kind`: the text of the first
+    line before the name, whose plural ends in s. pairs: "all" groups nothing."""
     if pairs == "all":
         return [list(block.lines) for block in blocks]
     alike: dict[tuple[str, ...], list[Block]] = {}
@@ -61,13 +60,13 @@ def folded(blocks: Sequence[Block], kind: str, pairs: Pairs = "folded") -> list[
 
 
 def folded_notes(notes: Sequence[str], pairs: Pairs = "folded") -> list[str]:
-    """Notes, those that say the same of alike things as one."""
+    """Notes, with similar ones grouped."""
     blocks = [Block(_first_name(note), [note]) for note in notes]
     return [line for lines in folded(blocks, "", pairs) for line in lines]
 
 
 def _one(group: Sequence[Block], kind: str) -> list[str]:
-    """The block of a group of alike ones."""
+    """The block that represents a group of similar ones."""
     names, tokens = [block.name for block in group], [block.figures() for block in group]
     lines = []
     for number, line in enumerate(group[0].skeleton()[1:]):
@@ -83,7 +82,7 @@ def _one(group: Sequence[Block], kind: str) -> list[str]:
 
 
 def _span(slot: Sequence[str], names: Sequence[str]) -> str:
-    """The least and the largest of figures as printed, and whose they are."""
+    """The minimum and maximum of numbers as printed, with the names that have them."""
     known = [n for n in range(len(slot)) if slot[n] != "nan"]
     if len({float(slot[n]) for n in known}) <= 1 and len(known) in (0, len(slot)):
         return slot[0]

@@ -1,14 +1,12 @@
-"""The readable report of a run.
+"""The text report of a run.
 
-Items. Lines of the report on lumped contacts, oil films, laps, joints, force elements and sensors: where each ended,
-and the largest on the way.
+Items. Lines of the report on lumped contacts, oil films, small-sliding contacts, joints, force elements and sensors:
+the final value and the largest one.
 
-Counters. Lines of the report on how the solver did: what it counted, in words that need no knowledge of it.
+Counters. Lines of the report on solver statistics, in plain words. Keys of `History.counters` are mapped to these
+words. Counters of events that need not occur, such as halved steps, are listed only if they are not zero.
 
-Keys of `History.counters` stay as they are; this is how a report says them. What counts events that a run may do
-without, such as steps that were halved, is told where there were any.
-
-Figures of a report without what rounding leaves: nothing that is 1e-16 m deserves five digits.
+Round-off is not printed as a figure: lengths of 1e-16 m are set to zero.
 """
 
 from __future__ import annotations
@@ -36,9 +34,9 @@ CARRIERS = {"hats": "nodes of the contact grid", "cells": "cells of the patch"}
 
 
 def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") -> str:
-    """Status, counters, contacts at the last saved step beside Hertz, joints, forces, sensors, energy balance, notes:
-    plain text, one fact a line. progress: that of the error budget, which may be made here. pairs: alike things
-    "folded" into one, or "all" (`fold`)."""
+    """Status, counters, contacts at the last saved step with the Hertz solution, joints, forces, sensors, energy
+    balance and notes: plain text, one fact per line. progress: report the progress of the error budget, if it is
+    computed here. pairs: similar entries are "folded" into one, or "all" are listed (`fold`)."""
     if pairs not in get_args(Pairs):
         raise InputError(f"report: pairs is {pairs!r}; known: {', '.join(map(repr, get_args(Pairs)))}")
     history = result.history
@@ -54,11 +52,11 @@ def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") ->
     ]
     lines += [line for block in folded(contacts, "contact", pairs) for line in block]
     lines += item_lines(result, pairs)
-    lines.append(f"energy scale      {result.energy_scale:.6g} J, the largest energy at hand")
+    lines.append(f"energy scale      {result.energy_scale:.6g} J, the largest energy of the run")
     residual, idle = result.energy_residual, idle_energy(result)
     if result.energy_scale <= idle:
         lines.append(
-            "energy residual   no share is told: nothing moves, the energies are round-off of forces times lengths, "
+            "energy residual   not computed: nothing moves, energies are round-off of forces times lengths, "
             f"{idle:.2g} J"
         )
     else:
@@ -72,14 +70,14 @@ def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") ->
         lines.append(f"friction          {friction[-1]:+.6g} J, work of friction since the start")
     if result.contact_names and defect is not None and result.energy_scale > idle and np.isfinite(defect[-1]):
         lines.append(
-            f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale, moved because patches "
-            "travel over nodes of finite spacing"
+            f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale, exchanged as patches "
+            "move over nodes of finite spacing"
         )
     return "\n".join([*lines, *_budget_lines(result, progress, pairs), *_notes(history, pairs)])
 
 
 def _budget_lines(result: Any, progress: bool, pairs: Pairs) -> list[str]:
-    """The error budget, made here where it has not been and can be."""
+    """The error budget; it is computed here if necessary and possible."""
     lines = result.error_budget(progress=progress)
     if len(lines) == 1 and lines[0].source == UNKNOWN:
         return [f"error budget      {lines[0].basis}"]
@@ -115,15 +113,15 @@ def _contact_lines(contact: Any) -> list[str]:
     if isinstance(found, HertzPoint):
         a, b = found.semi_axes
         values = f"semi-axes {a * 1e6:.5g} and {b * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa, approach "
-        values += f"{found.approach * 1e6:.5g} um at the load {found.load:.5g} N found"
+        values += f"{found.approach * 1e6:.5g} um at the computed load {found.load:.5g} N"
     else:
         values = f"half-width {found.half_width * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa "
-        values += f"at the line load {found.line_load / 1e3:.5g} N/mm found at mid-width"
+        values += f"at the computed line load {found.line_load / 1e3:.5g} N/mm at mid-width"
     return [*lines, f"  Hertz           {values}", *_stress_lines(contact), *friction]
 
 
 def _stress_lines(contact: Any) -> list[str]:
-    """How right stresses below a line contact are, of bodies that have them."""
+    """Accuracy of the stresses below a line contact, for bodies with stress points."""
     with_stress = {body.name for body, _ in flexible_sides(contact.view) if body.reduced.stress}
     if contact.patch_kind != "line" or not with_stress:
         return []
@@ -167,7 +165,7 @@ def _friction_lines(contact: Any) -> list[str]:
         f"  friction power  {friction.power[-1]:.5g} W, largest of the run {np.nanmax(friction.power):.5g} W",
         f"  wear index      {friction.wear_peak[-1] / 1e6:.5g} W/mm2 at most, {friction.wear_rate[-1]:.5g} W in all "
         "(pressure times slip speed)",
-        f"  cells a step    {friction.cells_per_step[-1]:.3g}, largest of the run "
+        f"  cells per step  {friction.cells_per_step[-1]:.3g}, largest of the run "
         f"{np.nanmax(friction.cells_per_step):.3g}",
     ]
     return lines if warning is None else [*lines, f"  warning         {warning}"]
@@ -177,14 +175,14 @@ def _notes(history: Any, pairs: Pairs) -> list[str]:
     return ["notes"] + [f"  - {note}" for note in folded_notes(history.notes, pairs)] if history.notes else []
 
 
-STICK = 1  # state of friction
-MOST_LINES = 20  # of one kind: a report is read on one screen
+STICK = 1  # friction state
+MOST_LINES = 20  # lines of one kind: a report should fit on one screen
 
 
 def item_lines(result: Any, pairs: Pairs = "folded") -> list[str]:
-    """One line a lumped contact, oil film, joint, force element and sensor of a run with saved rows, and some of each
-    lap; alike ones as one, and at most `MOST_LINES` of a kind, unless `pairs` is "all". Stresses are left out: they are
-    evaluated when they are asked for."""
+    """One line per lumped contact, oil film, joint, force element and sensor of a run with saved rows, and several per
+    small-sliding contact; similar ones grouped, and at most `MOST_LINES` of a kind, unless `pairs` is "all". Stresses
+    are omitted: they are evaluated only on request."""
     history = result.history
     beside = max(largest_force(history), *(_largest_torque(getattr(history, kind)) for kind in ("joints", "forces")))
     kinds = {
@@ -203,7 +201,7 @@ def item_lines(result: Any, pairs: Pairs = "folded") -> list[str]:
         lines = [line for block in folded(list(blocks.values()), kind, pairs) for line in block]
         more = 0 if pairs == "all" else max(len(lines) - MOST_LINES, 0)
         found += lines[: len(lines) - more]
-        found += [f'... and {more} more lines of {kind}s; report(pairs="all") has them'] if more else []
+        found += [f'... and {more} more lines of {kind}s; use report(pairs="all")'] if more else []
     return found
 
 
@@ -213,15 +211,14 @@ def _largest_torque(owners: dict[str, Any]) -> float:
 
 
 def same_surfaces(view: PairView) -> str:
-    """What pairs must have in common to be alike, whatever they are called: shapes and radii of both surfaces, and
-    friction."""
+    """What similar contacts must share, whatever their names: shapes and radii of both surfaces, and friction."""
     shapes = [f"{type(surface.shape).__name__} {surface.shape.radius:.9g}" for surface in (view.first, view.second)]
     return f"{shapes} {view.friction}"
 
 
 def _size(vectors: Any, unit: str, beside: float = 0.0) -> str:
-    """The length of a vector (T, 3) at the end, and its largest; `beside`: what it is round-off of where it is SHARE of
-    that, a force [N] of the machine, as a torque with an arm of 1 m."""
+    """The length of a vector (T, 3) at the end, and its largest; values below SHARE of `beside`, a force [N] of the
+    machine (for torques with an arm of 1 m), are round-off."""
     lengths = without_round_off(np.linalg.norm(vectors, axis=1), max(FORCE, SHARE * beside))
     return f"{lengths[-1]:.5g} {unit} (largest {np.max(lengths):.5g})"
 
@@ -257,7 +254,7 @@ def _film(name: str, film: Any, time: Any) -> str:
 
 
 def _lap(lap: Any) -> list[str]:
-    """Force and pressure, cells by state, what slid and what that took, and what makes it uncertain."""
+    """Force and pressure, cells by state, slip and its energy loss, and sources of uncertainty."""
     force, peak = lap.normal_force, lap.largest_pressure * 1e-6
     count, area = lap.counts[-1], lap.slip_area * 1e6
     line = f"lap '{lap.name}': normal force {force[-1]:.5g} N (largest {np.max(force):.5g})"
@@ -281,7 +278,7 @@ def _lap(lap: Any) -> list[str]:
 
 
 def _mean(values: Any, time: Any) -> float:
-    """Mean over the run of values (T,) that are straight between the saved times (T,) [s]."""
+    """Mean over the run of values (T,) that are linear between the saved times (T,) [s]."""
     span = time[-1] - time[0]
     return float(np.trapezoid(values, time) / span if span > 0.0 else np.mean(values))
 
@@ -299,20 +296,20 @@ def _sensor(name: str, sensor: Any) -> str:
     return f"sensor '{name}' [{sensor.unit}]: {last}"
 
 
-TOLD = {  # name of a counter -> its words in a report, of a number that is always told
+TOLD = {  # name of a counter -> its words in a report; always listed
     "steps": "steps",
     "build_seconds": "preparation [s]",
     "loop_seconds": "time stepping [s]",
     "finish_seconds": "evaluation [s]",
-    "outer_columns": "other unknowns",
+    "outer_columns": "retained unknowns",
 }
-EXPLAINED = {  # what these words mean
-    "build_seconds": "with kernels that were compiled or loaded",
+EXPLAINED = {  # explanations of these words
+    "build_seconds": "including compilation and loading of kernels",
     "seconds_in_graph": "kernels alone",
-    "outer_columns": "solved for together: 6 a body, modes that couple, one a held direction",
+    "outer_columns": "6 per body, coupled modes, constraints",
 }
 IN_BRACKETS = {"loop_seconds": "seconds_in_graph"}
-WHERE_THERE = {  # told where they are not zero
+WHERE_THERE = {  # listed if not zero
     "rejected_steps": "halved steps",
     "coarse_steps": "coarse steps",
     "repeated_steps": "repeated steps",
@@ -321,25 +318,25 @@ WHERE_THERE = {  # told where they are not zero
     "dense_fallbacks": "dense solves",
 }
 MEANINGS = {
-    "rejected_steps": "taken again in halves",
-    "coarse_steps": "less accurate than asked for, and as short as steps may be",
-    "repeated_steps": "taken again as impacts",
+    "rejected_steps": "repeated with half the step",
+    "coarse_steps": "less accurate than required, at the smallest step",
+    "repeated_steps": "repeated as impacts",
     "impulsive_steps": "with an impact",
-    "forgetful_steps": "by implicit Euler, where friction or a pretension changes over",
-    "dense_fallbacks": "where the sparse solver met a pivot too small",
+    "forgetful_steps": "by implicit Euler, at transitions of friction or pretension",
+    "dense_fallbacks": "after a small pivot of the sparse solver",
 }
 IN_NEWTON = {"max_iterations", "mean_iterations"}
 
 
 def counter_lines(history: Any) -> list[str]:
-    """One line a counter."""
+    """One line per counter."""
     counters = history.counters
     lines, brackets = [], set(IN_BRACKETS.values())
     if len(history.iterations) > 1:
-        every_step = counters.get("steps", 0) <= len(history.iterations) - 1  # else rows sum over steps
+        every_step = counters.get("steps", 0) <= len(history.iterations) - 1  # otherwise rows sum over steps
         lines.append(
             f"newton            mean {history.iterations[1:].mean():.2f}, "
-            f"largest {int(history.iterations[1:].max())} iterations a {'step' if every_step else 'saved row'}"
+            f"largest {int(history.iterations[1:].max())} iterations per {'step' if every_step else 'saved row'}"
         )
     for name, value in counters.items():
         if name in brackets or (name in IN_NEWTON and lines) or (name in WHERE_THERE and not value):
@@ -352,25 +349,25 @@ def counter_lines(history: Any) -> list[str]:
     return lines
 
 
-LENGTH = 1e-14  # m: far below an atom; round-off of lengths of 0.1 m is some 1e-17
-FORCE = 1e-15  # N or N m: no machine has less, sums of zeros have
-SHARE = 1e-12  # of the largest force of the machine, and of it times 1 m: round-off of sums
-AT_REST = 1e-9  # of force times length: energies up to there are what the iteration leaves of the balance
+LENGTH = 1e-14  # m: far below an atom; round-off of lengths of 0.1 m is about 1e-17
+FORCE = 1e-15  # N or N m: below any real load, above the round-off of sums that vanish
+SHARE = 1e-12  # of the largest force of the machine, and of that force times 1 m: round-off of sums
+AT_REST = 1e-9  # of force times length: smaller energies are residuals of the iteration
 
 
 def without_round_off(value: Any, least: float) -> Any:
-    """`value`, numbers of any shape, with those below `least` as zero."""
+    """`value`, numbers of any shape, with those below `least` set to zero."""
     return np.where(np.abs(value) < least, 0.0, value)[()]
 
 
 def idle_energy(result: Any) -> float:
-    """What energies [J] are no more than round-off below: the largest force of the run times the farthest place of a
-    body, times `AT_REST`."""
+    """Energy [J] below which energies are round-off: the largest force of the run times the largest distance of a body
+    from the origin, times `AT_REST`."""
     return AT_REST * largest_force(result.history) * _largest(b.position for b in result.history.bodies.values())
 
 
 def largest_force(history: Any) -> float:
-    """The largest component [N] of a force in the run, of contacts, joints and force elements."""
+    """The largest force component [N] of the run, over contacts, joints and force elements."""
     return _largest(one.force for kind in _KINDS for one in getattr(history, kind).values())
 
 

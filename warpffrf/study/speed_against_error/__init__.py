@@ -1,14 +1,14 @@
-"""One scene run with many settings beside a reference: what each costs, and how wrong it is; `study.speed_error`.
+"""One scene run with many settings and compared with a reference: cost and error of each; `study.speed_error`.
 
-choices    settings: what may be chosen, which combinations are run
-machines   where scenes come from: a Scene, a function that builds one, a scene file; settings applied to them; what
-           times were taken on
+choices    settings: available choices, combinations to run
+machines   scene sources: a Scene, a function that builds one, a scene file; settings applied to them; environment
+           of timings
 errors     measures of two results: at the saved times that all steps have in common, of motions of points, of
            pressure on common points
-folder     what is kept of a study, so that it can go on
-runs       a run and what it costs
+folder     stored data of a study, to continue it
+runs       a run and its cost
 front      Pareto fronts, orders in the step
 picture    error against time, error against step
-outcome    what a study returns: fronts, the setting for a wanted error, tables, everything as Markdown
-study      the reference, the rounds: what users call
+outcome    result of a study: fronts, the setting for a required error, tables, Markdown report
+study      public function: the reference, the rounds
 """

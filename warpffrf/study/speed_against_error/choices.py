@@ -1,18 +1,18 @@
-"""What may be chosen in a study, and which combinations are run.
+"""Choices of a study, and the combinations to run.
 
     step, local, integrator             options of `simulate`
     grid, evaluation, cell_error        of all distributed contacts of the scene
     inertia                             of all flexible bodies
-    stiffening                          of those that were reduced with it
-    any other name                      a parameter of what builds the scene: mesh, modes, spacing, ...
+    stiffening                          of flexible bodies reduced with it
+    any other name                      a parameter of the scene builder: mesh, modes, spacing, ...
 
-A *setting* is a value for each name that the study changes. Without the user's choices the steps (2, 1, 1/2 and 1/4 of
-the given one), the treatments of local modes, and grids and evaluations are combined with each other, because they
-interact; integrators, inertia levels, stiffening and errors of the cells of a patch are changed one at a time about the
-given setting. With choices, they are combined with each other, and the rest stays as given.
+A *setting* has a value for each name varied in the study. By default, the steps (2, 1, 1/2 and 1/4 of the given one),
+the treatments of local modes, and grids and evaluations are combined with each other, because they interact;
+integrators, inertia levels, stiffening and errors of the cells of a patch are varied one at a time from the given
+setting. User choices are combined with each other, and everything else is kept.
 
-What a scene cannot do is left out with its reason. In a default study that is seen beforehand, from its bodies; of the
-user's own choices a refusal of the run is the reason.
+Settings that a scene does not support are omitted with the reason. In a default study this is determined in advance
+from its bodies; for user choices the error of the run is the reason.
 """
 
 from __future__ import annotations
@@ -42,14 +42,14 @@ Setting = dict[str, Any]
 
 @dataclass
 class Choices:
-    """`settings` to be run, the given one first, and what was `left_out`: (name, value as text, reason)."""
+    """`settings` to run, the given one first, and the omitted ones, `left_out`: (name, value as text, reason)."""
 
     settings: list[Setting]
     left_out: list[tuple[str, str, str]] = field(default_factory=list)
 
 
 def text_of(value: Any) -> str:
-    """A value as tables and folders have it: of integrators and the like what is not as usual."""
+    """A value as in tables and folders: for integrators and similar objects the non-default options."""
     if is_dataclass(value) and not isinstance(value, type):
         chosen = [(f.name, getattr(value, f.name)) for f in fields(value) if getattr(value, f.name) != f.default]
         return f"{type(value).__name__}({', '.join(f'{name}={text_of(v)}' for name, v in chosen)})"
@@ -62,8 +62,8 @@ def label_of(setting: Setting) -> str:
 
 
 def given_choices(choices: Mapping[str, Sequence[Any]], base: Setting) -> Choices:
-    """All combinations of the user's `choices`, name -> values, about the setting `base`, which gives the rest.
-    Raises `InputError` for lists without values, values twice, and too many combinations."""
+    """All combinations of the user's `choices`, name -> values, with the other values from the setting `base`. Raises
+    `InputError` for lists without values, repeated values, and too many combinations."""
     if not choices:
         raise InputError("speed_error: choices are empty; leave them out for the default ones, or name some")
     count = 1
@@ -88,7 +88,7 @@ def given_choices(choices: Mapping[str, Sequence[Any]], base: Setting) -> Choice
 
 
 def default_choices(scene: Any, base: Setting) -> Choices:
-    """The combinations that make sense for `scene` about the setting `base` (module docstring)."""
+    """The default combinations for `scene`, from the setting `base` (module docstring)."""
     found = Choices([base])
     flexible = [body for body in scene.bodies if body.reduced is not None]
     local = [base["local"], *_other_local(scene, base, found)]
@@ -110,7 +110,7 @@ def default_choices(scene: Any, base: Setting) -> Choices:
     if any(_patch_ready(contact) for contact in scene.contacts):
         alone += [("cell_error", error) for error in (4.0 * CELL_ERROR, CELL_ERROR, 0.2 * CELL_ERROR)]
     elif scene.contacts:
-        found.left_out.append(("cell_error", "all", "no contact has cells that travel with the patch"))
+        found.left_out.append(("cell_error", "all", "no contact has cells that move with the patch"))
     found.settings += [{**base, name: value} for name, value in alone]
     unique = {label_of(setting): setting for setting in found.settings}
     found.settings = list(unique.values())
@@ -118,7 +118,7 @@ def default_choices(scene: Any, base: Setting) -> Choices:
 
 
 def _other_local(scene: Any, base: Setting, found: Choices) -> list[str]:
-    """Treatments of local modes beside the given one that the scene has the mass for."""
+    """Other treatments of local modes for which the scene has the mass."""
     others = [t for t in TREATMENTS if t not in ("auto", text_of(base["local"]))]
     surfaces = [port.surface for contact in scene.contacts for port in contact.ports if not port.rigid]
     if not surfaces:
@@ -137,7 +137,7 @@ def can_stiffen(body: Any) -> bool:
 
 
 def _levels(flexible: list[Any], found: Choices) -> list[str]:
-    """Inertia levels that all flexible bodies have terms for."""
+    """Inertia levels for which all flexible bodies have terms."""
     names = [level for level in INERTIA_LEVELS if level != "auto"]
     without = [body.name for body in flexible if body.mode_count and body.reduced.inertia_terms is None]
     if without:
@@ -147,16 +147,16 @@ def _levels(flexible: list[Any], found: Choices) -> list[str]:
 
 
 def _patch_ready(contact: Any) -> bool:
-    """Whether all flexible surfaces of `contact` have what a patch of cells needs."""
+    """Whether all flexible surfaces of `contact` have the data for a patch of cells."""
     return all(port.rigid or port.surface.far is not None for port in contact.ports)
 
 
 def _contact_choices(scene: Any, base: Setting, found: Choices) -> list[Setting]:
-    """Grids and evaluations that go together."""
+    """Compatible grids and evaluations."""
     if not scene.contacts:
         found.left_out.append(("grid, evaluation", "all", "the scene has no distributed contact"))
         return [{}]
-    pairs: list[Setting] = [{}]  # "auto" takes the patch where it can
+    pairs: list[Setting] = [{}]  # "auto" uses the patch if possible
     if all(_patch_ready(contact) for contact in scene.contacts):
         pairs.append({"grid": "contact_fixed" if all(c.grid == "body_fixed" for c in scene.contacts) else "material"})
     else:

@@ -1,4 +1,4 @@
-r"""How far a run is from the reference, as fractions, over the times t_k that they have in common.
+r"""Relative errors of a run compared with the reference, over their common times t_k.
 
     force         |F - F_ref|_2 / |F_ref|_2 over times, pairs and directions; pairs are distributed and lumped contacts
     force_max     the largest |F - F_ref| over the largest |F_ref| of a pair and time
@@ -6,29 +6,29 @@ r"""How far a run is from the reference, as fractions, over the times t_k that t
     displacement  |x - x_ref|_2 / |x_ref - x_ref(0)|_2 of points in the world (`places`)
     deformation   |u - u_ref|_2 / |u_ref|_2 of points of flexible bodies, in the frame of their body
     stress        |s - s_ref|_2 / |s_ref|_2, all components at all stress points and stress sensors
-    energy        range of the energy residual of the run itself, over the largest energy at hand: no reference
+    energy        range of the energy residual of the run itself, over its energy scale: no reference
 
-A measure whose denominator is zero says nothing and is left out. Sums weigh all saved times alike.
+A measure with zero denominator is omitted. Sums weight all saved times equally.
 
-Fields. Pressures of two runs, whatever grids they stand on, as `warpffrf.model.half_space` compares them.
+Fields. Pressures of two runs on any grids, compared as in `warpffrf.model.half_space`.
 
-Areas are those of the first surface, A_B = R sqrt(1 + R'^2) dtheta dz. Angles on a surface of revolution are counted
-from the line of centres: which of the material is in contact is said by the motion, and measured by it. On a plane they
-are the chart's own.
+Areas are those of the first surface, A_B = R sqrt(1 + R'^2) dtheta dz. Angles on a surface of revolution are measured
+from the line of centres: the material in contact follows from the motion, which has its own measure. On a plane the
+chart coordinates are used.
 
-Places. Motion of chosen points of a run: where they are in the world, and what the elastic body adds in its own frame.
+Places. Motion of selected points of a run: positions in the world, and elastic displacements in the body's frame.
 
     x = r + A (X + u),     u = sum_m phi_m(X) q_m
 
-Of a rigid body points are any X of its user frame, its origin without the user's choice. Of a flexible one they are its
-interfaces, which local modes do not move; the user's points are the nearest nodes of its skin, whose global modes are
-taken: contact moves them by less than the patch is deep, and that is in the pressure.
+Points of a rigid body are any X of its user frame, by default its origin. Points of a flexible body are by default its
+interfaces, which local modes do not move; the user's points are replaced by the nearest nodes of its skin, with the
+global modes only: local displacements are below the approach, and are measured by the pressure.
 
-Times. Saved times that runs of different steps have in common; nothing is interpolated between saved steps.
+Times. Common saved times of runs with different steps; nothing is interpolated between saved steps.
 
 With steps h_i all h_i = I/n_i for whole n_i, and rows are those at the times k I, k = 0, 1, ... The interval I is the
-least multiple of the coarsest step that all steps divide, times a whole number where that would save more than
-MOST_ROWS rows.
+least multiple of the coarsest step that all steps divide, times a whole number if more than MOST_ROWS rows would be
+saved.
 """
 
 from __future__ import annotations
@@ -49,26 +49,27 @@ from warpffrf.output.result import Result
 
 MEASURES = ("force", "force_max", "pressure", "displacement", "deformation", "stress", "energy")
 OF_CONTACT = ("force", "force_max", "pressure")
-OWN = ("energy",)  # of a run by itself, without a reference
-RECOMMENDED = ("force", "pressure", "displacement", "deformation", "stress")  # that a wanted error is of
+OWN = ("energy",)  # of the run itself, without a reference
+RECOMMENDED = ("force", "pressure", "displacement", "deformation", "stress")  # measures of a required error
 
 
 def relative(values: np.ndarray, reference: np.ndarray) -> float:
-    """|values - reference| over |reference|, L2 of all entries; NaN where the reference is zero."""
+    """|values - reference| over |reference|, L2 of all entries; NaN if the reference is zero."""
     size = float(np.linalg.norm(reference))
     return float(np.linalg.norm(np.asarray(values) - reference)) / size if size > 0.0 else np.nan
 
 
 def relative_largest(values: np.ndarray, reference: np.ndarray) -> float:
-    """The largest |values - reference| of the vectors (..., 3) over the largest |reference|; NaN where that is zero."""
+    """The largest |values - reference| of the vectors (..., 3) over the largest |reference|; NaN if the latter is
+    zero."""
     size = float(np.linalg.norm(reference, axis=-1).max(initial=0.0))
     apart = float(np.linalg.norm(np.asarray(values) - reference, axis=-1).max(initial=0.0))
     return apart / size if size > 0.0 else np.nan
 
 
 def measures_of(scene: Any, wanted: Sequence[str] | None) -> tuple[str, ...]:
-    """The measures that `scene` has, or the `wanted` ones. Raises `InputError` for unknown ones and for those that the
-    scene does not have."""
+    """The measures available for `scene`, or the `wanted` ones. Raises `InputError` for unknown and unavailable
+    ones."""
     has = {name: True for name in MEASURES}
     contacts, lumped = bool(scene.contacts), bool(scene.lumped_contacts)
     has |= {"force": contacts or lumped, "force_max": contacts or lumped, "pressure": contacts}
@@ -99,7 +100,7 @@ def errors_of(
     measures: Sequence[str],
     points: Mapping[str, np.ndarray],
 ) -> dict[str, float]:
-    """Each of `measures` that says something, as a fraction; `rows` (T,) of both runs stand at the same times."""
+    """Each of `measures` with a nonzero denominator, as a fraction; `rows` (T,) of both runs have the same times."""
     found: dict[str, float] = {}
     if "force" in measures or "force_max" in measures:
         F, F_ref = contact_forces(result, rows), contact_forces(reference, reference_rows)
@@ -165,15 +166,15 @@ def squares(field: Boxes, reference: Boxes, shape: object) -> tuple[float, float
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Of points at the rows asked for: `world` (T, p, 3) m, and `elastic` (T, e, 3) m, u of flexible bodies, in user
-    axes."""
+    """Motion of points at the requested rows: `world` (T, p, 3) m, and `elastic` (T, e, 3) m, u of flexible bodies, in
+    user axes."""
 
     world: np.ndarray
     elastic: np.ndarray
 
 
 def check_points(points: Mapping[str, Any] | None, names: list[str]) -> dict[str, np.ndarray]:
-    """The user's `points` {body: (n, 3)} [m, user frame]; raises `InputError` for bodies that there are not."""
+    """The user's `points` {body: (n, 3)} [m, user frame]; raises `InputError` for unknown bodies."""
     found = {}
     for name, places in (points or {}).items():
         if name not in names:
@@ -184,7 +185,7 @@ def check_points(points: Mapping[str, Any] | None, names: list[str]) -> dict[str
 
 
 def motion_of(result: Result, rows: np.ndarray, points: Mapping[str, np.ndarray]) -> Motion:
-    """Motion of the `points` of a run, of bodies without any those of the module, at `rows` (T,)."""
+    """Motion of the `points` of a run at `rows` (T,); for bodies without points those of the module docstring."""
     world, elastic = [], []
     for name, body in result.view.bodies.items():
         places, modes = _places(body, points.get(name))
@@ -217,10 +218,10 @@ def _places(body: BodyView, wanted: np.ndarray | None) -> tuple[np.ndarray, np.n
     return places, modes
 
 
-MOST_ROWS = 200  # pressure fields of more would say no more of an error, and fill a folder
-MOST_MULTIPLES = 1000  # of the coarsest step, in search of one that all steps divide
-WHOLE = 1e-9  # relative: steps are written as decimals, and their ratios are whole to round-off
-SAME = 1e-6  # of the interval: times of a run are sums of steps, or products, to round-off
+MOST_ROWS = 200  # more pressure fields would not improve an error, and would enlarge the folder
+MOST_MULTIPLES = 1000  # of the coarsest step, in the search for one that all steps divide
+WHOLE = 1e-9  # relative: steps are decimals, and their ratios are whole to round-off
+SAME = 1e-6  # of the interval: times of a run are sums or multiples of steps, to round-off
 
 
 def divides(step: float, interval: float) -> bool:
@@ -230,8 +231,8 @@ def divides(step: float, interval: float) -> bool:
 
 
 def common_interval(steps: Sequence[float], duration: float) -> float:
-    """The interval [s] of the rows of runs with `steps` [s] over `duration` [s]. Raises `InputError` for steps that
-    have none in common, and for a duration that is shorter than it."""
+    """The interval [s] of the rows of runs with `steps` [s] over `duration` [s]. Raises `InputError` for steps without
+    a common interval, and for a duration shorter than it."""
     coarsest = max(steps)
     for n in range(1, MOST_MULTIPLES + 1):
         if all(divides(step, n * coarsest) for step in steps):
@@ -239,13 +240,13 @@ def common_interval(steps: Sequence[float], duration: float) -> float:
     else:
         shown = ", ".join(f"{step:g}" for step in sorted(set(steps), reverse=True))
         raise InputError(
-            f"speed_error: the steps {shown} s have no times in common within {MOST_MULTIPLES} of the coarsest; take "
+            f"speed_error: the steps {shown} s have no common times within {MOST_MULTIPLES} of the coarsest; take "
             "steps in ratios of small whole numbers, such as halves"
         )
     interval = n * coarsest
     if interval > duration * (1.0 + WHOLE):
         raise InputError(
-            f"speed_error: the steps meet only every {interval:g} s, which is longer than the run of {duration:g} s; "
+            f"speed_error: the common times are only every {interval:g} s, longer than the run of {duration:g} s; "
             "take steps in ratios of small whole numbers, or a longer run"
         )
     rows = int(np.floor(duration / interval + SAME))
@@ -253,7 +254,7 @@ def common_interval(steps: Sequence[float], duration: float) -> float:
 
 
 def check_interval(interval: float, steps: Sequence[float], duration: float) -> float:
-    """`interval` as given by the user; raises `InputError` where a step does not divide it or the run is shorter."""
+    """The user's `interval`; raises `InputError` if a step does not divide it or the run is shorter."""
     for step in steps:
         if not divides(step, interval):
             raise InputError(
@@ -271,7 +272,7 @@ def saved_times(interval: float, duration: float) -> np.ndarray:
 
 
 def common_rows(time: np.ndarray, interval: float, duration: float) -> np.ndarray | None:
-    """Rows (T,) of a run's `time` (n,) [s] that stand at the common times; None where one is missing."""
+    """Rows (T,) of a run's `time` (n,) [s] at the common times; None if one is missing."""
     wanted = saved_times(interval, duration)
     if not len(time):
         return None

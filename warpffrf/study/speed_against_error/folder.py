@@ -1,11 +1,11 @@
-"""What is kept of a study in its folder, so that one that was interrupted goes on where it stopped.
+"""Data of a study in its folder, from which an interrupted study continues.
 
-    study.json        what the study is, what its reference is, a row for each setting that was run, and on what machine
+    study.json        definition of the study, its reference, a row per completed setting, and the machines
     reference.h5      results of the reference run
     series/KEY.npz    forces and motions of each run at the common times, for the order in the step
 
-A study is known by its scene's content, its run, its reference and the version that made it. Other choices and more
-rounds are the same study: what was run already is not run again.
+A study is identified by its scene's content, its run, its reference and the program version. With other choices and
+more rounds it is the same study: completed runs are not repeated.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ KIND = "warpffrf speed-error study"
 
 
 class Folder:
-    """The folder of one study; with `path` None everything is kept in memory only."""
+    """The folder of one study; with `path` None all data stay in memory."""
 
     def __init__(
         self, path: str | os.PathLike[str] | None, identity: Mapping[str, Any], *, overwrite: bool, resume: bool
@@ -63,7 +63,7 @@ class Folder:
         self.write()
 
     def _read(self, file: Path) -> dict[str, Any]:
-        """What stands in the folder, if it is of this study; raises `InputError` otherwise."""
+        """The content of the folder, if it belongs to this study; raises `InputError` otherwise."""
         try:
             content = json.loads(file.read_text(encoding="utf-8"))
             there = content["study"] if content["kind"] == KIND else None
@@ -83,13 +83,13 @@ class Folder:
         raise InputError(f"speed_error: '{self.path}' holds another study of this scene: {'; '.join(differ)}; {cure}")
 
     def _remove_old(self) -> None:
-        """Remove what an earlier study has left, its own files only."""
+        """Remove the files of an earlier study, and no others."""
         if self.path is not None:
             for file in [self.path / REFERENCE, *(self.path / SERIES).glob("*.npz")]:
                 file.unlink(missing_ok=True)
 
     def write(self) -> None:
-        """Write the study as it stands."""
+        """Write the present state of the study."""
         if self.path is not None:
             with written_whole(self.path / STUDY) as partial:
                 partial.write_text(json.dumps(self.content, indent=1) + "\n", encoding="utf-8")
@@ -97,7 +97,7 @@ class Folder:
     # --- the reference
 
     def keep_reference(self, result: Result, facts: Mapping[str, Any]) -> None:
-        """Keep the reference, and what is to be said of it."""
+        """Store the reference and its facts."""
         self._reference = result
         if self.path is not None:
             result.save(self.path / REFERENCE, overwrite=True)
@@ -105,7 +105,7 @@ class Folder:
         self.write()
 
     def reference(self) -> tuple[Result, dict[str, Any]] | None:
-        """The reference that is kept, and what was said of it; None where there is none."""
+        """The stored reference and its facts; None if there is none."""
         facts = self.content["reference"]
         if facts is None:
             return None
@@ -118,29 +118,29 @@ class Folder:
     # --- runs
 
     def keep_machine(self, facts: Mapping[str, Any]) -> None:
-        """Keep what runs of this sitting were timed on."""
+        """Store the description of the machine of this sitting."""
         self.content.setdefault("taken_on", []).append(dict(facts))
         self.write()
 
     def machines(self) -> list[dict[str, Any]]:
-        """What runs were timed on, of each sitting in which there were some."""
+        """Machines of the timed runs, one per sitting with runs."""
         return list(self.content.get("taken_on", []))
 
     def keep_row(self, label: str, row: Mapping[str, Any]) -> None:
-        """Keep a row of numbers and texts."""
+        """Store a row of numbers and texts."""
         self.content["rows"][label] = dict(row)
         self.write()
 
     def row(self, label: str) -> dict[str, Any] | None:
-        """The row of a setting, None before it was run."""
+        """The row of a setting, None if it has not been run."""
         return self.content["rows"].get(label)
 
     def times(self) -> int:
-        """How many runs were timed so far."""
+        """Number of timed runs."""
         return sum(len(row["walls"]) for row in self.content["rows"].values())
 
     def keep_series(self, label: str, series: Mapping[str, np.ndarray]) -> None:
-        """Keep arrays of a run."""
+        """Store arrays of a run."""
         self._series[label] = dict(series)
         if self.path is not None:
             with written_whole(self._file(label)) as partial, partial.open("wb") as stream:
@@ -148,7 +148,7 @@ class Folder:
                 np.savez(stream, **arrays)
 
     def series(self, label: str) -> dict[str, np.ndarray] | None:
-        """The arrays of a run; None where there are none."""
+        """The arrays of a run; None if there are none."""
         if label not in self._series and self.path is not None and self._file(label).is_file():
             with np.load(self._file(label)) as found:
                 self._series[label] = {name: found[name] for name in found.files}

@@ -1,8 +1,8 @@
-"""Pareto fronts of time and error, the fastest setting for a wanted error, and the observed order in the step.
+"""Pareto fronts of time and error, the fastest setting for a required error, and the observed order in the step.
 
-A setting is on the front where none is both faster and at least as right, to within ALIKE: choices that do not matter
-leave errors that differ by round-off. The order in the step needs no reference: of three runs with steps in the
-constant ratio r and everything else the same, results a, b, c from coarse to fine,
+A setting is on the front if no other is both faster and at least as accurate, to within ALIKE: choices without effect
+give errors that differ by round-off. The order in the step requires no reference: for three runs with steps in the
+constant ratio r and all else equal, with results a, b, c from coarse to fine,
 
     p = log(|a - b| / |b - c|) / log r.
 """
@@ -19,23 +19,23 @@ from warpffrf.study.speed_against_error.runs import Row
 
 STEP = "step"
 WANTED = (0.10, 0.03, 0.01, 0.003, 0.001)
-ALIKE = 1e-3  # relative difference of errors that are the same
-SAME_RATIO = 1e-6  # of steps that are written as decimals
+ALIKE = 1e-3  # relative difference of equal errors
+SAME_RATIO = 1e-6  # for steps given as decimals
 
 
 def changed_names(rows: Sequence[Row]) -> list[str]:
-    """Names of choices that the rows differ in, in the order of their settings."""
+    """Names of choices in which the rows differ, in the order of their settings."""
     names = list(dict.fromkeys(name for row in rows for name in row.setting))
     return [n for n in names if len({text_of(row.setting.get(n, "as given")) for row in rows}) > 1]
 
 
 def label_in(names: Sequence[str], row: Row) -> str:
-    """What `row` has for the choices `names`, as text."""
+    """Values of the choices `names` in `row`, as text."""
     return ", ".join(f"{name}={text_of(row.setting.get(name, 'as given'))}" for name in names)
 
 
 def grouped(rows: Sequence[Row]) -> dict[str, list[Row]]:
-    """Rows that differ in the step only, coarse steps first, by what sets the group apart."""
+    """Rows that differ in the step only, coarse steps first, by the other choices."""
     names = [name for name in changed_names(rows) if name != STEP]
     found: dict[str, list[Row]] = {}
     for row in rows:
@@ -44,7 +44,7 @@ def grouped(rows: Sequence[Row]) -> dict[str, list[Row]]:
 
 
 def front(rows: Sequence[Row], measure: str) -> list[Row]:
-    """The rows that are on the front of `measure`, from fast to slow."""
+    """The rows on the front of `measure`, from fast to slow."""
     known = sorted((r for r in rows if measure in r.errors and r.timed), key=lambda r: (r.fastest, r.errors[measure]))
     found: list[Row] = []
     for row in known:
@@ -54,15 +54,15 @@ def front(rows: Sequence[Row], measure: str) -> list[Row]:
 
 
 def fastest(rows: Sequence[Row], error: float, measures: Sequence[str]) -> Row | None:
-    """The fastest row whose errors of all `measures` are at most `error`; None where there is none."""
+    """The fastest row whose errors of all `measures` are at most `error`; None if there is none."""
     good = [r for r in rows if r.timed and all(r.errors.get(m, np.inf) <= error for m in measures)]
     return min(good, key=lambda r: r.fastest, default=None)
 
 
 @dataclass(frozen=True)
 class Order:
-    """One group of runs that differ in the step only: `steps` (n,) s from coarse to fine, `apart` (n - 1,) relative
-    difference of each from the next finer one, `orders` (n - 2,), NaN where the ratio of steps changes."""
+    """A group of runs that differ in the step only: `steps` (n,) s from coarse to fine, `apart` (n - 1,) relative
+    difference of each from the next finer one, `orders` (n - 2,), NaN if the ratio of steps changes."""
 
     group: str
     local: str

@@ -1,12 +1,12 @@
-"""Where the scenes of a study come from: a `Scene`, a function that builds one, or a scene file; and a setting applied.
+"""Scene sources of a study: a `Scene`, a function that builds one, or a scene file; and application of a setting.
 
-A scene is built once for each combination of the parameters that build it, and runs of the study share it: options of
-contacts and bodies are set before a run and put back after it.
+A scene is built once for each combination of its parameters, and is shared by the runs of the study: options of
+contacts and bodies are set before a run and restored after it.
 
-Machine. What the times of a study were taken on: machine, versions, the unit U, and what else the machine did.
+Machine. Environment of the timings: machine, versions, the unit U, and other load.
 
-A study that was interrupted has a sitting for each part. Other work is known by the load average when a sitting began:
-processes that run or wait for a core, over the minute before.
+An interrupted study has a sitting for each part. Other load is measured by the load average at the start of a sitting:
+processes that run or wait for a core, over the previous minute.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ DROPPED = ("results", "record", "save_every", "overwrite", "resume", "keep_every
 
 
 class Source(Protocol):
-    """What builds scenes."""
+    """Builder of scenes."""
 
     title: str
 
@@ -37,16 +37,16 @@ class Source(Protocol):
         ...
 
     def check(self, names: Sequence[str]) -> None:
-        """Raises `InputError` for a name that is no parameter of what builds the scene."""
+        """Raises `InputError` for a name that is no parameter of the builder."""
         ...
 
     def build(self, parameters: Mapping[str, Any]) -> Any:
-        """A scene with other values for these parameters."""
+        """A scene with other values of these parameters."""
         ...
 
 
 class GivenScene:
-    """A `Scene` as it stands."""
+    """A given `Scene`."""
 
     title = "scene"
 
@@ -54,14 +54,14 @@ class GivenScene:
         self.scene = scene
 
     def options(self) -> dict[str, Any]:
-        """None come with it."""
+        """No options."""
         return {}
 
     def check(self, names: Sequence[str]) -> None:
-        """A scene that is built has no parameters."""
+        """A given scene has no parameters."""
         if names:
             raise InputError(
-                f"speed_error: {names[0]!r} is no choice of a Scene, which is built already; known: "
+                f"speed_error: {names[0]!r} cannot be chosen for a Scene that is already built; known: "
                 f"{', '.join(map(repr, BUILT_IN))}; for other parameters give a function that builds the scene from "
                 "them, or a scene file"
             )
@@ -79,7 +79,7 @@ class BuiltScene:
         self.title = getattr(function, "__name__", "build")
 
     def options(self) -> dict[str, Any]:
-        """None come with it."""
+        """No options."""
         return {}
 
     def check(self, names: Sequence[str]) -> None:
@@ -93,7 +93,7 @@ class BuiltScene:
                 raise unknown_name(f"speed_error: choice or parameter of {self.title}()", name, [*BUILT_IN, *known])
 
     def build(self, parameters: Mapping[str, Any]) -> Any:
-        """Calls it."""
+        """Call the function."""
         scene = self.function(**parameters)
         if not hasattr(scene, "content_hash"):
             raise InputError(f"speed_error: {self.title}() must return a Scene, got {scene!r}")
@@ -109,7 +109,7 @@ class FileScene:
         self.title = str(self.loaded.title)
 
     def options(self) -> dict[str, Any]:
-        """Those of its table [simulate]."""
+        """Options of its table [simulate]."""
         found = dict(self.loaded.simulate or {})
         if found.pop("stages", None) is not None:
             raise InputError(
@@ -122,7 +122,7 @@ class FileScene:
         """Names are checked when the file is read with them."""
 
     def build(self, parameters: Mapping[str, Any]) -> Any:
-        """Reads the file again with the parameters set."""
+        """Read the file again with the parameters set."""
         if not parameters:
             return self.loaded.scene
         more = [f"{name}={_toml(value)}" for name, value in parameters.items()]
@@ -130,12 +130,12 @@ class FileScene:
 
 
 def _toml(value: Any) -> str:
-    """A value as `--set` takes it."""
+    """A value in the syntax of `--set`."""
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def source_of(scene: Any, settings: Sequence[str]) -> Source:
-    """The source behind what the user gave; raises `InputError` for anything else."""
+    """The source for the user's argument; raises `InputError` for anything else."""
     if hasattr(scene, "content_hash") and hasattr(scene, "contacts"):
         source: Source = GivenScene(scene)
     elif isinstance(scene, str | os.PathLike):
@@ -150,7 +150,7 @@ def source_of(scene: Any, settings: Sequence[str]) -> Source:
 
 
 class Machines:
-    """The scenes of a study by their parameters, each built when it is first asked for."""
+    """The scenes of a study by their parameters, each built at the first request."""
 
     def __init__(self, source: Source, parameters: Mapping[str, Any]) -> None:
         source.check(list(parameters))
@@ -173,7 +173,8 @@ def run_options(setting: Setting) -> dict[str, Any]:
 
 @contextmanager
 def applied(scene: Any, setting: Setting) -> Iterator[None]:
-    """Inside, contacts and bodies of `scene` have the options of the setting. Raises `InputError` where they cannot."""
+    """Context in which contacts and bodies of `scene` have the options of the setting. Raises `InputError` if they do
+    not support them."""
     level = setting.get("inertia")
     if level is not None and level not in INERTIA_LEVELS:
         raise unknown_name("speed_error: inertia", level, INERTIA_LEVELS)
@@ -205,7 +206,8 @@ def applied(scene: Any, setting: Setting) -> Iterator[None]:
 
 
 def _set_all(contact: Any, old: Mapping[str, Any], values: Mapping[str, Any]) -> None:
-    """Set options of a contact that must fit together: first the grid to what allows all, the asked one last."""
+    """Set options of a contact that must be compatible: the grid is first set to a value that allows all, then to the
+    requested one."""
     if "grid" in values and "evaluation" in values:
         contact.grid = "body_fixed"
     for name in sorted(values, key=lambda name: name == "grid"):
@@ -213,41 +215,41 @@ def _set_all(contact: Any, old: Mapping[str, Any], values: Mapping[str, Any]) ->
 
 
 def offline_seconds(scene: Any) -> float:
-    """What the reductions of the bodies of `scene` took when they were made [s], each body once; NaN if unknown."""
+    """Time of the reductions of the bodies of `scene` [s], each body once; NaN if unknown."""
     bodies = {id(body.reduced): body.reduced for body in scene.bodies if body.reduced is not None}
     found = [body.report.get("seconds") for body in bodies.values()]
     return float("nan") if any(value is None for value in found) else float(sum(found))
 
 
-BUSY = 1.5  # processes: this one, which may have reduced bodies before, and the odd job
+BUSY = 1.5  # processes: this one and occasional others
 
 
 def load_before() -> float | None:
-    """Processes that run or wait now, over the last minute; None where the system does not tell."""
+    """Average number of running or waiting processes over the last minute; None if the system does not report it."""
     return float(os.getloadavg()[0]) if hasattr(os, "getloadavg") else None
 
 
 def sitting(load: float | None) -> dict[str, Any]:
-    """Facts of a sitting that began at this `load`, as plain data."""
+    """Facts of a sitting that started at this `load`, as plain data."""
     return {**machine(), "load_before": load}
 
 
 def unit_of(sittings: Sequence[Mapping[str, Any]]) -> float | None:
-    """U [s] of a study, the least of its sittings, as of times; None where machines were unlike, or there was none."""
+    """U [s] of a study, the least of its sittings, as for times; None for different machines, or without sittings."""
     machines = {(s["machine"]["processor"], s["machine"]["cores"]) for s in sittings}
     return min(float(s["unit_seconds"]) for s in sittings) if len(machines) == 1 else None
 
 
 def stated(facts: Mapping[str, Any]) -> str:
-    """A sitting in one sentence."""
+    """A sitting as one sentence."""
     on, load = facts["machine"], facts.get("load_before")
     versions = ", ".join(f"{name} {version}" for name, version in facts["versions"].items())
     if load is None:
-        beside = "what else ran is not known"
+        beside = "other load is unknown"
     elif load < BUSY:
         beside = f"on a quiet machine (load average {load:.2g} before)"
     else:
-        beside = f"beside other work (load average {load:.2g} before), so that times are preliminary"
+        beside = f"with other work (load average {load:.2g} before), so that times are preliminary"
     return (
         f"Times taken on {on['processor']}, {on['cores']} cores, {on['platform']}, Python {on['python']}, {versions}; "
         f"{beside}. U = {facts['unit_seconds'] * 1e6:.4g} us (Cholesky factor-and-solve of size 128, one thread)."

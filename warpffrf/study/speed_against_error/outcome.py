@@ -1,12 +1,11 @@
-"""`SpeedError`: a study that was made, its fronts, the setting for a wanted error, tables, pictures and files.
+"""`SpeedError`: result of a study, its fronts, the setting for a required error, tables, pictures and files.
 
-Tables of a study: of all runs, of those on a front, of the orders in the step.
+Tables of a study: all runs, those on a front, orders in the step.
 
-In the table of all runs, those that differ in the step only follow one another, from coarse to fine. `shortened` leaves
-out what says nothing in a table to be read: a column that has the same in all rows, and the median of single runs.
+In the table of all runs, those that differ in the step only are adjacent, from coarse to fine. `shortened` omits
+columns without information: those with equal values in all rows, and the median of single runs.
 
-Report. The report of a study as Markdown: reference, machine, what to take for a wanted error, fronts, orders, all
-runs.
+Report. The report of a study as Markdown: reference, machine, settings for a required error, fronts, orders, all runs.
 """
 
 from __future__ import annotations
@@ -43,7 +42,7 @@ from warpffrf.study.speed_against_error.runs import Row
 
 class SpeedError:
     """A study: `rows`, the `reference` (setting, differences from twice its step), `left_out` (name, value, reason),
-    `sittings`, the machines that times were taken on."""
+    `sittings`, the machines of the timings."""
 
     def __init__(
         self,
@@ -60,22 +59,22 @@ class SpeedError:
         self.sittings = sittings
 
     def front(self, measure: str) -> list[Row]:
-        """Rows that no other is both faster and at least as right as, from fast to slow."""
+        """Rows for which no other is both faster and at least as accurate, from fast to slow."""
         if measure not in self.measures:
             raise InputError(f"speed_error: {measure!r} was not measured; known: {', '.join(self.measures)}")
         return front(self.rows, measure)
 
     def recommended(self, error: float, measures: Sequence[str] | None = None) -> Row:
-        """The fastest row with at most `error` (a fraction) in all `measures`, by default all against the reference.
-        Raises `InputError` for an error below what the reference itself differs by from twice its step, and where no
-        row has it, which says the least that was reached."""
+        """The fastest row with at most `error` (a fraction) in all `measures`, by default all with a reference. Raises
+        `InputError` for an error below the difference of the reference from that with twice its step, and if no row
+        reaches it, with the least error reached."""
         require_number(error, "speed_error: error", positive=True)
         wanted = [m for m in RECOMMENDED if m in self.measures] if measures is None else list(measures)
         known = {m: float(self.reference["apart"].get(m, 0.0)) for m in wanted}
         least_known = max(known, key=lambda m: known[m], default=None)
         if least_known is not None and error < known[least_known]:
             raise InputError(
-                f"speed_error: an error of {error:g} cannot be told by this study: in {least_known} its reference "
+                f"speed_error: an error of {error:g} cannot be assessed by this study: in {least_known} its reference "
                 f"differs from twice its own step by {known[least_known]:.2g}; "
                 "give it a finer step, reference={'step': ...}"
             )
@@ -91,16 +90,16 @@ class SpeedError:
         return orders(self.rows, self._series)
 
     def table(self) -> tuple[list[str], list[list[str]]]:
-        """Head and rows of the table of all runs: those that differ in the step only follow one another."""
+        """Head and rows of the table of all runs: those that differ in the step only are adjacent."""
         return full_table(self.rows, self.measures, unit_of(self.sittings))
 
     def report(self) -> str:
-        """Everything as Markdown."""
+        """The complete report as Markdown."""
         return report(self)
 
     def write(self, folder: str | Path, *, overwrite: bool = False) -> list[Path]:
-        """Write speed_error.csv, .md and .png, the fronts, and speed_error_steps.png where steps were chosen. Raises
-        `InputError` for files that cannot be written, or exist where `overwrite` is not set."""
+        """Write speed_error.csv, .md and .png, the fronts, and, if steps were varied, speed_error_steps.png. Raises
+        `InputError` for files that cannot be written, or exist if `overwrite` is not set."""
         head, lines = self.table()
         text = io.StringIO()
         csv.writer(text).writerows([["warpffrf speed_error", self.title], head, *lines])
@@ -112,7 +111,7 @@ class SpeedError:
         return paths + self.draw(Path(folder) / "speed_error", overwrite=overwrite)
 
     def draw(self, stem: str | Path, *, overwrite: bool = False) -> list[Path]:
-        """Write the pictures STEM.png and, where steps were chosen, STEM_steps.png; raises as `write` does."""
+        """Write the pictures STEM.png and, if steps were varied, STEM_steps.png; raises as `write`."""
         about = self.rows, self.measures, self.reference["apart"]
         pareto = pareto_figure(*about, self.title)
         steps = steps_figure(*about, self.orders(), self.title)
@@ -120,7 +119,7 @@ class SpeedError:
         return [write_picture(figure, path, "speed_error", overwrite=overwrite) for path, figure in figures.items()]
 
 
-NONE = "-"  # of what a row does not have
+NONE = "-"  # for missing values
 FASTEST, MEDIAN, UNITS = "wall s/s, fastest", "median", "step U"
 FRONT = "on the front of"
 ALL = "all"  # measures
@@ -130,12 +129,12 @@ Lines = list[list[str]]
 
 
 def ordered(rows: Sequence[Row]) -> list[Row]:
-    """Groups of rows that differ in the step only, in the order in which they were chosen, coarse steps first."""
+    """Groups of rows that differ in the step only, in the order of the choices, coarse steps first."""
     return [row for group in grouped(rows).values() for row in group]
 
 
 def _choices(rows: Sequence[Row]) -> list[str]:
-    """The names that rows differ in, the step last."""
+    """The names in which rows differ, the step last."""
     names = changed_names(rows)
     return [name for name in names if name != STEP] + [name for name in names if name == STEP]
 
@@ -149,12 +148,12 @@ def _error(row: Row, measure: str) -> str:
 
 
 def _units(row: Row, unit: float | None) -> str:
-    """A step of the fastest run in units of U."""
+    """Step time of the fastest run in units of U."""
     return f"{row.fastest * row.setting[STEP] / unit:.3g}" if unit and row.walls else NONE
 
 
 def full_table(rows: Sequence[Row], measures: Sequence[str], unit: float | None) -> tuple[Head, Lines]:
-    """Every run; `unit`: U [s], None if not known."""
+    """All runs; `unit`: U [s], None if unknown."""
     names = _choices(rows)
     marks = {m: {id(row) for row in front(rows, m)} for m in measures}
     costs: dict[str, Callable[[Row], str]] = {
@@ -183,7 +182,7 @@ def full_table(rows: Sequence[Row], measures: Sequence[str], unit: float | None)
 
 
 def shortened(head: Head, lines: Lines) -> tuple[Head, Lines, dict[str, str]]:
-    """The table without the columns that say nothing, and what those have that are the same in all rows."""
+    """The table without columns that have no information, and the values that are equal in all rows."""
     columns = dict(zip(head, zip(*lines, strict=True), strict=True))
     same = {name: column[0] for name, column in columns.items() if len(lines) > 1 and len(set(column)) == 1}
     single = columns[MEDIAN] == columns[FASTEST]
@@ -193,7 +192,7 @@ def shortened(head: Head, lines: Lines) -> tuple[Head, Lines, dict[str, str]]:
 
 
 def front_table(rows: Sequence[Row], measures: Sequence[str], unit: float | None) -> tuple[Head, Lines]:
-    """The rows that are on the front of any of `measures`, from fast to slow."""
+    """The rows on the front of any of `measures`, from fast to slow."""
     names = _choices(rows)
     marks = {m: {id(row) for row in front(rows, m)} for m in measures}
     head = [*names, *(f"{m} [%]" for m in measures), "wall s/s", UNITS, FRONT]
@@ -218,7 +217,7 @@ def _orders(order: Order) -> str:
 
 
 def order_table(found: Sequence[Order]) -> tuple[Head, Lines]:
-    """A row for each combination of the other choices, a column for each measure: orders from coarse to fine."""
+    """One row for each combination of the other choices, one column per measure: orders from coarse to fine."""
     groups: dict[str, dict[str, Order]] = {}
     for order in found:
         groups.setdefault(order.group, {})[order.measure] = order
@@ -232,7 +231,7 @@ def order_table(found: Sequence[Order]) -> tuple[Head, Lines]:
 
 
 def wanted_table(study: SpeedError) -> tuple[list[str], list[list[str]]]:
-    """The fastest setting for each of WANTED, or why there is none."""
+    """The fastest setting for each of WANTED, or the reason why there is none."""
     names, lines = changed_names(study.rows), []
     for error in WANTED:
         try:
@@ -244,13 +243,13 @@ def wanted_table(study: SpeedError) -> tuple[list[str], list[list[str]]]:
 
 
 def report(study: SpeedError) -> str:
-    """Everything."""
+    """The complete report."""
     unit = unit_of(study.sittings)
     apart = ", ".join(f"{m} {100.0 * e:.2g} %" for m, e in study.reference["apart"].items())
     parts = [
-        f"Reference: {study.reference['label']}; from twice its step it differs by {apart or 'nothing measured'}.",
+        f"Reference: {study.reference['label']}; difference with twice the step: {apart or 'nothing measured'}.",
         *(stated(facts) for facts in study.sittings),
-        "Fastest within a wanted error of all measures against the reference:",
+        "Fastest setting for a required error of all measures against the reference:",
         table(*wanted_table(study)),
     ]
     against = [m for m in study.measures if m not in OWN]
@@ -260,13 +259,13 @@ def report(study: SpeedError) -> str:
     orders = study.orders()
     if orders:
         parts += [
-            "Order in the step, from differences of runs whose steps follow one another, coarse to fine:",
+            "Order in the step, from differences of runs with consecutive steps, coarse to fine:",
             table(*order_table(orders)),
         ]
     head, lines, same = shortened(*full_table(study.rows, study.measures, unit))
     parts += ["All runs:", table(head, lines)]
     if same:
-        parts.append("The same in all of them: " + ", ".join(f"{name} {value}" for name, value in same.items()) + ".")
+        parts.append("Equal in all runs: " + ", ".join(f"{name} {value}" for name, value in same.items()) + ".")
     if UNITS in head:
         parts.append("`step U` is the time of a step in units of U.")
     parts += [f"Left out: {name} {value}: {reason}." for name, value, reason in study.left_out]

@@ -1,8 +1,8 @@
 """Pictures of a study: error against wall time with the front marked, and error against step with observed orders.
 
-Both have a panel for each measure, on double logarithmic scales, and a curve for each group of runs that differ in the
-step only. What the reference itself differs by from twice its step is a dashed line: errors near it say as much of the
-reference as of the run. matplotlib is imported when a picture is drawn.
+Both have a panel for each measure, with logarithmic scales, and a curve for each group of runs that differ in the step
+only. The difference of the reference from that with twice its step is a dashed line: errors near it are due to the
+reference as much as to the run. matplotlib is imported when a picture is drawn.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from warpffrf.output.plots.panels import COLORS, COLUMNS, DPI, MARKS, PANEL_SIZE
 from warpffrf.study.speed_against_error.front import Order, front, grouped
 from warpffrf.study.speed_against_error.runs import Row
 
-MOST_NAMED = 24  # curves in the legend: so many differ in colour and mark
+MOST_NAMED = 24  # curves in the legend that differ in colour and marker
 LEGEND_LINE = 0.19  # inches
-TICKS = (1.0, 2.0, 5.0)  # of each decade of times
-EXPECTED = 2.0  # order in the step, of all integrators that simulate takes
+TICKS = (1.0, 2.0, 5.0)  # in each decade of times
+EXPECTED = 2.0  # order in the step of all integrators of simulate
 
 
 def curves(rows: Sequence[Row]) -> dict[str, list[Row]]:
-    """Rows with times that differ in the step only, coarse steps first, by what sets the group apart."""
+    """Timed rows that differ in the step only, coarse steps first, by the other choices."""
     return grouped([row for row in rows if row.timed])
 
 
 def pareto_figure(rows: Sequence[Row], measures: Sequence[str], apart: Mapping[str, float], title: str) -> Any:
-    """Errors [%] of all `rows` against the fastest wall time per simulated second; those on the front are circled."""
+    """Errors [%] of all `rows` against the least wall time per simulated second; rows on the front are circled."""
 
     def draw(ax: Any, measure: str) -> None:
         for n, group in enumerate(curves(rows).values()):
@@ -47,9 +47,8 @@ def pareto_figure(rows: Sequence[Row], measures: Sequence[str], apart: Mapping[s
 def steps_figure(
     rows: Sequence[Row], measures: Sequence[str], apart: Mapping[str, float], found: Sequence[Order], title: str
 ) -> Any | None:
-    """Errors [%] against the step [s], beside the slope of order two. Of measures that have histories titles give the
-    range of the observed orders, between the finest steps, by treatment of local modes. None where no group has two
-    steps."""
+    """Errors [%] against the step [s], with the slope of order two. For measures with histories, titles show the range
+    of the observed orders between the finest steps, by treatment of local modes. None if no group has two steps."""
     if all(len(group) < 2 for group in curves(rows).values()):
         return None
 
@@ -74,7 +73,7 @@ def steps_figure(
 
 
 def observed_orders(found: Sequence[Order], measure: str) -> list[str]:
-    """The orders between the finest steps of all groups, one text for each treatment of local modes."""
+    """The orders between the finest steps of all groups, one text per treatment of local modes."""
     by_local: dict[str, list[float]] = {}
     for order in found:
         known = order.orders[np.isfinite(order.orders)]
@@ -121,7 +120,7 @@ def _figure(
         ax.grid(which="both", alpha=0.25, lw=0.5)
         zero = sum(row.timed and row.errors.get(measure) == 0.0 for row in rows)
         if zero:
-            ax.text(0.02, 0.02, f"{zero} of no error, not shown", transform=ax.transAxes, fontsize=8)
+            ax.text(0.02, 0.02, f"{zero} with zero error, not shown", transform=ax.transAxes, fontsize=8)
     keys = [
         Line2D([], [], marker=MARKS[n // len(COLORS) % len(MARKS)], ms=4.0, lw=0.9, color=COLORS[n % len(COLORS)])
         for n in range(len(labels))

@@ -1,4 +1,4 @@
-"""One run of a setting, and what it costs."""
+"""One run of a setting, and its cost."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ REFUSED = "refused"
 
 @dataclass
 class Row:
-    """A setting, how its runs ended, its `errors` as fractions, and its costs: `walls` and `graphs`, seconds of the
-    time loop and in its graph per simulated second; of each run `set_up` [s] (compiling and building) and `after` [s]
-    (what it checks when it has ended); `offline` [s] of its bodies."""
+    """A setting, the status of its runs, its `errors` as fractions, and its costs: `walls` and `graphs`, seconds of the
+    time loop and in its graph per simulated second; for each run `set_up` [s] (compilation and building) and `after`
+    [s] (checks at the end); `offline` [s] of its bodies."""
 
     setting: Setting
     status: str = ""
@@ -45,7 +45,7 @@ class Row:
 
     @property
     def fastest(self) -> float:
-        """Least wall time per simulated second: what disturbs a run only slows it down."""
+        """Least wall time per simulated second: disturbances only increase times."""
         return min(self.walls)
 
     @property
@@ -54,7 +54,7 @@ class Row:
         return median(self.walls)
 
     def plain(self) -> dict[str, Any]:
-        """All but the setting, as plain data."""
+        """Everything except the setting, as plain data."""
         return {name: value for name, value in vars(self).items() if name != "setting"}
 
 
@@ -62,7 +62,7 @@ def run_setting(
     machines: Machines, setting: Setting, interval: float, duration: float, options: Mapping[str, Any]
 ) -> tuple[Result, Row]:
     """One run, saved every `interval` [s], and its costs without errors. Raises `InputError` for a setting that the
-    scene cannot do, KeyboardInterrupt where the run was interrupted."""
+    scene does not support, KeyboardInterrupt if the run was interrupted."""
     scene, chosen = machines.scene(setting), run_options(setting)
     with applied(scene, setting):
         every = round(interval / chosen["step"])
@@ -75,10 +75,10 @@ def run_setting(
         row.walls.append(float(counters["loop_seconds"]) / span)
         row.graphs.append(float(counters.get("seconds_in_graph", counters["loop_seconds"])) / span)
         row.set_up.append(float(counters["build_seconds"]))
-        row.after.append(float(counters.get("finish_seconds", 0.0)))  # the check integrators have none
+        row.after.append(float(counters.get("finish_seconds", 0.0)))  # missing for the check integrators
     return result, row
 
 
 def refused(setting: Setting, error: InputError) -> Row:
-    """The row of a setting that the scene cannot do."""
+    """The row of a setting that the scene does not support."""
     return Row(setting, REFUSED, str(error))

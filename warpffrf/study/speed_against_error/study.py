@@ -1,8 +1,8 @@
-"""`speed_error`: one scene with many settings beside a reference that it computes itself.
+"""`speed_error`: one scene with many settings, compared with a computed reference.
 
-The reference has REFINED steps in the finest step of the study, of the other choices the last value of each, all
-inertia terms where all flexible bodies have them, and what the user asks of it. A second one with twice its step says
-how far it is converged: of a method of second order its own error is a third of their difference.
+The reference has the finest step of the study divided by REFINED, the last value of every other choice, all inertia
+terms if all flexible bodies have them, and the user's own values. A second reference with twice its step measures its
+convergence: for a second-order method its own error is a third of their difference.
 """
 
 from __future__ import annotations
@@ -60,16 +60,14 @@ def speed_error(
     resume: bool = True,
     progress: bool = True,
 ) -> SpeedError:
-    """Run a scene with many settings, in `rounds` of changing order, and hold them against a reference.
+    """Run a scene with many settings, in `rounds` of changing order, and compare them with a reference.
 
     scene: a Scene, a function `build(**parameters)` that returns one, or a scene file with `settings` as of `--set`.
-    duration, step [s], start: as of `simulate`, of a file those of its [simulate]. choices {name: values}, from coarse
-    to fine; None: see `choices`. reference: other values for the reference. points {body: (n, 3)} [m, user frame]:
-    where displacement is compared. saved_every [s]: the common times. measures: which quantities are compared, None for
-    all.
-    progress: what is being done, on stderr. overwrite, resume: of an earlier study in the folder, to replace it or to
-    go on. out: a folder, in which an interrupted study
-    goes on. Raises `InputError`.
+    duration, step [s], start: as of `simulate`, for a file by default those of its [simulate]. choices {name: values},
+    from coarse to fine; None: see `choices`. reference: other values for the reference. points {body: (n, 3)} [m, user
+    frame]: where displacement is compared. saved_every [s]: interval of the common times. measures: quantities to
+    compare, None for all. progress: report the progress on stderr. overwrite, resume: replace or continue an earlier
+    study in the folder. out: a folder, from which an interrupted study can continue. Raises `InputError`.
     """
     source = source_of(scene, settings)
     machines = Machines(source, parameters or {})
@@ -112,7 +110,7 @@ def speed_error(
             coarse, _ = run_setting(machines, {**finest, "step": 2.0 * finest["step"]}, interval, duration, options)
             for result in (best, coarse):
                 if common_rows(result.time, interval, duration) is None:
-                    raise InputError(f"speed_error: the reference ended early, {result.status}: {result.message}; "
+                    raise InputError(f"speed_error: the reference run ended early, {result.status}: {result.message}; "
                                      "give it other values, reference={...}")  # fmt: skip
             at, at_coarse = (common_rows(r.time, interval, duration) for r in (best, coarse))
             assert at is not None and at_coarse is not None
@@ -127,7 +125,7 @@ def speed_error(
         how = interval, duration, options
         try:
             rows = _rounds(machines, plan, folder, bar, rounds, how, (best, at, names, places))
-        finally:  # of an interrupted sitting too
+        finally:  # also for an interrupted sitting
             if folder.times() > timed:
                 folder.keep_machine(sitting(load))
     finally:
@@ -151,7 +149,8 @@ def _reference_setting(plan: Choices, choices: Mapping[str, Any], scene: Any, as
 def _rounds(
     machines: Machines, plan: Choices, folder: Folder, bar: Progress, rounds: int, how: Any, against: Any
 ) -> list[Row]:
-    """All settings in rounds, each from another one on and every second backwards; what is kept is not run again."""
+    """All settings in rounds, each from a different start and every second one backwards; stored runs are not
+    repeated."""
     (interval, duration, options), (best, at, names, places) = how, against
     rows = {label_of(s): Row(s, **(folder.row(label_of(s)) or {})) for s in plan.settings}
     order, done = list(rows), 2

@@ -1,18 +1,18 @@
-"""A table of runs: one scene at many values of its parameters, on one core or on many; `study.sweep`.
+"""Parameter sweeps: one scene at many values of its parameters, on one or many cores; `study.sweep`.
 
 parameters   a parameter: values, a range, a distribution; samples: points of the unit cube, Latin hypercube, Sobol,
              random, for Sobol indices
 design       the rows of a sweep: all combinations, a sample, or rows as given
-functions    what a function does, as a word by which a changed one is told
-scenes       where the scene of a row comes from: a file or a function; rows as worlds of one graph
-job          what a worker does with a row, what is kept of a run, and what it answers
-parcel       what is sent to workers
-errand       the function that opens it there
+functions    identification of a function by a hash of its code
+scenes       source of the scene of a row: a file or a function; rows as worlds of one graph
+job          work on a row by a worker, outputs of a run, and answers
+parcel       data sent to workers
+errand       the function that opens it there and runs it
 packing      a job packed and opened again, reduced bodies by their content hash
-crews        who runs rows: this process, processes of our own, anybody with the interface of concurrent.futures
-cluster      who else does: dask.distributed
-folder       the folder of a sweep: what it is, who writes it, runs that have ended
+crews        executors: this process, own processes, any executor with the interface of concurrent.futures
+cluster      executor of dask.distributed
+folder       the folder of a sweep: definition, lock, completed runs
 table        all rows in one HDF5 file, which xarray opens lazily
-outcome      a sweep as users have it
-sweep        `sweep`: rows go out, answers come in
+outcome      result of a sweep
+sweep        `sweep`, the public function: sends rows and collects answers
 """

@@ -1,9 +1,8 @@
 """Workers of dask.distributed, on this machine or many: a client of the user, or the address of a scheduler.
 
-Rows go out a few ahead of each worker. A worker that is lost is noticed by the scheduler, which gives its rows to
-others; a row that is lost with its worker `distributed.scheduler.allowed-failures` times more (3 if nothing else is
-set) is given up, and run again here as one of a worker that died. Start workers with one thread each, for runs of one
-process follow one another:
+A few rows are sent ahead to each worker. The scheduler detects a lost worker and gives its rows to others; a row that
+loses `distributed.scheduler.allowed-failures` further workers (3 by default) is abandoned by the scheduler and handled
+here as a row of a dead worker. Start workers with one thread each, because runs of one process are sequential:
 
     dask scheduler
     dask worker tcp://HOST:8786 --nworkers 8 --nthreads 1 --preload warpffrf.study.sweeps.job
@@ -19,14 +18,14 @@ from warpffrf.study.sweeps.crews import Answers, Elsewhere, WorkerDied
 from warpffrf.study.sweeps.job import Answer
 from warpffrf.study.sweeps.parcel import Parcel
 
-ANSWERS_IN = 10  # s that a scheduler has to answer in: one that is there does at once
-AHEAD = 4  # rows sent for each worker: it need not wait for the next, and few are run again where it is lost
+ANSWERS_IN = 10  # s for the scheduler to answer: a running one answers at once
+AHEAD = 4  # rows sent per worker: it need not wait for the next, and few are repeated if it is lost
 
 log = logging.getLogger("warpffrf")
 
 
 class Cluster(Elsewhere):
-    """The workers of a client; `own`: whether it was made here, and is closed here."""
+    """The workers of a client; `own`: whether it was created here, and is closed here."""
 
     def __init__(self, parcel: Parcel, client: Any, device: str | None, own: bool) -> None:
         super().__init__(parcel, client.get_executor(pure=False), device)
@@ -36,11 +35,11 @@ class Cluster(Elsewhere):
 
     @property
     def capacity(self) -> int:
-        """Some rows for each worker there is now: they come and go."""
+        """A few rows for each present worker; their number may change."""
         return AHEAD * max(1, _workers(self.client))
 
     def collect(self, future: Answers) -> list[Answer]:
-        """The answers."""
+        """The answers of a finished future."""
         from distributed import KilledWorker
 
         try:
@@ -49,8 +48,8 @@ class Cluster(Elsewhere):
             raise WorkerDied from None
 
     def close(self) -> None:
-        """Take back what was sent and not run yet."""
-        self.executor.shutdown(wait=False)  # of this executor it means to cancel
+        """Cancel rows that have not been run."""
+        self.executor.shutdown(wait=False)  # cancels only the futures of this executor
         if self.own:
             self.client.close()
 
@@ -60,8 +59,8 @@ def _workers(client: Any) -> int:
 
 
 def client_at(address: str) -> Any:
-    """A client of the scheduler at `address`. Raises `InputError` where distributed is not installed, and where
-    nothing answers."""
+    """A client of the scheduler at `address`. Raises `InputError` if distributed is not installed, and if nothing
+    answers."""
     try:
         from distributed import Client
     except ImportError as error:

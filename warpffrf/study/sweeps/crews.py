@@ -1,14 +1,15 @@
-"""Who runs the rows of a sweep, behind one interface: rows go in, a `concurrent.futures.Future` of answers comes back.
+"""Executors of the rows of a sweep, with one interface: rows are submitted, a `concurrent.futures.Future` of answers is
+returned.
 
     Here         this process, one row after the other
-    Processes    processes of our own, each with a device: the default for several workers, and needs nothing else
-    Elsewhere    anybody with the `submit` of concurrent.futures
+    Processes    own processes, each with a device: the default for several workers, without further packages
+    Elsewhere    any executor with the `submit` of concurrent.futures
     Cluster      dask.distributed on this machine or many (`cluster`)
 
-A process that has used Warp cannot be forked. So ours are forks of one that has done nothing but import what workers
-need, which takes seconds (where the system cannot fork, each imports it). Each is a pool of one: one that dies is known
-by the row that it had, the others go on, and a new one takes its place at once. Ctrl-C does not reach them, they are
-ended by us.
+A process that has used Warp cannot be forked. Workers are therefore forked from a process that has only imported the
+required modules, which takes seconds (without fork, each worker imports them). Each worker is a pool of one process: a
+dead worker is identified by its row, the others continue, and it is replaced at once. Ctrl-C does not reach workers;
+they are ended here.
 """
 
 from __future__ import annotations
@@ -31,9 +32,9 @@ from warpffrf.study.sweeps.errand import answers
 from warpffrf.study.sweeps.job import Answer, Job, Numbered
 from warpffrf.study.sweeps.parcel import Parcel
 
-WORKER = "warpffrf sweep worker"  # name of our processes
-LEAST_OPEN = 64  # rows sent at once, where it is not known how many workers there are
-DYING = 0.1  # s from when a process no longer answers to when the system says that it has ended
+WORKER = "warpffrf sweep worker"  # name of the processes
+LEAST_OPEN = 64  # rows sent at once if the number of workers is unknown
+DYING = 0.1  # s between the last answer of a process and its end as reported by the system
 
 
 METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
@@ -50,37 +51,37 @@ Answers = Future[list[Answer]]
 
 
 def found_by(future: Answers) -> list[Answer]:
-    """The answers of a future that is done. A KeyboardInterrupt that comes out of it is not the user's: SIGTERM has
-    asked that worker alone to end, which is `WorkerDied`."""
+    """The answers of a finished future. A KeyboardInterrupt raised by it is not the user's: SIGTERM has ended that
+    worker alone, which is `WorkerDied`."""
     if isinstance(future.exception(), KeyboardInterrupt):
         raise WorkerDied
     return future.result()
 
 
 class Crew(Protocol):
-    """Runs rows. `capacity`: how many futures may be open at once."""
+    """Executor of rows. `capacity`: number of futures that may be open at once."""
 
     @property
     def capacity(self) -> int:
-        """How many futures may be open."""
+        """Number of futures that may be open."""
         ...
 
     def submit(self, rows: Numbered) -> Answers:
-        """Have these rows run."""
+        """Submit rows."""
         ...
 
     def collect(self, future: Answers) -> list[Answer]:
-        """The answers of a future that is done. Raises `WorkerDied`, after which the rows may be submitted again, and
-        `InputError` where no worker can do anything."""
+        """The answers of a finished future. Raises `WorkerDied`, after which the rows may be submitted again, and
+        `InputError` if no worker can run anything."""
         ...
 
     def close(self) -> None:
-        """End what still runs."""
+        """End all running work."""
         ...
 
 
 class Here:
-    """This process."""
+    """Executor in this process."""
 
     capacity = 1
 
@@ -88,21 +89,21 @@ class Here:
         self.job, self.device = job, device
 
     def submit(self, rows: Numbered) -> Answers:
-        """Runs them at once."""
+        """Run the rows immediately."""
         future: Answers = Future()
         future.set_result(self.job.answers(rows, self.device))
         return future
 
     def collect(self, future: Answers) -> list[Answer]:
-        """What was found."""
+        """The answers."""
         return future.result()
 
     def close(self) -> None:
-        """Nothing runs."""
+        """Nothing to end."""
 
 
 class _Named(_Context):
-    """Starts processes by the name of ours, and keeps them at hand."""
+    """Starts named processes, and keeps references to them."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -127,15 +128,15 @@ class _Worker:
             self.ready = self.pool.submit(_begin, dict(os.environ))
 
     def end(self) -> None:
-        """End it at once: it has nothing to keep."""
+        """End the process immediately."""
         for process in self.context.started:
             process.kill()
         self.pool.shutdown(wait=True, cancel_futures=True)
 
 
 def _started(device: str | None) -> _Worker:
-    """A worker. The process that they are forked from may have been killed, which the first try finds out; the second
-    comes from another one."""
+    """Start a worker. The process that workers are forked from may have been killed, which the first attempt detects;
+    the second attempt forks from a new one."""
     try:
         return _Worker(device)
     except (OSError, EOFError):
@@ -144,8 +145,8 @@ def _started(device: str | None) -> _Worker:
 
 
 def _end_with_the_sweep() -> None:
-    """What a worker does at once: it listens for the end of the sweep's process. One that is killed ends nobody, and
-    its workers would wait for rows for ever, with what they hold of a GPU."""
+    """Initialisation of a worker: wait for the end of the sweep's process. A killed process does not end its workers,
+    which would wait for rows forever and keep their GPU memory."""
     sweep = multiprocessing.parent_process()
     if sweep is None:
         raise RuntimeError("no process of a sweep started this one")
@@ -158,7 +159,7 @@ def _end_with_the_sweep() -> None:
 
 
 def _begin(environment: dict[str, str]) -> None:
-    """What a worker does first: what it was forked from may be older than variables of its environment."""
+    """Initialisation of a worker: environment variables may have changed since the parent process was started."""
     os.environ.update(environment)
     for module in IMPORTED:
         importlib.import_module(module)
@@ -179,18 +180,18 @@ class Processes:
             raise
 
     def submit(self, rows: Numbered) -> Answers:
-        """A worker that is free runs them."""
+        """Submit rows to a free worker."""
         worker = self.free.pop(0)
         try:
             future = worker.pool.submit(answers, self.parcel, rows, worker.device)
-        except BrokenExecutor as error:  # it has died while it was idle
+        except BrokenExecutor as error:  # it died while it was idle
             future = Future()
             future.set_exception(error)
         self.busy[future] = worker
         return future
 
     def collect(self, future: Answers) -> list[Answer]:
-        """The answers; a worker that has died, or was asked to end, is replaced."""
+        """The answers; a worker that died, or was asked to end, is replaced."""
         worker = self.busy.pop(future)
         try:
             found = found_by(future)
@@ -199,19 +200,19 @@ class Processes:
             worker.end()
             if not begun:
                 raise InputError(
-                    "sweep: a worker process ended before it had begun; a script must call sweep below the line "
+                    "sweep: a worker process ended during its start; a script must call sweep below the line "
                     "if __name__ == '__main__':, because every worker reads the script; or run it here, workers=1"
                 ) from None
             self.free.append(_started(worker.device))
             raise WorkerDied from None
-        except BaseException:  # it lives, and `close` ends it
+        except BaseException:  # the worker is alive, and `close` ends it
             self.free.append(worker)
             raise
         self.free.append(worker)
         return found
 
     def close(self) -> None:
-        """Ends all processes."""
+        """End all processes."""
         for worker in (*self.free, *self.busy.values()):
             worker.end()
         self.free.clear()
@@ -219,16 +220,16 @@ class Processes:
 
 
 def refuse_in_workers() -> None:
-    """Raises `InputError` in a process that `Processes` has started, whose script comes to its sweep again."""
+    """Raises `InputError` in a process started by `Processes` whose script calls the sweep again."""
     if multiprocessing.current_process().name == WORKER:
         raise InputError(
-            "sweep: a worker process has come to the sweep that started it, because it reads the script; put the call "
+            "sweep: a worker process reached the sweep call that started it, because it reads the script; put the call "
             "below the line if __name__ == '__main__':"
         )
 
 
 class Elsewhere:
-    """An executor that somebody else has set up; it is not shut down."""
+    """An executor provided by the user; it is not shut down."""
 
     def __init__(self, parcel: Parcel, executor: Any, device: str | None) -> None:
         self.parcel, self.executor, self.device = parcel, executor, device
@@ -236,11 +237,11 @@ class Elsewhere:
 
     @property
     def capacity(self) -> int:
-        """So many that no worker waits."""
+        """Enough rows for all workers."""
         return LEAST_OPEN
 
     def submit(self, rows: Numbered) -> Answers:
-        """Any worker runs them."""
+        """Submit rows to any worker."""
         future = self.executor.submit(answers, self.parcel, rows, self.device)
         self.open.add(future)
         return future
@@ -251,10 +252,10 @@ class Elsewhere:
         try:
             return found_by(future)
         except CancelledError:
-            raise InputError("sweep: the executor has cancelled runs; go on with resume=True, on another one") from None
+            raise InputError("sweep: the executor has cancelled runs; continue with resume=True on another") from None
         except BrokenExecutor as error:
             raise InputError(
-                f"sweep: the executor given is broken ({error}); go on with resume=True, on another one"
+                f"sweep: the given executor is broken ({error}); continue with resume=True, on another one"
             ) from None
         except (ImportError, AttributeError, pickle.UnpicklingError) as error:
             raise InputError(
@@ -262,7 +263,7 @@ class Elsewhere:
             ) from None
 
     def close(self) -> None:
-        """Takes back what has not begun; the executor itself belongs to others."""
+        """Cancel rows that have not started; the executor itself is not closed."""
         for future in self.open:
             future.cancel()
         self.open.clear()

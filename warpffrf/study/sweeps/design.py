@@ -1,4 +1,4 @@
-"""The rows of a sweep: which value each parameter has in each run."""
+"""The rows of a sweep: the value of each parameter in each run."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True)
 class Design:
-    """`rows`, each a value by parameter; `texts`: what each parameter is; how they were combined."""
+    """`rows`, each with a value per parameter; `texts`: descriptions of the parameters; and how they were combined."""
 
     rows: list[Row]
     texts: dict[str, str]
@@ -32,18 +32,18 @@ class Design:
 
     @property
     def names(self) -> list[str]:
-        """Of the parameters."""
+        """Names of the parameters."""
         return list(self.texts)
 
     def digest(self) -> str:
-        """sha256 of all values, by which one design is told from another."""
+        """sha256 of all values, which identifies the design."""
         text = json.dumps([[row[name] for name in self.names] for row in self.rows])
         return hashlib.sha256(text.encode()).hexdigest()
 
 
 def design_of(parameters: Any, sample: str | None, seed: int) -> Design:
-    """All combinations of the `parameters`, the first varied slowest, a `sample` of them, or rows as they are given.
-    Raises `InputError`."""
+    """All combinations of the `parameters`, the first varied slowest, a `sample` of them, or given rows. Raises
+    `InputError`."""
     seed = require_count(seed, "sweep: seed", 0)
     if isinstance(parameters, Mapping):
         made = parameters_of(parameters)
@@ -81,7 +81,7 @@ def _sample(made: dict[str, Parameter], sample: str, seed: int) -> Design:
 
 
 def _given(rows: Any) -> Design:
-    if hasattr(rows, "to_dict") and hasattr(rows, "columns"):  # a table of pandas
+    if hasattr(rows, "to_dict") and hasattr(rows, "columns"):  # a pandas table
         rows = rows.to_dict("records")
     if not isinstance(rows, Sequence) or isinstance(rows, str) or not rows:
         raise InputError(

@@ -1,5 +1,5 @@
-"""The function that is sent to workers. What it needs takes seconds to import: those of a worker, in the thread that
-runs it, and not of the scheduler, which reads the name of the function."""
+"""The function sent to workers. Its imports take seconds: they are made by the worker, in the thread that runs it, and
+not by the scheduler, which only reads the name of the function."""
 
 from __future__ import annotations
 

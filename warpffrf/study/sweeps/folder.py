@@ -1,15 +1,15 @@
-"""The folder of a sweep, by custom NAME.sweep: what it is, who writes it, and what has been run.
+"""The folder of a sweep, by convention NAME.sweep: definition, lock, and completed runs.
 
-    sweep.json            what the sweep is: scene, parameters, outputs, versions; written first
-    lock                  held by the process that runs it; says which
-    runs/000012.arrays    a run that has ended, a small sealed file (`model/files/sealed_file.py`), until it is in the
+    sweep.json            definition of the sweep: scene, parameters, outputs, versions; written first
+    lock                  held by the running process, with its identity
+    runs/000012.arrays    a completed run, a small sealed file (`model/files/sealed_file.py`), until it is in the
     table table.h5              all rows (`table.py`)
     bodies/HASH.h5        reduced bodies that workers read (`packing.py`)
 
-One process writes: workers send their answers to it. A table in HDF5 can be lost with a kill in the middle of writing,
-and is written as a whole; so a run goes into a file of its own when it ends, and is put into the table with others, and
-at last with all. A kill at any time loses no run that had ended. Whoever opens a folder that nobody holds puts what is
-left into the table first.
+One process writes: workers send their answers to it. A table in HDF5 can be lost if the process is killed while
+writing, and is always written completely; therefore a completed run is first written to its own file, and later merged
+into the table with others, and at the end with all. A kill at any time loses no completed run. Opening a folder without
+lock first merges the remaining files into the table.
 """
 
 from __future__ import annotations
@@ -35,15 +35,15 @@ KIND = "warpffrf sweep"
 DEFINITION, LOCK, RUNS, TABLE, BODIES = "sweep.json", "lock", "runs", "table.h5", "bodies"
 RUN = "{:06d}.arrays"
 AGAIN = "choose another folder, or begin anew with overwrite=True (--overwrite)"
-GATHER_FROM = 500  # files of runs that are put into the table, later as many as are in it: a row is written few times
-GATHER_AT = 4000  # the most of them: whoever writes one looks through the folder
+GATHER_FROM = 500  # files of runs merged into the table, later as many as are in it: a row is rewritten few times
+GATHER_AT = 4000  # upper limit: each write scans the folder
 TIMES = "time"
 
 log = logging.getLogger("warpffrf")
 
 
 def is_sweep(path: str | os.PathLike[str]) -> bool:
-    """Whether `path` is the folder of a sweep, by what is in it."""
+    """Whether `path` is the folder of a sweep, by its content."""
     return (Path(path).expanduser() / DEFINITION).is_file()
 
 
@@ -53,13 +53,13 @@ class Folder:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path).expanduser()
         self._lock: IO[str] | None = None
-        self._loose = 0  # runs that are in no table yet
+        self._loose = 0  # runs that are not in the table yet
         self._in_table = 0
-        self.has_values = False  # whether a run in the table has had what is wanted
+        self.has_values = False  # whether a run in the table has the outputs
 
     @property
     def bodies(self) -> Path:
-        """Where reduced bodies go."""
+        """Folder of reduced bodies."""
         return self.path / BODIES
 
     @property
@@ -68,7 +68,7 @@ class Folder:
         return self.path / TABLE
 
     def definition(self) -> dict[str, Any]:
-        """What the sweep is. Raises `InputError` for a folder that is no sweep."""
+        """The definition of the sweep. Raises `InputError` for a folder that is no sweep."""
         file = self.path / DEFINITION
         if not file.is_file():
             raise InputError(f"sweep: '{self.path}' is no folder of a sweep, it has no {DEFINITION}; check the path")
@@ -86,8 +86,8 @@ class Folder:
     # --- writing
 
     def begin(self, definition: Mapping[str, Any], design: Design, *, overwrite: bool, resume: bool) -> set[int]:
-        """Take the folder for a sweep; the numbers of rows that have been run. Raises `InputError` where it holds a
-        sweep and neither is asked for, another sweep, or something else, and where another process writes it."""
+        """Lock the folder for a sweep; returns the indices of completed rows. Raises `InputError` if it holds a sweep
+        and neither option is set, another sweep, or something else, and if another process writes it."""
         if self.path.exists() and not self.path.is_dir():
             raise InputError(f"sweep: store '{self.path}' is a file; give the name of a folder")
         if self.path.is_dir() and not is_sweep(self.path) and self._has_others():
@@ -124,8 +124,8 @@ class Folder:
         return set()
 
     def _has_others(self) -> bool:
-        """Whether the folder, which has no definition, has more in it than a sweep that was killed before it wrote one
-        leaves there."""
+        """Whether the folder, which has no definition, contains more than a sweep leaves that was killed before it
+        wrote one."""
         begun = (LOCK, RUNS)
         if any(entry.name not in begun and not entry.name.endswith(ENDING) for entry in self.path.iterdir()):
             return True
@@ -133,7 +133,7 @@ class Folder:
         return runs.is_dir() and any(not entry.name.endswith(ENDING) for entry in runs.iterdir())
 
     def hold(self) -> None:
-        """Lock the folder until `release`. Raises `InputError` where another process has."""
+        """Lock the folder until `release`. Raises `InputError` if another process holds the lock."""
         stream = (self.path / LOCK).open("a+", encoding="utf-8")
         if not locked(stream):
             with stream:
@@ -148,7 +148,7 @@ class Folder:
             remove_left_over_in(folder)
 
     def release(self) -> None:
-        """Give up the lock."""
+        """Release the lock."""
         if self._lock is not None:
             self._lock.close()
             self._lock = None
@@ -160,7 +160,7 @@ class Folder:
             raise InputError(f"sweep: store '{self.path}' is the store of another sweep: {told}; {AGAIN}")
 
     def keep(self, answer: Answer) -> None:
-        """Write a run that has ended. Raises OSError where that is not possible."""
+        """Write a completed run. Raises OSError if that fails."""
         about = {
             "number": answer.number, "status": answer.status, "message": answer.message,
             "wall_seconds": answer.wall_seconds, "set_up_seconds": answer.set_up_seconds, "device": answer.device,
@@ -176,8 +176,8 @@ class Folder:
             self.gather()
 
     def gather(self) -> Table:
-        """Put all runs that have their own files into the table; the folder is held. Raises `InputError` for a damaged
-        table."""
+        """Merge all runs that have their own files into the table; the folder is locked. Raises `InputError` for a
+        damaged table."""
         definition = self.definition()
         table = Table.read(self.table, definition["count"])
         files = sorted((self.path / RUNS).glob("*.arrays"))
@@ -196,12 +196,12 @@ class Folder:
         return table
 
     def waiting(self) -> int:
-        """How many runs have files of their own."""
+        """Number of runs with files of their own."""
         return len(list((self.path / RUNS).glob("*.arrays")))
 
 
 def _read(file: Path) -> Answer:
-    """A run that `keep` wrote. Raises `InputError` for another file."""
+    """A run written by `keep`. Raises `InputError` for another file."""
     subject, cure = f"sweep: {file}", "its row counts as not run; resume=True (--resume) runs it"
     about, arrays = read_arrays(file, subject, cure)
     try:
@@ -215,7 +215,7 @@ def _read(file: Path) -> Answer:
 
 
 def _difference(name: str, there: Any, wanted: Any) -> str:
-    """What differs of a definition, in words."""
+    """Differences of a definition, as text."""
     if isinstance(there, dict) and isinstance(wanted, dict):
         keys = [key for key in {**there, **wanted} if there.get(key) != wanted.get(key)]
         parts = [f"{key} was {there.get(key, 'not there')}, is {wanted.get(key, 'not there')}" for key in keys]

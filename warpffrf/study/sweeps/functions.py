@@ -1,9 +1,9 @@
-"""What a function does, as a word by which a changed function of the same name is told.
+"""Identification of a function by a hash, which changes if a function of the same name changes.
 
-The word is the beginning of a sha256 of what the function was compiled to: its instructions, names and constants, with
-those of functions within it, its default values, and the plain values and functions that it holds from where it was
-made, so that functions which one factory made with other numbers differ. What it calls by name elsewhere, and objects
-that it holds, are not looked into.
+The hash is the beginning of a sha256 of the compiled function: its instructions, names and constants, with those of
+inner functions, its default values, and the plain values and functions of its closure, so that functions from one
+factory with different numbers differ. Functions that it calls by global name, and objects of its closure, are not
+examined.
 """
 
 from __future__ import annotations
@@ -13,21 +13,21 @@ import hashlib
 import types
 from typing import Any
 
-DIGITS = 12  # of the word
+DIGITS = 12  # of the hash
 PLAIN = (bool, int, float, complex, str, bytes, type(None), type(...))
 
 
 def word_of(function: Any) -> str:
-    """The word; the same in each process with the same version of Python."""
+    """The hash; the same in each process with the same version of Python."""
     return hashlib.sha256(_told(function, frozenset()).encode()).hexdigest()[:DIGITS]
 
 
 def _told(what: Any, within: frozenset[int]) -> str:
-    """The parts of a function, a text without addresses and without the order of sets; within: ids of what it is part
-    of."""
+    """The parts of a function, a text without addresses and independent of the order of sets; within: ids of the
+    enclosing functions."""
     if isinstance(what, PLAIN):
         return repr(what)
-    if id(what) in within:  # a function that calls itself
+    if id(what) in within:  # a recursive function
         return "itself"
     part = functools.partial(_told, within=within | {id(what)})
     if isinstance(what, tuple):
@@ -52,5 +52,5 @@ def _told(what: Any, within: frozenset[int]) -> str:
 def _held(cell: Any) -> Any:
     try:
         return cell.cell_contents
-    except ValueError:  # not filled yet
+    except ValueError:  # the cell is still empty
         return None

@@ -1,24 +1,25 @@
-"""What a worker does with rows: build, run, read off what is wanted. It sends back answers, plain data and arrays.
+"""Work of a worker on rows: build, run, extract the outputs. It returns answers, plain data and arrays.
 
-The threads of a BLAS are limited to one, for workers side by side, and so that sums are made in one order everywhere.
-A row that cannot be run is an answer too, with its message; what is not answered is a worker that died, and a user who
-interrupts.
+BLAS uses one thread, because workers run in parallel, and so that sums have the same order everywhere. A row that
+cannot be run is also an answer, with its message; only a dead worker and an interrupt by the user give no answer.
 
-Outputs. What is kept of a run: histories and fields by their names, the same taken over time, or what a function says.
+Outputs. Stored quantities of a run: histories and fields by their names, reductions of these over time, or values of a
+function.
 
     contact_force_z[lower-upper]          the history, with the times of the run
     max(contact_peak_pressure[lower-upper])   its largest value
     last(contact_pressure[lower-upper])   a field at the last saved step
 
-Names are those of `Result.to_dataframe`; a name without its component stands for all of them, and fields over places
-have their names of the results file (`output/files/table.py`). Over time:
+Names are those of `Result.to_dataframe`; a name without component denotes all components, and spatial fields have the
+names of the results file (`output/files/table.py`). Reductions over time:
 
     max, min, first, last   of each entry             range       max - min
     mean                    (1/T) int v dt            amplitude   range / 2
     rms                     sqrt((1/T) int v^2 dt)
 
-integrals by the trapezoidal rule over the T seconds that are saved; of a single saved step v itself. Entries that are
-NaN at some times, as what a pair has only while it touches, are left out of max and min, and make a mean NaN.
+with integrals by the trapezoidal rule over the T seconds that are saved; for a single saved step v itself. Entries that
+are NaN at some times, such as quantities that exist only during contact, are ignored by max and min, and make a mean
+NaN.
 """
 
 from __future__ import annotations
@@ -50,22 +51,22 @@ from warpffrf.study.sweeps.design import Row
 from warpffrf.study.sweeps.functions import word_of
 from warpffrf.study.sweeps.scenes import Built, Scenes, results_together
 
-REFUSED, FAILED, LOST = "refused", "failed", "lost"  # statuses of rows beside those of results
-NO_QUANTITY = "no quantity"  # of rows without an output that earlier ones had; where none had it the sweep ends
-OTHER_VERSIONS = "other versions"  # of answers that are no rows: the sweep ends
+REFUSED, FAILED, LOST = "refused", "failed", "lost"  # statuses of rows in addition to those of results
+NO_QUANTITY = "no quantity"  # for rows without an output that earlier ones had; if none had it the sweep ends
+OTHER_VERSIONS = "other versions"  # for answers that are no rows: the sweep ends
 CALLS = {"simulate": simulate, "equilibrium": equilibrium}
-OWN = ("progress", "device")  # options of the calls that a sweep says itself
-FILES = ("results", "record", "record_every", "overwrite", "resume", "keep_every")  # those about files of single runs
+OWN = ("progress", "device")  # options of the calls that the sweep sets itself
+FILES = ("results", "record", "record_every", "overwrite", "resume", "keep_every")  # options for files of single runs
 
 Numbered = Sequence[tuple[int, Row]]
 
-_alone = threading.Lock()  # threads of a worker run one after the other: a process captures one graph at a time
+_alone = threading.Lock()  # threads of a worker run sequentially: a process captures one graph at a time
 
 
 @dataclass
 class Answer:
-    """What came of row `number`: how it ended, what was wanted of it (name -> `Value`), what it took [s], where, and
-    in how many worlds of one graph it ran."""
+    """Answer for row `number`: status, outputs (name -> `Value`), times [s], machine, and number of worlds in its
+    graph."""
 
     number: int
     status: str
@@ -82,17 +83,17 @@ class Answer:
 
     @property
     def ran(self) -> bool:
-        """Whether there was a run, however it ended."""
+        """Whether there was a run, with any status."""
         return bool(self.values)
 
 
 class NoCall(InputError):
-    """What a scene comes with does not say how it is run, or says what is not its to say."""
+    """The scene's options do not state how it is run, or include options reserved for the sweep."""
 
 
 @cache
 def versions() -> dict[str, str]:
-    """What numbers depend on, name -> version; of Python without what does not matter to pickles."""
+    """Versions that affect numbers, name -> version; for Python without the part that does not affect pickles."""
     import scipy
     import warp
 
@@ -102,13 +103,13 @@ def versions() -> dict[str, str]:
 
 @cache
 def _threads() -> ThreadpoolController:
-    """What limits threads in this process; to look for it takes some milliseconds."""
+    """Controller of the threads in this process; creating it takes some milliseconds."""
     return ThreadpoolController()
 
 
 @dataclass(frozen=True)
 class Job:
-    """A sweep without its rows. simulate, equilibrium: options of the call, None for those that come with the scene."""
+    """A sweep without its rows. simulate, equilibrium: options of the call, None: those of the scene."""
 
     scenes: Scenes
     outputs: Mapping[str, Output]
@@ -117,8 +118,8 @@ class Job:
     error_budget: bool = False
 
     def call_of(self, built: Built) -> tuple[str, dict[str, Any]]:
-        """Which call is made of a scene, and its options but those about files. Raises `NoCall` where nothing says it,
-        and where the options that come with the scene have some that a sweep says itself."""
+        """The call for a scene, and its options except those about files. Raises `NoCall` if nothing states it, and if
+        the options of the scene include reserved ones."""
         call, options = self._call_of(built)
         for name in OWN:
             if name in options:
@@ -136,12 +137,12 @@ class Job:
         if built.equilibrium is not None:
             return "equilibrium", dict(built.equilibrium)
         raise NoCall(
-            "sweep: nothing says how to run the scene; give simulate={'duration': ..., 'step': ...}, or equilibrium={}"
+            "sweep: the scene has no run options; give simulate={'duration': ..., 'step': ...}, or equilibrium={}"
         )
 
     def answers(self, rows: Numbered, device: str | None) -> list[Answer]:
-        """Run `rows`, each with its number: several as worlds of one graph where they can be. Raises KeyboardInterrupt
-        where a run is interrupted."""
+        """Run `rows`, each with its number: several as worlds of one graph if possible. Raises KeyboardInterrupt if a
+        run is interrupted."""
         with _alone, _only_errors(), _threads().limit(limits=1):
             together = self._together(rows, device) if len(rows) > 1 else None
             return together or [self.answer(number, row, device) for number, row in rows]
@@ -161,12 +162,12 @@ class Job:
         return result, seconds + float(result.history.counters.get("build_seconds", 0.0))
 
     def _together(self, rows: Numbered, device: str | None) -> list[Answer] | None:
-        """Answers to rows as worlds of one graph; None where they have to run one by one."""
+        """Answers for rows as worlds of one graph; None if they must be run one by one."""
         begin = time.perf_counter()
         try:
             built = [self.scenes.built(row) for _, row in rows]
             calls = [self.call_of(one) for one in built]
-        except Exception:  # of which row, and why, it says when it runs by itself
+        except Exception:  # the single run reports the row and the reason
             return None
         if any(call != "simulate" for call, _ in calls):
             return None
@@ -185,7 +186,7 @@ class Job:
         return found
 
     def _answer(self, number: int, device: str | None, run: Callable[[], tuple[Result, float]]) -> Answer:
-        """What came of `run`."""
+        """Answer from the result of `run`."""
         begin = time.perf_counter()
         answer = Answer(number, "", host=socket.gethostname())
         answer.versions = ", ".join(f"{name} {version}" for name, version in versions().items())
@@ -200,7 +201,7 @@ class Job:
             answer.status, answer.message = NO_QUANTITY, str(error)
         except InputError as error:
             answer.status, answer.message = REFUSED, str(error)
-        except Exception as error:  # a row that fails is no reason to lose the others
+        except Exception as error:  # a failing row must not lose the others
             logging.getLogger("warpffrf").debug("sweep: run %d failed", number, exc_info=True)
             answer.status, answer.message = FAILED, f"{type(error).__name__}: {error}"
         answer.wall_seconds = time.perf_counter() - begin
@@ -219,7 +220,7 @@ class Job:
 
 @contextmanager
 def _only_errors() -> Iterator[None]:
-    """What runs have to say goes into their rows."""
+    """Suppress log messages of runs below errors: they are part of their rows."""
     log = logging.getLogger("warpffrf")
     before = log.level
     log.setLevel(logging.ERROR)
@@ -230,13 +231,13 @@ def _only_errors() -> Iterator[None]:
 
 
 TIME = "time"
-MOST_AXES = 64  # of an array of NumPy
+MOST_AXES = 64  # of a NumPy array
 CALL = re.compile(r"\s*([A-Za-z_]\w*)\s*\((.*)\)\s*", re.DOTALL)
 
 
 @dataclass(frozen=True, eq=False)
 class Value:
-    """What an output of one run is: an array, the names of its axes (`time` first where it has one), unit and frame."""
+    """Output of one run: an array, the names of its axes (`time` first if it has one), unit and frame."""
 
     array: np.ndarray
     dims: tuple[str, ...] = ()
@@ -253,7 +254,7 @@ def _mean(time: np.ndarray, values: np.ndarray) -> np.ndarray:
 def _of_finite(take: Callable[..., np.ndarray]) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
     def found(time: np.ndarray, values: np.ndarray) -> np.ndarray:
         with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", message="All-NaN")  # never there: NaN says so
+            warnings.filterwarnings("ignore", message="All-NaN")  # result is NaN
             return take(values, axis=0)
 
     return found
@@ -280,14 +281,14 @@ REDUCTIONS: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
 
 @dataclass(frozen=True)
 class Named:
-    """A quantity by its name, over time by `reduction`, or with its times where that is ""."""
+    """A quantity by its name, reduced over time by `reduction`, or with its times if that is ""."""
 
     text: str
     quantity: str
     reduction: str
 
     def of(self, name: str, result: Any) -> Value:
-        """The value in a run. Raises `NoQuantity` where the run does not have it."""
+        """The value in a run. Raises `NoQuantity` if the run does not have it."""
         found = quantity(result, self.quantity)
         if not self.reduction:
             return Value(found.values, (TIME, *found.dims), found.units, found.frame)
@@ -299,18 +300,18 @@ class Named:
 
 @dataclass(frozen=True)
 class Asked:
-    """What a function of the user, called `title`, makes of a result: a number or an array."""
+    """Value of a user function, called `title`, of a result: a number or an array."""
 
     title: str
     function: Callable[[Any], Any]
 
     @property
     def text(self) -> str:
-        """The name with a word for what the function does, by which a sweep that goes on tells another one."""
+        """The name with a hash of the function, which identifies it when a sweep is resumed."""
         return f"{self.title}, code {word_of(self.function)}"
 
     def of(self, name: str, result: Any) -> Value:
-        """The value in a run. Raises `InputError` where the function gives neither a number nor an array of them."""
+        """The value in a run. Raises `InputError` if the function returns neither a number nor an array of numbers."""
         given = self.function(result)
         try:
             array = np.asarray(given, dtype=float)
@@ -320,7 +321,7 @@ class Asked:
 
 
 def axes_of_function(name: str, count: int) -> tuple[str, ...]:
-    """What the axes of an array are called that a function gives for output `name`."""
+    """Names of the axes of an array returned by a function for output `name`."""
     return tuple(f"{name}[{n}]" for n in range(count))
 
 
@@ -328,8 +329,8 @@ Output = Named | Asked
 
 
 def outputs_of(given: Any, taken: Sequence[str]) -> dict[str, Output]:
-    """The outputs, by name, that are `given` as {name: text or function} or as a list of texts; `taken`: names that
-    stand for something else. Raises `InputError`."""
+    """The outputs, by name, `given` as {name: text or function} or as a list of texts; `taken`: reserved names. Raises
+    `InputError`."""
     if isinstance(given, str):
         given = [given]
     if not isinstance(given, Mapping):
@@ -337,13 +338,13 @@ def outputs_of(given: Any, taken: Sequence[str]) -> dict[str, Output]:
             raise InputError(f"sweep: outputs must be {{name: text or function}}, or a list of texts, got {given!r}")
         given = {one: one for one in given}
     if not given:
-        raise InputError("sweep: no output is asked for; give for example outputs=['max(energy[kinetic])']")
+        raise InputError("sweep: no output is given; for example outputs=['max(energy[kinetic])']")
     found: dict[str, Output] = {}
     for name, what in given.items():
         if not isinstance(name, str) or not name or "/" in name or name in (".", ".."):
             raise InputError(f"sweep: {name!r} is no name of an output; give it another one, {{name: what}}")
         if name in taken:
-            raise InputError(f"sweep: an output cannot be called {name!r}, which the table has already; rename it")
+            raise InputError(f"sweep: an output cannot be called {name!r}, which is used in the table; rename it")
         if isinstance(what, str):
             found[name] = _named(name, what)
         elif callable(what):

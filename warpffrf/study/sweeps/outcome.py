@@ -1,4 +1,4 @@
-"""A sweep as users have it: its folder, opened; nothing is read before it is asked for."""
+"""Result of a sweep: its opened folder; data are read on request."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ if TYPE_CHECKING:
     from warpffrf.study.sweeps.reading.surface import Surface
 
 COMPLETED = "completed"
-FIRST_FAILED = 5  # rows whose messages a report has
+FIRST_FAILED = 5  # rows whose messages are in a report
 
 
 @named_arguments
 class Sweep(reprs.Shown):
-    """The rows of a sweep and what came of them, in the folder `path`.
+    """The rows of a sweep and their results, in the folder `path`.
 
     `sweep["upper.load"]`, `sweep["peak"]`, `sweep["status"]`: one variable, (run, ...), read from the file alone;
-    unknown names raise InputError. Quantities have the units and frames of `Result.to_xarray`; where a run has no
-    value there is NaN.
+    unknown names raise InputError. Quantities have the units and frames of `Result.to_xarray`; values that a run does
+    not have are NaN.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -42,7 +42,7 @@ class Sweep(reprs.Shown):
 
     @property
     def count(self) -> int:
-        """Number of rows, those included that have not been run."""
+        """Number of rows, including those not yet run."""
         return int(self.definition["count"])
 
     @property
@@ -57,12 +57,12 @@ class Sweep(reprs.Shown):
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many rows have each status, "" for those not run yet."""
+        """Number of rows of each status, "" for those not yet run."""
         return dict(Counter(map(str, self["status"])))
 
     @property
     def status(self) -> str:
-        """completed, or unfinished where rows have not been run; failed rows have been."""
+        """completed, or unfinished if rows have not been run; failed rows count as run."""
         return "unfinished" if "" in self.counts else COMPLETED
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -71,16 +71,16 @@ class Sweep(reprs.Shown):
             if name in known:
                 return values_of(file, name)
             if name in self.definition["outputs"]:
-                return np.full(self.count, np.nan)  # of no run so far
+                return np.full(self.count, np.nan)  # no run has it yet
             if name == TIME and TIME_OF_RUN in known:
                 raise InputError(
-                    f"sweep: runs have times of their own, {name!r} of all does not exist; see {TIME_OF_RUN!r}"
+                    f"sweep: runs have different times, a common {name!r} does not exist; see {TIME_OF_RUN!r}"
                 )
             raise unknown_name("sweep: variable", name, list(dict.fromkeys([*known, *self.output_names])))
 
     def about(self, name: str) -> tuple[tuple[str, ...], str]:
-        """Names of the axes of a variable behind `run`, and its unit; neither of an output that no run has so far.
-        Raises InputError for an unknown name."""
+        """Names of the axes of a variable after `run`, and its unit; neither for an output that no run has yet. Raises
+        InputError for an unknown name."""
         with opened(Folder(self.path).table) as file:
             if name in variables_of(file):
                 return axes_of(file[name]), str(file[name].attrs.get("units", ""))
@@ -97,21 +97,21 @@ class Sweep(reprs.Shown):
         ]
 
     def to_xarray(self) -> xarray.Dataset:
-        """An `xarray.Dataset` with the parameters as coordinates along `run`; variables are read when they are used.
-        Close it, or use it as a context, before the sweep goes on. Needs the optional packages xarray and h5netcdf,
-        without which it raises ImportError."""
+        """An `xarray.Dataset` with the parameters as coordinates along `run`; variables are read on access. Close it,
+        or use it as a context, before the sweep continues. Raises ImportError without the optional packages xarray and
+        h5netcdf."""
         try:
             import h5netcdf  # noqa: F401
             import xarray
         except ImportError as error:
             raise ImportError("to_xarray needs xarray and h5netcdf: pip install 'warpffrf[arrays]'") from error
         table = Folder(self.path).table
-        with opened(table):  # it is one, and what xarray makes of its layout can be wrong as well
+        with opened(table):  # the file is a table, but xarray may still misread its layout
             return xarray.open_dataset(table, engine="h5netcdf").set_coords(self.parameter_names)
 
     def to_dataframe(self) -> Any:
-        """A `pandas.DataFrame` of what has one value a row: index `run`, parameters first. Needs the optional package
-        pandas, without which it raises ImportError."""
+        """A `pandas.DataFrame` of quantities with one value per row: index `run`, parameters first. Raises ImportError
+        without the optional package pandas."""
         try:
             import pandas
         except ImportError as error:
@@ -125,7 +125,7 @@ class Sweep(reprs.Shown):
 
     @staticmethod
     def _is_row(data: Any) -> bool:
-        """Whether an array runs along the rows, and not along something else of the same length."""
+        """Whether the first axis of an array is the rows, and not another axis of the same length."""
         return not data.is_scale
 
     def plot(
@@ -135,14 +135,13 @@ class Sweep(reprs.Shown):
     ) -> Any:  # fmt: skip
         """A matplotlib Figure of an output: over the parameter `x` or over time, or over `x` and `y`.
 
-        x, hue, style, col: parameters along the axis, by colour, by dashes, and with a panel for each value; x left
-        out: the first that varies; hue left out: of rows that share values of x the next one, and so style. Rows that
-        differ in x alone are joined. An output over time has a line a row. kind: "map", or y=: cells of a whole grid,
-        triangles between the rows of a sample, and points where further parameters vary; the rows with the least and
-        the largest value are marked. component: of a vector, "x", "y", "z", or a number. where: {parameter: value},
-        only those rows. Rows without a value are marked with a cross, and the title counts them. path: also written
-        there, .png, .pdf or .svg. Raises InputError for unknown names, values that no row has, and outputs of several
-        numbers a row.
+        x, hue, style, col: parameters of the axis, the colour, the dashes, and the panels; default of x: the first that
+        varies; of hue and style: the next ones for rows that share values of x. Rows that differ in x alone are
+        connected. An output over time has one line per row. kind: "map", or y=: cells of a whole grid, triangles
+        between the rows of a sample, and points if further parameters vary; the rows with the least and the largest
+        value are marked. component: of a vector, "x", "y", "z", or a number. where: {parameter: value}, selects rows.
+        Rows without a value are marked with a cross, and the title counts them. path: file to write, .png, .pdf or
+        .svg. Raises InputError for unknown names, values that no row has, and outputs of several numbers per row.
         """
         from warpffrf.study.sweeps.reading.plot import plot
 
@@ -154,12 +153,12 @@ class Sweep(reprs.Shown):
     def response(
         self, output: str, *, component: str | int | None = None, where: Mapping[str, Any] | None = None
     ) -> Surface:
-        """A surface of an output between the rows: called with {parameter: value} it gives the output there, and it has
-        `error`, `minimum()`, `maximum()` and `report()`.
+        """A response surface of an output between the rows: called with {parameter: value} it returns the output there,
+        and it has `error`, `minimum()`, `maximum()` and `report()`.
 
-        Splines through a whole grid, thin-plate splines through other rows (`warpffrf.study.sweeps.reading.surface`);
-        rows without a value are left out, and its note says how many. component, where: as of `plot`. Raises InputError
-        for outputs over time and of several numbers a row, parameters that are texts, and too few rows.
+        Splines on a whole grid, thin-plate splines for other rows (`warpffrf.study.sweeps.reading.surface`); rows
+        without a value are omitted, and its note states how many. component, where: as of `plot`. Raises InputError for
+        outputs over time and of several numbers per row, parameters that are texts, and too few rows.
         """
         from warpffrf.study.sweeps.reading.surface import surface
 
@@ -168,28 +167,27 @@ class Sweep(reprs.Shown):
     def sensitivities(
         self, output: str, *, component: str | int | None = None, where: Mapping[str, Any] | None = None
     ) -> Sensitivities:
-        """Sobol indices of an output, first and total order, with confidence intervals: of a sample "saltelli:N" from
-        its rows, else from the response surface, which the result says
+        """Sobol indices of an output, first and total order, with confidence intervals: from the rows of a sample
+        "saltelli:N", else from the response surface, as the result states
         (`warpffrf.study.sweeps.reading.sensitivities`).
 
-        component, where: as of `plot`. Raises InputError where rows of a "saltelli:N" have no value, where all values
-        are one, and as `response` does.
+        component, where: as of `plot`. Raises InputError if rows of a "saltelli:N" have no value, if all values are
+        equal, and as `response`.
         """
         from warpffrf.study.sweeps.reading.sensitivities import sensitivities
 
         return sensitivities(self, output, component, where)
 
     def page(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-        """Write the sweep as one HTML page with its pictures in it: what was swept, how rows ended, those that failed,
-        outputs over parameters, maps, sensitivities, times, versions, and the call. Returns its path. Raises InputError
-        for a path that does not end in .html, that cannot be written, and a page that is there, unless overwrite is
-        set."""
+        """Write the sweep as one HTML page with embedded pictures: definition, statuses of rows, failed rows, outputs
+        over parameters, maps, sensitivities, times, versions, and the call. Returns its path. Raises InputError for a
+        path that does not end in .html or cannot be written, and an existing page, unless overwrite is set."""
         from warpffrf.study.sweeps.reading.page import write_page
 
         return write_page(self, path, overwrite=overwrite)
 
     def report(self) -> str:
-        """What was run, how it ended, how long it took, and the first messages of rows that failed."""
+        """Definition, statuses, times, and the first messages of rows that failed."""
         about, counts = self.definition, self.counts
         seconds = self["wall_seconds"]
         ran = seconds[np.isfinite(seconds)]
@@ -220,15 +218,15 @@ class Sweep(reprs.Shown):
 
 @named_arguments
 def open_sweep(path: str | os.PathLike[str]) -> Sweep:
-    """The sweep in the folder `path`, also one under way or interrupted. Runs that a stopped sweep has left beside its
-    table are put into it first; of one that another process runs the table is as that left it last. Raises InputError
-    for what is no sweep, and for a damaged table."""
+    """The sweep in the folder `path`, which may be running or interrupted. Runs of a stopped sweep that are not in its
+    table are first merged into it; for a sweep that another process runs the table is in its last written state. Raises
+    InputError for a folder that is no sweep, and for a damaged table."""
     folder = Folder(path)
     folder.definition()
     if folder.waiting():
         try:
             folder.hold()
-        except InputError:  # somebody runs it
+        except InputError:  # another process runs it
             return Sweep(path)
         try:
             folder.gather()

@@ -1,13 +1,14 @@
-"""A job packed for workers, and opened by them: pickled once, reduced bodies by their content hash.
+"""Packing of a job for workers: pickled once, with reduced bodies by their content hash.
 
-A reduced body may have a hundred megabytes, and a function that builds scenes mostly holds one or two of them. So a
-body is written once into the folder `bodies` of the sweep, and the job says its hash; a worker reads it once. So is
-whatever else makes a job large. The folder must be one that workers see under the same path, as a scene file and what
-it names. A pickle runs code when it is opened. So a worker opens what has the hash that the sweep has sent it, and
-nothing that lies in the folder under that name: whoever can write there can make a sweep fail, and no more.
+A reduced body may have a hundred megabytes, and a function that builds scenes usually holds one or two of them. A body
+is therefore written once to the folder `bodies` of the sweep, and the job refers to it by its hash; a worker reads it
+once. Other large jobs are also written there. Workers must see the folder under the same path, like a scene file and
+the files that it names. A pickle runs code when it is opened. A worker therefore opens only data with the hash sent by
+the sweep, whatever lies in the folder under that name: write access to the folder can make a sweep fail, but not run
+code.
 
-Workers hold their versions against those of the parcel before they open it: numbers would be others, or the pickle
-could not be read.
+Workers compare their versions with those of the parcel before they open it: other versions could change numbers, or
+could not read the pickle.
 """
 
 from __future__ import annotations
@@ -27,15 +28,15 @@ from warpffrf.study.sweeps.job import OTHER_VERSIONS, Answer, Job, Numbered, ver
 from warpffrf.study.sweeps.parcel import Parcel
 
 BODY = "reduced body"
-JOB = "{}.job"  # file of a job that is large
-LARGE = 1 << 16  # bytes that are not sent with every row
-KEPT = 2  # jobs that a worker holds opened: the one under way and the one before
+JOB = "{}.job"  # file of a large job
+LARGE = 1 << 16  # bytes; larger jobs are not sent with every row
+KEPT = 2  # opened jobs that a worker keeps: the present and the previous one
 
 _opened: dict[str, Job] = {}
 
 
 def opened(parcel: Parcel) -> Job:
-    """The job of a parcel, opened once in a process. Raises `InputError` where this process cannot open it."""
+    """The job of a parcel, opened once per process. Raises `InputError` if this process cannot open it."""
     if parcel.digest not in _opened:
         while len(_opened) >= KEPT:
             del _opened[next(iter(_opened))]
@@ -58,7 +59,7 @@ def opened(parcel: Parcel) -> Job:
 
 
 def _there(file: Path) -> Path:
-    """A file of the sweep, as a worker sees it. Raises `InputError` where it does not."""
+    """A file of the sweep, as a worker sees it. Raises `InputError` if it does not."""
     if not file.is_file():
         raise InputError(
             f"sweep: a worker finds no '{file}'; put the store where all workers see it under the same path"
@@ -67,7 +68,8 @@ def _there(file: Path) -> Path:
 
 
 def packed(job: Job, folder: Path) -> Parcel:
-    """The parcel of a job, whose bodies are written to `folder`. Raises `InputError` for what cannot be pickled."""
+    """The parcel of a job, whose bodies are written to `folder`. Raises `InputError` for objects that cannot be
+    pickled."""
     stream = io.BytesIO()
     try:
         _pickler()(stream, folder).dump(job)
@@ -88,7 +90,7 @@ def packed(job: Job, folder: Path) -> Parcel:
 
 
 def answers_of(parcel: Parcel, rows: Numbered, device: str | None) -> list[Answer]:
-    """What this process makes of `rows`, unless its versions are others."""
+    """Answers of this process for `rows`, unless its versions differ."""
     differ = [
         f"{name} {mine}, here {parcel.versions.get(name)}"
         for name, mine in versions().items()
@@ -100,7 +102,7 @@ def answers_of(parcel: Parcel, rows: Numbered, device: str | None) -> list[Answe
 
 
 def _pickler() -> Any:
-    """A pickler that takes functions of a script, where cloudpickle is there."""
+    """A pickler, which accepts functions of a script if cloudpickle is installed."""
     try:
         from cloudpickle import Pickler as Kind
     except ImportError:
@@ -108,7 +110,7 @@ def _pickler() -> Any:
     base: Any = Kind
 
     class WithBodies(base):
-        """Bodies go to the folder, once each."""
+        """Pickler that writes bodies to the folder, once each."""
 
         def __init__(self, stream: Any, folder: Path) -> None:
             super().__init__(stream)
@@ -129,7 +131,7 @@ def _pickler() -> Any:
 
 
 class _Unpickler(pickle.Unpickler):
-    """Reads bodies from the folder, once each."""
+    """Unpickler that reads bodies from the folder, once each."""
 
     def __init__(self, stream: Any, folder: Path) -> None:
         super().__init__(stream)

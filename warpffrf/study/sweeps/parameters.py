@@ -1,24 +1,24 @@
-"""What a parameter of a sweep may be: a list of values, a range, or a distribution.
+"""Parameters of a sweep: a list of values, a range, or a distribution.
 
-    [0.1, 0.2, 0.3]               values, of any kind that the scene takes
-    "1000:5000:5"                 a range: first, last and how many, evenly
-    "log:1e-3:1:4"                the same in equal ratios
+    [0.1, 0.2, 0.3]               values of any type that the scene accepts
+    "1000:5000:5"                 a range: first, last and count, evenly spaced
+    "log:1e-3:1:4"                the same in equal ratios (logarithmic)
     "normal(0.1, 0.02)"           mean and standard deviation
     "uniform(0.1, 0.3)"           least and largest
-    "triangular(0.1, 0.2, 0.4)"   least, likeliest and largest
+    "triangular(0.1, 0.2, 0.4)"   least, most likely and largest
     "lognormal(0.1, 0.5)"         median, and standard deviation of the logarithm
 
-or any distribution of scipy.stats with its numbers, `scipy.stats.weibull_min(1.5)`. Texts that look like a range or
-numbers stand in quotes on a command line, "'A:1', 'A:2'", else they are refused.
+or any distribution of scipy.stats with its parameters, `scipy.stats.weibull_min(1.5)`. Texts that look like a range or
+numbers must be quoted on a command line, "'A:1', 'A:2'", else they are refused.
 
-A parameter says its values for a grid, and the value at a probability u in (0, 1) for a sample: of a distribution where
-its cumulative probability is u, of a range the point at u between its ends, of a list of n values number floor(n u).
+A parameter provides its values for a grid, and the value at a probability u in (0, 1) for a sample: for a distribution
+the value with cumulative probability u, for a range the point at u between its ends, for a list of n values number
+floor(n u).
 
-Samples. Points of the unit cube that a sample of a sweep is made of; a new kind is a function here and a line in
-`SAMPLES`.
+Samples. Points of the unit cube for a sample of a sweep; a new kind is a function here and a line in `SAMPLES`.
 
-latin      Latin hypercube: each parameter is spread evenly by itself (McKay, Beckman and Conover, 1979)
-sobol      Sobol's sequence, scrambled: all parameters together are spread evenly; best for powers of two
+latin      Latin hypercube: each parameter is evenly distributed (McKay, Beckman and Conover, 1979)
+sobol      Sobol's sequence, scrambled: all parameters together are evenly distributed; best for powers of two
 random     independent points, for tolerances
 saltelli   for Sobol indices: N points A, N points B, and for each parameter A with its column from B (Saltelli and
            others, 2010), N (d + 2) rows in this order
@@ -40,27 +40,27 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_count, unknown_name
 
 EVEN, RATIOS = "", "log"
-MEANT = (RATIOS, "lin")  # how a range begins, and how people think that one does
-QUOTED = "a text like that stands in quotes"
+MEANT = (RATIOS, "lin")  # prefixes of a range, and a common mistaken one
+QUOTED = "put such a text in quotes"
 QUOTE, SEPARATED = re.compile("['\"]"), re.compile(r"[;\s]+")
 WHOLE = re.compile(r"[+-]?\d+")
 CALL = re.compile(r"\s*(\w+)\s*\((.*)\)\s*")
 
 
 def normal(mean: float, deviation: float) -> Any:
-    """Gauss's distribution."""
+    """The normal distribution."""
     _positive("normal", "deviation", deviation)
     return _scipy_stats().norm(mean, deviation)
 
 
 def uniform(least: float, largest: float) -> Any:
-    """All between two values alike."""
+    """Uniform between two values."""
     _positive("uniform", "largest less least", largest - least)
     return _scipy_stats().uniform(least, largest - least)
 
 
 def triangular(least: float, likeliest: float, largest: float) -> Any:
-    """A triangle with its peak at the likeliest value."""
+    """Triangular with its peak at the most likely value."""
     _positive("triangular", "largest less least", largest - least)
     if not least <= likeliest <= largest:
         raise InputError(f"triangular: likeliest {likeliest:g} is not between {least:g} and {largest:g}")
@@ -68,14 +68,14 @@ def triangular(least: float, likeliest: float, largest: float) -> Any:
 
 
 def lognormal(median: float, deviation: float) -> Any:
-    """A positive value whose logarithm is normal."""
+    """A positive value with normally distributed logarithm."""
     _positive("lognormal", "median", median)
     _positive("lognormal", "deviation", deviation)
     return _scipy_stats().lognorm(deviation, scale=median)
 
 
 def _scipy_stats() -> Any:
-    """The module, which takes half a second to load, and which workers do not need."""
+    """The module, which takes half a second to load and is not needed by workers."""
     import scipy.stats
 
     return scipy.stats
@@ -96,11 +96,11 @@ class Parameter(Protocol):
 
     @property
     def text(self) -> str:
-        """What it is, as it may be given."""
+        """Its description, in input syntax."""
         ...
 
     def grid(self) -> list[Any]:
-        """Its values for all combinations. Raises `InputError` where it has none."""
+        """Its values for all combinations. Raises `InputError` if it has none."""
         ...
 
     def at(self, u: np.ndarray) -> list[Any]:
@@ -110,13 +110,13 @@ class Parameter(Protocol):
 
 @dataclass(frozen=True)
 class Listed:
-    """Values one by one."""
+    """List of values."""
 
     values: tuple[Any, ...]
 
     @property
     def text(self) -> str:
-        """As it may be given."""
+        """Description in input syntax."""
         return ", ".join(map(str, self.values))
 
     def grid(self) -> list[Any]:
@@ -124,25 +124,25 @@ class Listed:
         return list(self.values)
 
     def at(self, u: np.ndarray) -> list[Any]:
-        """Each with the same probability."""
+        """All values with equal probability."""
         return [self.values[min(int(x * len(self.values)), len(self.values) - 1)] for x in u]
 
 
 @dataclass(frozen=True)
 class Range:
-    """`count` values from `first` to `last`, evenly or in equal `ratios`; `count` None: for samples alone."""
+    """`count` values from `first` to `last`, evenly spaced or in equal `ratios`; `count` None: for samples only."""
 
     text: str
     first: float
     last: float
     count: int | None
     ratios: bool
-    whole: bool  # the ends were written without a point
+    whole: bool  # the ends were given without a decimal point
 
     def grid(self) -> list[Any]:
-        """The values, both ends included; whole numbers where the ends were and all are."""
+        """The values, including both ends; integers if the ends were and all are."""
         if self.count is None:
-            raise InputError(f"a range {self.text!r} says no number of values; write {self.text}:5, or give sample=")
+            raise InputError(f"a range {self.text!r} has no number of values; write {self.text}:5, or give sample=")
         found = self._between(np.linspace(0.0, 1.0, self.count))
         found[0], found[-1] = self.first, self.last if self.count > 1 else self.first
         if self.whole and all(value == round(value) for value in found):
@@ -161,13 +161,13 @@ class Range:
 
 @dataclass(frozen=True)
 class Distributed:
-    """A distribution, as scipy.stats has it: `ppf` is the inverse of its cumulative probability."""
+    """A distribution of scipy.stats: `ppf` is the inverse of its cumulative probability."""
 
     text: str
     distribution: Any
 
     def grid(self) -> list[Any]:
-        """A distribution has no values of its own."""
+        """Raises: a distribution has no grid values."""
         raise InputError(f"{self.text} is a distribution; give sample='latin:64' (--sample latin:64)")
 
     def at(self, u: np.ndarray) -> list[Any]:
@@ -176,7 +176,7 @@ class Distributed:
 
 
 def parameter(name: str, given: Any) -> Parameter:
-    """The parameter called `name` that was given in one of the forms of the module. Raises `InputError` naming it."""
+    """The parameter called `name`, given in one of the forms of the module. Raises `InputError` naming it."""
     try:
         return _parameter(given)
     except InputError as error:
@@ -225,12 +225,12 @@ def _of_text(text: str) -> Parameter:
 
 
 def _refuse_mistyped(text: str, parts: Sequence[str], values: Sequence[Any]) -> None:
-    """Raise `InputError` for values that were meant as a range, or as numbers. Texts like that stand in quotes."""
+    """Raise `InputError` for values meant as a range or as numbers. Such texts must be quoted."""
     numbers = sum(map(_number, parts))
     if len(parts) > 1 and (parts[0] in MEANT or (numbers and numbers >= len(parts) - 1)):
         raise InputError(f"{text!r} is no range 'first:last:count' or 'log:first:last:count'; {QUOTED}")
     if "" in values:
-        raise InputError(f"{text!r} has nothing between two commas; leave one out")
+        raise InputError(f"{text!r} has an empty value between commas; remove a comma")
     if not QUOTE.search(text):
         for value in values:
             several = SEPARATED.split(value) if isinstance(value, str) else []
@@ -239,7 +239,7 @@ def _refuse_mistyped(text: str, parts: Sequence[str], values: Sequence[Any]) -> 
 
 
 def values_of(text: str) -> list[Any]:
-    """`0.1,0.2,0.3` as values: numbers and truth values as TOML has them, else texts."""
+    """`0.1,0.2,0.3` as values: numbers and booleans as in TOML, else texts."""
     try:
         return list(tomllib.loads(f"v = [{text}]")["v"])
     except tomllib.TOMLDecodeError:
@@ -256,9 +256,9 @@ def _number(text: str) -> bool:
 def _range(text: str, ends: list[str], ratios: bool) -> Range:
     first, last = float(ends[0]), float(ends[1])
     if ratios and (first <= 0.0 or last <= 0.0):
-        raise InputError(f"range {text!r} goes in equal ratios; its ends must be greater than zero")
+        raise InputError(f"range {text!r} is in equal ratios; its ends must be greater than zero")
     if first == last:
-        raise InputError(f"range {text!r} ends where it begins; write 'first:last:count'")
+        raise InputError(f"range {text!r} has equal ends; write 'first:last:count'")
     count = None
     if len(ends) == 3:
         count = require_count(ends[2] if not _number(ends[2]) else float(ends[2]), f"the number in range {text!r}", 2)
@@ -280,14 +280,14 @@ def _distribution(text: str, name: str, numbers: str) -> Distributed:
 
 
 def _told(distribution: Any) -> str:
-    """A distribution of scipy.stats with its numbers, in words."""
+    """A distribution of scipy.stats with its parameters, as text."""
     kind = getattr(getattr(distribution, "dist", distribution), "name", type(distribution).__name__)
     numbers = [str(value) for value in getattr(distribution, "args", ())]
     numbers += [f"{key}={value}" for key, value in getattr(distribution, "kwds", {}).items()]
     return f"scipy.stats.{kind}({', '.join(numbers)})"
 
 
-MOST_ROWS = 1_000_000  # of a sweep: its table is made in memory
+MOST_ROWS = 1_000_000  # of a sweep: its table is built in memory
 
 log = logging.getLogger("warpffrf")
 
@@ -304,9 +304,9 @@ def sobol(count: int, dimensions: int, seed: int) -> np.ndarray:
     from scipy.stats import qmc
 
     if count & (count - 1):
-        log.warning("sweep: a Sobol sample of %d points is less even than one of a power of two", count)
+        log.warning("sweep: a Sobol sample of %d points is less evenly distributed than one of a power of two", count)
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="The balance properties")  # said above
+        warnings.filterwarnings("ignore", message="The balance properties")  # stated in the documentation
         return qmc.Sobol(dimensions, **_drawn_with(qmc.Sobol, seed)).random(count)
 
 
@@ -328,7 +328,7 @@ def saltelli(count: int, dimensions: int, seed: int) -> np.ndarray:
 
 
 def _drawn_with(kind: Any, seed: int) -> dict[str, Any]:
-    """The seed, by the name that this version of SciPy has for it."""
+    """The seed as a keyword argument of the installed SciPy version."""
     name = "rng" if "rng" in inspect.signature(kind).parameters else "seed"
     return {name: np.random.default_rng(seed)}
 
@@ -339,12 +339,12 @@ SAMPLES: dict[str, Callable[[int, int, int], np.ndarray]] = {
 
 
 def sampled(sample: str, dimensions: int, seed: int) -> np.ndarray:
-    """The points (n, dimensions) in (0, 1) of a sample as "latin:64". Raises `InputError` for another text."""
+    """The points (n, dimensions) in (0, 1) of a sample such as "latin:64". Raises `InputError` for another text."""
     kind, colon, number = str(sample).partition(":")
     if kind not in SAMPLES:
         raise unknown_name("sweep: sample", kind, SAMPLES)
     if not colon or not number.isdecimal() or int(number) < 1:
-        raise InputError(f"sweep: sample {sample!r} says no number of points; write {kind}:64")
+        raise InputError(f"sweep: sample {sample!r} has no number of points; write {kind}:64")
     count, rows = int(number), int(number)
     if kind == saltelli.__name__:
         rows = count * (dimensions + 2)
@@ -354,5 +354,5 @@ def sampled(sample: str, dimensions: int, seed: int) -> np.ndarray:
     if rows > MOST_ROWS:
         raise InputError(f"sweep: sample {sample!r} has {rows} rows, more than {MOST_ROWS}; make several sweeps")
     points = SAMPLES[kind](count, dimensions, seed)
-    tiny = np.finfo(float).eps  # a distribution without ends has none at 0 and 1
+    tiny = np.finfo(float).eps  # an unbounded distribution is infinite at 0 and 1
     return np.clip(points, tiny, 1.0 - tiny)

@@ -1,4 +1,4 @@
-"""A job on its way to workers. Schedulers read what passes through them: nothing is imported but what they have."""
+"""A job in transit to workers. Schedulers unpickle it: only modules available there are imported."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Parcel:
-    """A pickled job or nothing, where it is in the `folder` by its `digest`; and the versions that packed it."""
+    """A pickled job, or None if it is in the `folder` by its `digest`; and the versions of the sender."""
 
     content: bytes
     digest: str

@@ -1,10 +1,10 @@
-"""Where the scene of a row comes from: a scene file with the parameters set, or a function that builds it from them.
+"""Source of the scene of a row: a scene file with the parameters set, or a function of the parameters.
 
 Together. Rows that run as worlds of one graph: `simulate_worlds` of their scenes.
 
-Their numbers are those of single runs, bit for bit on a CPU. Rows run one by one where they cannot run so: where a
-scene is of another kind than the first or is wrong, where all of them fail, and with options that worlds do not have.
-The table says in how many worlds each row ran.
+Their numbers are those of single runs, bit for bit on a CPU. Rows are run one by one if this is not possible: if a
+scene has a different structure from the first or is invalid, if all of them fail, and with options that worlds do not
+support. The table contains the number of worlds of each row.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ from warpffrf.study.sweeps.functions import word_of
 
 @dataclass(frozen=True)
 class Built:
-    """The scene of a row, and the options of `simulate` and `equilibrium` that come with it, None where none do.
-    running: a context for the call, which says where in a file a refused option stands."""
+    """The scene of a row, and its own options of `simulate` and `equilibrium`, None without. running: a context for the
+    call, which locates a refused option in a file."""
 
     scene: Any
     simulate: Mapping[str, Any] | None
@@ -43,16 +43,16 @@ class Built:
 
 
 class Scenes(Protocol):
-    """What builds the scenes of a sweep."""
+    """Builder of the scenes of a sweep."""
 
     title: str
 
     def check(self, row: Row) -> None:
-        """Raises `InputError` for a name that is no parameter of what builds the scene."""
+        """Raises `InputError` for a name that is no parameter of the builder."""
         ...
 
     def digest(self) -> str:
-        """A word that is another one where scenes of the same parameters are others, as far as can be told."""
+        """A hash that changes if scenes of the same parameters change, as far as detectable."""
         ...
 
     def built(self, row: Row) -> Built:
@@ -61,8 +61,8 @@ class Scenes(Protocol):
 
 
 class FileScenes:
-    """A scene file; parameters are dotted names as of `--set`. It is read once, with all that it includes, and goes to
-    workers as it was then: somebody may edit it while the sweep runs."""
+    """A scene file; parameters are dotted names as of `--set`. It is read once, with all its includes, and sent to
+    workers in that state: it may be edited while the sweep runs."""
 
     def __init__(self, path: str | os.PathLike[str], settings: Sequence[str]) -> None:
         file = Path(path).expanduser().absolute()
@@ -75,16 +75,16 @@ class FileScenes:
         return {**vars(self), "_kept": Kept()}  # workers have their own
 
     def check(self, row: Row) -> None:
-        """Names, and the types of values, are held against the file."""
+        """Check names and types of values against the file."""
         self._read(row)
 
     def digest(self) -> str:
-        """Of the file with all that it includes."""
+        """Hash of the file with all its includes."""
         values = json.dumps(self._document.values, sort_keys=True, default=str)
         return hashlib.sha256(values.encode()).hexdigest()
 
     def built(self, row: Row) -> Built:
-        """Of the file with the values of the row set."""
+        """Scene of the file with the values of the row set."""
         found = scene_of_document(self._read(row), self._name, self._kept)
         return Built(found.scene, found.simulate, found.equilibrium, found.running)
 
@@ -93,7 +93,7 @@ class FileScenes:
 
 
 def _toml(value: Any) -> str:
-    """A value as `--set` takes it; of numbers every digit."""
+    """A value in the syntax of `--set`; numbers with every digit."""
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
@@ -108,7 +108,7 @@ class FunctionScenes:
         """Its arguments are the parameters."""
         try:
             signature = inspect.signature(self.function)
-        except (TypeError, ValueError):  # of a callable that tells none, the first row will
+        except (TypeError, ValueError):  # for a callable without signature the first row shows it
             return
         known = [p.name for p in signature.parameters.values() if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
         if not any(p.kind is p.VAR_KEYWORD for p in signature.parameters.values()):
@@ -121,11 +121,11 @@ class FunctionScenes:
             raise InputError(f"sweep: {self.title}() cannot be called with the parameters alone: {error}") from None
 
     def digest(self) -> str:
-        """Its name and what it does itself; of what it calls the scene of the first row tells."""
+        """Its name and hash; functions that it calls are covered by the scene of the first row."""
         return f"{getattr(self.function, '__module__', '')}.{self.title} {word_of(self.function)}"
 
     def built(self, row: Row) -> Built:
-        """Calls it."""
+        """Call the function."""
         found = self.function(**row)
         scene, options = found if isinstance(found, tuple) and len(found) == 2 else (found, None)
         if not hasattr(scene, "content_hash") or not (options is None or isinstance(options, Mapping)):
@@ -142,7 +142,7 @@ def _as_it_is(call: str) -> Iterator[None]:
 
 
 def scenes_of(scene: Any, settings: Sequence[str]) -> Scenes:
-    """What builds scenes, from what the user gave; raises `InputError` for anything else."""
+    """The scene builder for the user's argument; raises `InputError` for anything else."""
     if isinstance(scene, str | os.PathLike):
         return FileScenes(scene, settings)
     if settings:
@@ -155,19 +155,19 @@ def scenes_of(scene: Any, settings: Sequence[str]) -> Scenes:
     )
 
 
-OTHERS = {"scenes", "device", "progress", "results", "overwrite"}  # arguments that no row has a say in
-HAVE = frozenset(inspect.signature(simulate_worlds).parameters) - OTHERS  # options that worlds have
+OTHERS = {"scenes", "device", "progress", "results", "overwrite"}  # arguments that rows cannot set
+HAVE = frozenset(inspect.signature(simulate_worlds).parameters) - OTHERS  # options supported by worlds
 
 
 def results_together(
     scenes: Sequence[Any], options: Sequence[Mapping[str, Any]], device: str | None
 ) -> list[Result] | None:
-    """The results of `simulate` of scenes with their options; None where they have to run one by one."""
+    """The results of `simulate` of scenes with their options; None if they must be run one by one."""
     first = options[0]
     if not set(first) <= HAVE or "duration" not in first or any(other != first for other in options):
         return None
     try:
         return simulate_worlds(scenes, **first, device=device, progress=False)
-    except Exception:  # which of them is at fault, and how, single runs say
+    except Exception:  # single runs report which one fails, and why
         logging.getLogger("warpffrf").debug("sweep: %d worlds failed", len(scenes), exc_info=True)
         return None

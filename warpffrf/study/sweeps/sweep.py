@@ -1,8 +1,8 @@
-"""`sweep`: rows go out to workers, answers come in and are kept.
+"""`sweep`: rows are sent to workers, answers are collected and stored.
 
-The first row is run before the others go out: an output that runs do not have, workers with other versions and a
-scene that cannot be run at all are told then, and kernels are compiled once. Every answer is kept as it comes, so that
-Ctrl-C, SIGTERM and a kill lose nothing that had ended.
+The first row is run before the others are sent: missing outputs, workers with other versions and scenes that cannot be
+run are then reported early, and kernels are compiled once. Every answer is stored on arrival, so that Ctrl-C, SIGTERM
+and a kill lose no completed run.
 """
 
 from __future__ import annotations
@@ -40,9 +40,9 @@ from warpffrf.study.sweeps.packing import packed
 from warpffrf.study.sweeps.scenes import scenes_of
 from warpffrf.study.sweeps.table import TAKEN
 
-MOST_TRIES = 3  # of a row whose worker dies
-UNPROVED = 3  # rows that are tried one by one until one of them has been run
-LOOK_EVERY = 0.5  # s: a wait without an end does not hear Ctrl-C on all systems
+MOST_TRIES = 3  # for a row whose worker dies
+UNPROVED = 3  # rows tried one by one until one of them has been run
+LOOK_EVERY = 0.5  # s: an unlimited wait does not react to Ctrl-C on all systems
 
 log = logging.getLogger("warpffrf")
 
@@ -68,28 +68,28 @@ def sweep(
     resume: bool = False,
     progress: bool = True,
 ) -> Sweep:
-    """Run a scene at many values of its parameters and keep what is wanted of each run in one table.
+    """Run a scene at many values of its parameters and store the requested outputs of each run in one table.
 
     scene: a scene file, or a function `build(**parameters)` that returns a Scene, or a Scene and options of `simulate`.
-    parameters: {name: values}, of a file dotted names as of `--set`; values are a list, a range "1000:5000:5" or
-    "log:1e-3:1:4", a distribution as "normal(0.1, 0.02)" or one of scipy.stats. All combinations are run, or a `sample`
-    "latin:64", "sobol:64", "random:64" or "saltelli:64" drawn with `seed`; or rows as they are, [{name: value}, ...] or
-    a table of pandas. outputs: {name: what} or a list of texts; what is "max(contact_peak_pressure[a-b])", a history by
-    its name in `Result.to_dataframe`, or a function of a Result that gives a number or an array
-    (`warpffrf.study.sweeps.job`). store: the folder of the sweep, NAME.sweep. settings: "name=value" as of `--set`,
-    for all rows. simulate, equilibrium: options of these calls, beside those that come with the scene; equilibrium={}
-    for equilibria only.
+    parameters: {name: values}, for a file dotted names as of `--set`; values are a list, a range "1000:5000:5" or
+    "log:1e-3:1:4", a distribution such as "normal(0.1, 0.02)" or one of scipy.stats. All combinations are run, or a
+    `sample` "latin:64", "sobol:64", "random:64" or "saltelli:64" drawn with `seed`; or given rows, [{name: value}, ...]
+    or a table of pandas. outputs: {name: what} or a list of texts; what is "max(contact_peak_pressure[a-b])", a history
+    by its name in `Result.to_dataframe`, or a function of a Result that returns a number or an array
+    (`warpffrf.study.sweeps.job`). store: the folder of the sweep, NAME.sweep. settings: "name=value" as of `--set`, for
+    all rows. simulate, equilibrium: options of these calls, in addition to those of the scene; equilibrium={} for
+    equilibria only.
 
-    workers: processes of this machine. client: instead, a `distributed.Client`, the address of its scheduler
-    "tcp://HOST:8786", or another executor with the `submit` of concurrent.futures. device: "cpu" or "cuda:0", a list of
-    them for workers in turn. worlds: run so many rows at once as worlds of one graph, where their scenes differ in
-    numbers only: less set-up for short runs, and what a GPU is for. error_budget: also the error budget of each run.
-    Numbers are the same bit for bit whoever runs a row, and on a CPU in whatever number of worlds.
+    workers: number of processes on this machine. client: instead, a `distributed.Client`, the address of its scheduler
+    "tcp://HOST:8786", or another executor with the `submit` of concurrent.futures. device: "cpu" or "cuda:0", or a list
+    assigned to workers in turn. worlds: number of rows run at once as worlds of one graph, if their scenes differ in
+    numbers only: less set-up for short runs, and efficient use of a GPU. error_budget: also store the error budget of
+    each run. Numbers are the same bit for bit for any executor, and on a CPU for any number of worlds.
 
-    A row that cannot be run is a row with its message. Ctrl-C and SIGTERM keep what has been run; resume: go on with a
-    sweep in the store, whose rows that have been run, failed ones too, are not run again. overwrite: begin anew.
-    progress: what is being done, on stderr. Raises InputError for unknown parameters and outputs, a store of another
-    sweep, a scheduler that does not answer, and workers with other versions.
+    A row that cannot be run is stored with its message. Ctrl-C and SIGTERM keep completed runs; resume: continue a
+    sweep in the store; completed rows, including failed ones, are not repeated. overwrite: replace the sweep. progress:
+    report the progress on stderr. Raises InputError for unknown parameters and outputs, a store of another sweep, a
+    scheduler that does not answer, and workers with other versions.
 
     >>> found = wf.study.sweep(  # doctest: +SKIP
     ...     "press.toml", {"upper.load": "1000:5000:5", "radius": [0.04, 0.05]}, workers=2, store="press.sweep",
@@ -121,11 +121,11 @@ def sweep(
             if left:
                 crew = _crew(job, folder, workers, client, devices)
                 _run(crew, left, worlds, folder, len(design.rows), progress)
-        except (OSError, EOFError) as error:  # a full disk, a process that starts workers and was killed
+        except (OSError, EOFError) as error:  # a full disk, or the process that starts workers was killed
             reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
             raise InputError(
                 f"sweep: the system refuses what store '{folder.path}' needs ({reason}); rows that have been run are "
-                "kept: see to it, and go on with resume=True (--resume)"
+                "kept: correct this, and continue with resume=True (--resume)"
             ) from error
         finally:
             folder.release()
@@ -133,7 +133,7 @@ def sweep(
 
 
 def _options(call: str, given: Mapping[str, Any] | None) -> dict[str, Any] | None:
-    """Options of a call as they are given. Raises `InputError` for those that a sweep says itself."""
+    """Options of a call as given. Raises `InputError` for those reserved for the sweep."""
     for name in given or {}:
         if name in OWN:
             raise InputError(f"sweep: {call}: {name} is an argument of sweep")
@@ -156,11 +156,11 @@ def _devices(device: Any, workers: int, client: Any) -> list[str | None]:
 
 
 def _definition(job: Job, design: Design) -> dict[str, Any]:
-    """What tells a sweep from others, as plain data; the first scene is None where it cannot be built, which its row
-    will tell. Raises `NoCall`."""
+    """Definition that identifies a sweep, as plain data; the first scene is None if it cannot be built, which its row
+    reports. Raises `NoCall`."""
     first, call = None, "simulate" if job.equilibrium is None else "equilibrium"
     try:
-        with threadpool_limits(1):  # as workers have it
+        with threadpool_limits(1):  # as in workers
             built = job.scenes.built(design.rows[0])
         call, options = job.call_of(built)
         first = built.scene.content_hash()
@@ -178,7 +178,7 @@ def _definition(job: Job, design: Design) -> dict[str, Any]:
 
 
 def _crew(job: Job, folder: Folder, workers: int, client: Any, devices: list[str | None]) -> Crew:
-    """Who runs the rows. Raises `InputError`."""
+    """The executor of the rows. Raises `InputError`."""
     if client is None and workers == 1:
         return Here(job, devices[0])
     if client is not None and workers != 1:
@@ -199,14 +199,14 @@ def _crew(job: Job, folder: Folder, workers: int, client: Any, devices: list[str
 
 
 def _run(crew: Crew, left: list[tuple[int, Row]], worlds: int, folder: Folder, count: int, progress: bool) -> None:
-    """Have the rows that are left run, and keep their answers."""
+    """Run the remaining rows, and store their answers."""
     bar = Progress("sweep", count, enabled=progress, unit="run", done=count - len(left))
     keeping = _Keeping(folder, bar, count - len(left))
     try:
         _dispatch(crew, left, worlds, keeping)
     except KeyboardInterrupt:
         log.warning(
-            "sweep: interrupted, %d of %d rows have been run; go on with resume=True (--resume)", keeping.done, count
+            "sweep: interrupted, %d of %d rows have been run; continue with resume=True (--resume)", keeping.done, count
         )
     finally:
         bar.close()
@@ -218,21 +218,20 @@ def _run(crew: Crew, left: list[tuple[int, Row]], worlds: int, folder: Folder, c
 
 
 class _Keeping:
-    """Keeps answers, and tells how far the sweep is."""
+    """Stores answers, and reports the progress of the sweep."""
 
     def __init__(self, folder: Folder, bar: Progress, done: int) -> None:
         self.folder, self.bar, self.done = folder, bar, done
-        self.proved = folder.has_values  # whether a row has had what is wanted, of a sweep that goes on also before
-        self.answers, self.lost = 0, 0  # answers so far, those lost
+        self.proved = folder.has_values  # whether a row has had the outputs, also before a sweep was resumed
+        self.answers, self.lost = 0, 0  # answers so far, and lost ones
 
     @property
     def open(self) -> bool:
-        """Whether rows may go out beside one another."""
+        """Whether rows may be sent in parallel."""
         return self.proved or self.answers >= UNPROVED
 
     def take(self, answer: Answer) -> None:
-        """Keep a row. Raises `InputError` where its worker has other versions, and where no run has had what is
-        wanted."""
+        """Store a row. Raises `InputError` if its worker has other versions, and if no run has had the outputs."""
         if answer.status == OTHER_VERSIONS:
             raise InputError(
                 f"sweep: the worker on {answer.host} has other versions ({answer.message}), and its numbers would be "
@@ -253,8 +252,8 @@ class _Keeping:
 
 
 def _dispatch(crew: Crew, left: list[tuple[int, Row]], worlds: int, keeping: _Keeping) -> None:
-    """Rows go out in packs of `worlds`; those of a worker that died go out again one by one, so that the one that it
-    died of is known."""
+    """Rows are sent in packs of `worlds`; those of a dead worker are sent again one by one, to identify the row that
+    caused it."""
     waiting = deque(left[n : n + worlds] for n in range(0, len(left), worlds))
     out: dict[Answers, list[tuple[int, Row]]] = {}
     deaths: Counter[int] = Counter()

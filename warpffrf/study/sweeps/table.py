@@ -1,19 +1,19 @@
-"""All rows of a sweep in one HDF5 file, laid out as netCDF-4 does, so that xarray opens it lazily.
+"""All rows of a sweep in one HDF5 file with the layout of netCDF-4, so that xarray opens it lazily.
 
     import xarray
     xarray.open_dataset("crown.sweep/table.h5", engine="h5netcdf")
 
 Every variable has the dimension `run`: parameters, which are coordinates; status, message, wall_seconds,
-set_up_seconds, device, host, versions and worlds (how many rows ran in one graph); outputs, those with times as
-(run, time, ...). `time` is a coordinate where all runs were saved at the same times, as far as each got, `saved_steps`;
-else `time_of_run` (run, time) has those of each. Numbers that a run does not have are NaN, and arrays are as large as
-the largest run's. `error_budget` (run, error_source) is the largest size of each source over the quantities of a run.
+set_up_seconds, device, host, versions and worlds (how many rows ran in one graph); outputs, those with times as (run,
+time, ...). `time` is a coordinate if all runs were saved at the same times, up to the `saved_steps` of each; else
+`time_of_run` (run, time) has those of each. Numbers that a run does not have are NaN, and arrays are as large as the
+largest run's. `error_budget` (run, error_source) is the largest size of each source over the quantities of a run.
 
-HDF5 and not Zarr: h5py is needed by results and bodies already; 100,000 runs of ten histories are one file instead of
-some thousands, which moves, copies and is checked as one, with the seal of all our HDF5 files
-(`model/files/sealed_file.py`). What Zarr is better at, many writers at once, is not needed, for one process writes
-(`folder.py`); what HDF5 is worse at, a kill in the middle of writing, cannot happen, for the file is made in memory and
-renamed.
+HDF5 is used instead of Zarr: h5py is already required for results and bodies; 100,000 runs of ten histories are one
+file instead of some thousands, which is moved, copied and checked as one, with the checksum of all HDF5 files of the
+package (`model/files/sealed_file.py`). The advantage of Zarr, many concurrent writers, is not needed, because one
+process writes (`folder.py`); the weakness of HDF5, a kill while writing, does not matter, because the file is built in
+memory and renamed.
 """
 
 from __future__ import annotations
@@ -39,15 +39,15 @@ MARK, SCHEMA = "warpffrf sweep table", 1
 RUN, TIME_OF_RUN, SAVED, BUDGET, SOURCE = "run", "time_of_run", "saved_steps", "error_budget", "error_source"
 TEXTS = ("status", "message", "device", "host", "versions")
 NUMBERS = {"wall_seconds": "s", "set_up_seconds": "s", "worlds": "1"}  # name -> unit
-TAKEN = (RUN, TIME, TIME_OF_RUN, SAVED, BUDGET, SOURCE, *TEXTS, *NUMBERS, *COMPONENTS)  # names that outputs cannot have
+TAKEN = (RUN, TIME, TIME_OF_RUN, SAVED, BUDGET, SOURCE, *TEXTS, *NUMBERS, *COMPONENTS)  # reserved names
 NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."  # netCDF's mark of a dimension without coordinate
 CURE = "take the table of another copy, or run the sweep again"
-PACKED_FROM = 4096  # bytes of an array that is worth packing
+PACKED_FROM = 4096  # bytes; smaller arrays are not compressed
 
 
 @dataclass
 class Column:
-    """One output of all runs: `array` (run, ...) and what its further axes are."""
+    """One output of all runs: `array` (run, ...) and its further axes."""
 
     array: np.ndarray
     dims: tuple[str, ...]
@@ -68,23 +68,23 @@ class Table:
 
     @classmethod
     def empty(cls, names: Sequence[str], rows: Sequence[Row]) -> Table:
-        """The table of rows that are still to be run."""
+        """The table of rows that have not been run."""
         texts = {name: np.full(len(rows), "", dtype=object) for name in TEXTS}
         numbers = {name: np.full(len(rows), np.nan) for name in NUMBERS}
         return cls({name: _values([row[name] for row in rows]) for name in names}, texts, numbers)
 
     @property
     def count(self) -> int:
-        """Rows in all."""
+        """Total number of rows."""
         return len(self.texts["status"])
 
     def done(self) -> set[int]:
-        """Numbers of the rows that have been run."""
+        """Indices of the rows that have been run."""
         return {int(n) for n in np.flatnonzero(self.texts["status"] != "")}
 
     def add(self, answer: Answer) -> None:
-        """Put a run into its row. A run whose arrays have other axes than those before, or axes that are called as
-        something else of the table, counts as failed."""
+        """Store a run in its row. A run whose arrays have other axes than earlier ones, or axes with names of other
+        items of the table, counts as failed."""
         n = answer.number
         for name in (*TEXTS, *NUMBERS):
             (self.texts if name in TEXTS else self.numbers)[name][n] = getattr(answer, name)
@@ -106,7 +106,7 @@ class Table:
             self.budget.setdefault(source, np.full(self.count, np.nan))[n] = size
 
     def _fault(self, values: Mapping[str, Value]) -> str:
-        """Why the values of a run cannot stand in the table, "" where they can."""
+        """The reason why the values of a run cannot be stored in the table, or ""."""
         names = {*TAKEN, *self.parameters, *values} - {TIME, *COMPONENTS}
         for name, value in values.items():
             column = self.columns.get(name)
@@ -120,7 +120,7 @@ class Table:
     # --- the file
 
     def write(self, path: Path) -> None:
-        """Write the table as `path`, whole or not at all. Raises OSError."""
+        """Write the table to `path` atomically. Raises OSError."""
         with written_sealed(path) as file:
             file.attrs.update({"format": MARK, "schema": SCHEMA})
             file.attrs["coordinates"] = " ".join(name for name in self.parameters if not any(map(str.isspace, name)))
@@ -188,12 +188,12 @@ class _Writer:
         self.file = file
 
     def coordinate(self, name: str, values: np.ndarray, about: Mapping[str, Any] | None = None) -> None:
-        """A dimension with a value for each of its places."""
+        """A dimension with a coordinate value at each index."""
         data = _dataset(self.file, name, values, about or {})
         data.make_scale(name)
 
     def variable(self, name: str, values: np.ndarray, dims: tuple[str, ...], about: Mapping[str, Any]) -> None:
-        """An array along dimensions, which are made where they are not there."""
+        """An array along dimensions, which are created if necessary."""
         for dim, size in zip(dims, values.shape, strict=True):
             if dim not in self.file and dim in COMPONENTS:
                 self.coordinate(dim, np.array(COMPONENTS[dim], dtype=object))
@@ -226,7 +226,7 @@ def _common_times(times: np.ndarray, saved: np.ndarray) -> np.ndarray:
 
 
 def _values(values: Sequence[Any]) -> np.ndarray:
-    """Values of a parameter as one array: truth values, whole numbers, numbers, else texts."""
+    """Values of a parameter as one array: booleans, integers, numbers, else texts."""
     kinds = {type(value) for value in values}
     if kinds in ({bool}, {int}, {float}):
         return np.array(values)
@@ -236,7 +236,7 @@ def _values(values: Sequence[Any]) -> np.ndarray:
 
 
 def _with_row(array: np.ndarray, n: int, row: np.ndarray) -> np.ndarray:
-    """`array` with `row` in place n; it grows where the row is larger."""
+    """`array` with `row` at index n; it grows if the row is larger."""
     if any(have < wanted for have, wanted in zip(array.shape[1:], row.shape, strict=True)):
         shape = [max(sizes) for sizes in zip(array.shape[1:], row.shape, strict=True)]
         grown = np.full((len(array), *shape), np.nan)
@@ -249,7 +249,7 @@ def _with_row(array: np.ndarray, n: int, row: np.ndarray) -> np.ndarray:
 
 @contextmanager
 def opened(path: Path) -> Iterator[Any]:
-    """The open `h5py.File` of a table whose seal holds. Raises `InputError`, also where reading it inside fails."""
+    """The open `h5py.File` of a table with a valid checksum. Raises `InputError`, also if reading it inside fails."""
     import h5py
 
     subject = f"sweep: {path}"
@@ -264,7 +264,7 @@ def opened(path: Path) -> Iterator[Any]:
             yield file
     except InputError as error:
         raise error if str(error).startswith("sweep: ") else InputError(f"{subject}: {error}; {CURE}") from None
-    except Exception as error:  # a document that somebody else has sealed raises what it leads to
+    except Exception as error:  # reading a foreign document can raise anything
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"{subject} is damaged ({reason}); {CURE}") from error
 
@@ -276,9 +276,8 @@ def _state(path: Path) -> tuple[int, int, int]:
 
 @lru_cache(maxsize=16)
 def _whole(path: Path, state: tuple[int, int, int]) -> None:
-    """Hold the seal of a table against its bytes, and let the HDF5 library look through one that this process has not
-    written, once for each `state` of the file: where it is, when it was written, its size. Raises `InputError`, each
-    time anew."""
+    """Check the checksum of a table, and let the HDF5 library check one that this process has not written, once for
+    each `state` of the file: path, time of writing, size. Raises `InputError` at every call."""
     subject = f"sweep: {path}"
     verify(path, subject, CURE)
     if (path, state) not in _written:
@@ -289,12 +288,12 @@ _written: set[tuple[Path, tuple[int, int, int]]] = set()  # tables of this proce
 
 
 def axes_of(data: Any) -> tuple[str, ...]:
-    """Names of the axes of a variable behind `run`."""
+    """Names of the axes of a variable after `run`."""
     return tuple(str(data.dims[axis][0].name).lstrip("/") for axis in range(1, data.ndim))
 
 
 def variables_of(file: Any) -> list[str]:
-    """Names of what an open table has values of: all but axes without any."""
+    """Names of the variables with values in an open table: all except axes without any."""
     return [name for name in file if not bytes(file[name].attrs.get("NAME", b"")).startswith(NO_VARIABLE.encode())]
 
 

@@ -1,10 +1,10 @@
-"""Reading a sweep: pictures, a surface through its rows, what its parameters have to say, and a page of all that.
+"""Evaluation of a sweep: pictures, response surface, sensitivities, and a page of all these.
 
-values        one output over the rows, in the unit that suits it, and which rows have none
+values        one output over the rows, in a suitable unit, and rows without a value
 plot          an output against a parameter, over time, over two parameters: panels of one figure
-surface       a response surface through rows, and how far it is off
+surface       a response surface through rows, and its error
 sensitivities Sobol indices
 page          the whole sweep as one page
 
-They ask of a sweep what `values.Table` says, and know nothing of files.
+They use the interface `values.Table` of a sweep, and do not access files.
 """

@@ -1,4 +1,4 @@
-"""A sweep as one HTML page that stands by itself: its pictures are in it, and nothing is loaded from elsewhere."""
+"""A sweep as one self-contained HTML page: pictures are embedded, and nothing is loaded from elsewhere."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from warpffrf.study.sweeps.reading.values import COMPLETED, TIME, WAITING, Table
 
 ENDINGS = (".html", ".htm")
 DPI = 90
-MOST_FAILED = 100  # rows in the table of those that failed
-FAITHFUL = 0.5  # error of a response surface over the deviation, from which on its sensitivities are not shown
+MOST_FAILED = 100  # rows in the table of failed ones
+FAITHFUL = 0.5  # error of a response surface over the standard deviation, above which its sensitivities are not shown
 STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; color: #222; max-width: 1180px; margin: 2em auto; padding: 0 1em; }
 h1 { font-size: 1.6em; } h2 { font-size: 1.2em; margin-top: 2em; border-bottom: 1px solid #ddd; }
@@ -39,7 +39,7 @@ pre { background: #f5f6f8; padding: 0.8em; overflow-x: auto; font-size: 13px; }
 
 
 def write_page(table: Table, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-    """Write the page of a sweep, as `Sweep.page` says; returns its path."""
+    """Write the page of a sweep, see `Sweep.page`; returns its path."""
     target = checked_output_path(path, "sweep: page", overwrite=overwrite)
     if target.suffix.lower() not in ENDINGS:
         raise InputError(f"sweep: page: '{target.name}' must end in {' or '.join(ENDINGS)}")
@@ -90,7 +90,7 @@ def _rows(head: Sequence[str], rows: Iterable[Sequence[Any]], caption: str = "")
 
 
 def _picture(figure: Any, alt: str) -> str:
-    """A figure as a picture within the page."""
+    """A figure embedded in the page."""
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=DPI, metadata={"Software": "warpffrf"})
     data = base64.b64encode(stream.getvalue()).decode("ascii")
@@ -129,7 +129,7 @@ def _outputs(table: Table) -> str:
 
 
 def _failed(table: Table) -> list[str]:
-    """The rows that ended otherwise than completed, with their messages."""
+    """The rows with another status than completed, with their messages."""
     status, message = table["status"], table["message"]
     failed = np.flatnonzero((status != COMPLETED) & (status != WAITING))
     if not len(failed):
@@ -145,7 +145,7 @@ def _failed(table: Table) -> list[str]:
 
 
 def _output(table: Table, name: str) -> list[str]:
-    """Pictures of an output, what its surface says, and its sensitivities; what cannot be made says why."""
+    """Pictures of an output, its response surface, and its sensitivities; or the reasons why they are missing."""
     numbers = table[name]
     dims, _ = table.about(name)
     others = [dim for dim in dims if dim != TIME]
@@ -171,7 +171,7 @@ def _output(table: Table, name: str) -> list[str]:
 
 
 def _said(make: Callable[[], str]) -> str:
-    """A part, or why it cannot be made."""
+    """A part, or the reason why it is missing."""
     try:
         return make()
     except InputError as error:
@@ -179,14 +179,14 @@ def _said(make: Callable[[], str]) -> str:
 
 
 def _map(table: Table, name: str, axes: Sequence[Axis]) -> str:
-    """Over the first two parameters, with a panel for each value of the third where those are few."""
+    """Map over the first two parameters, with a panel for each value of the third if there are few."""
     x, y, *others = axes
     col = others[0].name if others and len(others[0].distinct) <= min(MOST_PANELS, 2 * COLUMNS) else None
     return _picture(plot(table, name, x=x.name, y=y.name, col=col), f"map of {name} over {x.name} and {y.name}")
 
 
 def _surface(table: Table, name: str) -> str:
-    """What the response surface says, and sensitivities: of rows that are made for them, else of that surface."""
+    """The response surface, and sensitivities: from rows of a suitable sample, else from that surface."""
     found = surface(table, name)
     report = f"<pre>{escape(found.report())}</pre>"
     if of_rows(table):
@@ -204,7 +204,7 @@ def _bars(found: Sensitivities) -> str:
 
 
 def _budget(table: Table) -> list[str]:
-    """Sizes of the sources of errors, where the sweep has them."""
+    """Sizes of the sources of errors, if the sweep has them."""
     if not table.definition.get("error_budget"):
         return []
     rows = []
@@ -216,7 +216,7 @@ def _budget(table: Table) -> list[str]:
 
 
 def _times(table: Table) -> list[str]:
-    """What runs took, and where and with what they were run."""
+    """Times of the runs, machines and versions."""
     parts = []
     rows = []
     for name, label in (("wall_seconds", "a run, with set-up"), ("set_up_seconds", "set-up")):
@@ -231,7 +231,7 @@ def _times(table: Table) -> list[str]:
 
 
 def call_of(table: Table) -> str:
-    """The call that makes this sweep, as far as the sweep knows it: a scene and functions are known by their names."""
+    """The call of this sweep, as far as known: a scene and functions are shown by their names."""
     about = table.definition
     parameters, outputs = about["parameters"], about["outputs"]
     if GIVEN in parameters.values():

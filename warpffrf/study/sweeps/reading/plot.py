@@ -1,15 +1,15 @@
-"""What to draw of a sweep: an output over a parameter, over time, or over two parameters, on panels of one figure.
+"""Plots of a sweep: an output over a parameter, over time, or over two parameters, on panels of one figure.
 
-Hues. Colours by the value of a parameter: a few values have each a colour and a name, many share a colour bar.
+Hues. Colours by the value of a parameter: a few values each have a colour and a name, many have a colour bar.
 
-Axes. A parameter along an axis: numbers as they are, texts and truth values beside each other; rows that make a grid.
+Axes. A parameter along an axis: numbers by value, texts and booleans by index; detection of grids.
 
-Curves. An output against a parameter: rows that differ in it alone are one line, by themselves points.
+Curves. An output against a parameter: rows that differ in it alone form a line, single rows are points.
 
-Maps. An output over two parameters: cells of a whole grid, triangles between the rows of a sample, points where further
-parameters vary as well. The rows with the least and the largest value are marked.
+Maps. An output over two parameters: cells of a whole grid, triangles between the rows of a sample, points if further
+parameters vary. The rows with the least and the largest value are marked.
 
-Histories. An output over time, a line a row, coloured by a parameter.
+Histories. An output over time, one line per row, coloured by a parameter.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def panels_of(
     style: str | None = None, col: str | None = None, kind: str | None = None, component: str | int | None = None,
     where: Mapping[str, Any] | None = None,
 ) -> tuple[Sequence[Drawn], str]:  # fmt: skip
-    """The panels of `Sweep.plot`, and the title above them."""
+    """The panels of `Sweep.plot`, and their common title."""
     values = values_of(table, output, component)
     rows = chosen_rows(table, where)
     if kind is None:
@@ -74,8 +74,7 @@ def panels_of(
 def plot(
     table: Table, output: str, *, path: str | os.PathLike[str] | None = None, overwrite: bool = False, **chosen: Any
 ) -> Any:
-    """A matplotlib Figure of an output, `chosen` by the arguments of `panels_of`; written to `path` where that is
-    given."""
+    """A matplotlib Figure of an output, `chosen` by the arguments of `panels_of`; written to `path` if given."""
     figure = panels_figure(*panels_of(table, output, **chosen))
     if path is not None:
         write_picture(figure, path, "sweep: picture", overwrite=overwrite)
@@ -83,12 +82,12 @@ def plot(
 
 
 def _named(values: Values) -> str:
-    """The output, and what it is where that is another word."""
+    """The output, with its definition if that differs from the name."""
     return values.name if values.text == values.name else f"{values.name} = {values.text}"
 
 
 def _begun(values: Values, rows: np.ndarray) -> bool:
-    """Whether a row that was not completed has a history."""
+    """Whether an uncompleted row has a history."""
     return values.time is not None and bool(np.isfinite(values.numbers[rows]).any())
 
 
@@ -120,8 +119,8 @@ def _curves(
     table: Table, values: Values, panels: list[tuple[str, np.ndarray]], x: str | None, hue: str | None,
     style: str | None, free: list[Axis],
 ) -> list[Curves]:  # fmt: skip
-    """Panels over x, the first parameter that varies where it is left out; of a grid the next one is the colour, and a
-    last one of few values the dashes."""
+    """Panels over x, by default the first parameter that varies; for a grid the next one is the colour, and a last one
+    with few values the dashes."""
     if x is None and not free:
         raise InputError("sweep: no parameter is left that varies in these rows; name another x, or leave where out")
     along = axis_of(table, x) if x is not None else free.pop(0)
@@ -138,7 +137,7 @@ def _curves(
 
 
 def _limits(values: Values, rows: np.ndarray) -> tuple[float, float]:
-    """Of the value axis of all panels: from zero where values are far from alike, as plots of runs are."""
+    """Limits of the value axis of all panels: from zero unless values are similar, as in plots of runs."""
     factor, _ = values.shown()
     numbers = values.numbers[rows & values.has] * factor
     low, high = float(numbers.min()), float(numbers.max())
@@ -152,7 +151,7 @@ def _limits(values: Values, rows: np.ndarray) -> tuple[float, float]:
 def _maps(
     table: Table, values: Values, panels: list[tuple[str, np.ndarray]], x: str | None, y: str | None, free: list[Axis]
 ) -> list[Map]:
-    """Panels over x and y, the first parameters that vary where they are left out."""
+    """Panels over x and y, by default the first parameters that vary."""
     if values.time is not None:
         raise InputError(
             f"sweep: a map needs one number a row, and {values.name!r} is over time; sweep its largest value, "
@@ -173,7 +172,7 @@ def _maps(
 
 @dataclass(frozen=True, eq=False)
 class Hue:
-    """Colours of the values of `axis`; of None all are alike."""
+    """Colours of the values of `axis`; None: all equal."""
 
     axis: Axis | None
 
@@ -191,11 +190,11 @@ class Hue:
         return self._scale().to_rgba(position)
 
     def label(self, position: float) -> str:
-        """What a legend calls the value; "" where there is none."""
+        """Legend text of the value; "" if there is none."""
         return "" if self.axis is None else f"{self.axis.name} = {self.axis.text(position)}"
 
     def bar(self, ax: Any) -> None:
-        """A colour bar beside `ax`, where values have no colours of their own."""
+        """A colour bar next to `ax`, if values have no colours of their own."""
         if self.axis is not None and not self.is_few:
             ax.figure.colorbar(self._scale(), ax=ax, label=self.axis.name)
 
@@ -205,13 +204,13 @@ class Hue:
 
 
 WIDE = 8.0  # largest over least value of an axis that may be logarithmic
-FEW = 12  # values that all have a tick, where there is room between them
-APART = 0.13  # of the axis, from one tick to the next
+FEW = 12  # largest number of values that all have a tick, if there is room
+APART = 0.13  # of the axis, smallest distance of ticks
 
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """Parameter `name` at positions (run,); `words`: of texts what stands at 0, 1, 2, ..., None for numbers."""
+    """Parameter `name` at positions (run,); `words`: texts at positions 0, 1, 2, ..., None for numbers."""
 
     name: str
     positions: np.ndarray
@@ -219,13 +218,12 @@ class Axis:
 
     @property
     def distinct(self) -> np.ndarray:
-        """Its values, each once, rising."""
+        """Its distinct values, ascending."""
         return np.unique(self.positions)
 
     @property
     def is_log(self) -> bool:
-        """Whether its values spread over a logarithmic scale: its middle value is nearer the geometric mean of its
-        ends."""
+        """Whether its values suit a logarithmic scale: the middle value is nearer to the geometric mean of the ends."""
         at = self.distinct
         if self.words is not None or len(at) < 3 or at[0] <= 0.0 or at[-1] < WIDE * at[0]:
             return False
@@ -273,8 +271,8 @@ def axes_of(table: Table, rows: np.ndarray) -> list[Axis]:
 
 
 def grid_places(axes: Sequence[Axis], rows: np.ndarray) -> tuple[list[np.ndarray], np.ndarray] | None:
-    """The values of each axis, and where on their grid each of the `rows` (run,) stands: (rows, axes) whole numbers.
-    None where the rows are not a whole grid, every combination once."""
+    """The values of each axis, and the grid indices of the `rows` (run,): (rows, axes) integers. None if the rows are
+    not a whole grid, every combination once."""
     if not axes:
         return None
     values, places = zip(*(np.unique(axis.positions[rows], return_inverse=True) for axis in axes), strict=True)
@@ -285,7 +283,7 @@ def grid_places(axes: Sequence[Axis], rows: np.ndarray) -> tuple[list[np.ndarray
     return list(values), places
 
 
-ABSENT = 0.03  # of the height of the axes: where rows without a value are marked
+ABSENT = 0.03  # of the height of the axes: position of marks of rows without a value
 
 
 @dataclass(frozen=True, eq=False)
@@ -301,13 +299,13 @@ class Curves:
     style: Axis | None
     others: Sequence[Axis]
     limits: tuple[float, float]
-    is_first: bool  # of the figure: it names the colours
+    is_first: bool  # in the figure: it has the legend of colours
 
     def draw(self, ax: Any) -> None:
         """Draw on matplotlib axes."""
         factor, label = self.values.shown()
         has = self.rows & self.values.has
-        alone: dict[int, list[int]] = {}  # rows that no other shares a line with, by their mark: drawn at once
+        alone: dict[int, list[int]] = {}  # rows without a line, by their marker: drawn at once
         for line in self._lines(has):
             place = self._place(line[0])
             if len(line) == 1:
@@ -336,7 +334,7 @@ class Curves:
         self._legend(ax, bool(len(missing)))
 
     def _lines(self, has: np.ndarray) -> list[np.ndarray]:
-        """Numbers of the rows of each line, along x."""
+        """Indices of the rows of each line, along x."""
         keys = [axis.positions for axis in (self.hue.axis, self.style, *self.others) if axis is not None]
         chosen = np.flatnonzero(has)
         if not len(chosen):
@@ -347,11 +345,11 @@ class Curves:
         return [line[np.argsort(self.x.positions[line], kind="stable")] for line in lines]
 
     def _color(self, row: int) -> Any:
-        """That of a row's value of `hue`."""
+        """The colour of a row's value of `hue`."""
         return self.hue.color(0.0 if self.hue.axis is None else float(self.hue.axis.positions[row]))
 
     def _place(self, row: int) -> int:
-        """The place of a row's value among those of `style`."""
+        """The index of a row's value among those of `style`."""
         return 0 if self.style is None else int((self.style.distinct < self.style.positions[row]).sum())
 
     def _title(self) -> str:
@@ -380,15 +378,15 @@ class Curves:
 
 MAP = "magma_r"
 LEVELS = 14  # of contours
-WRITTEN = 36  # cells whose values are written into them
-DARK = 0.55  # of the colour range, above which writing is white
-FLAT = 1e-6  # breadth over length, of places scaled to their ranges, below which they stand on a line
+WRITTEN = 36  # largest number of cells with written values
+DARK = 0.55  # of the colour range, above which text is white
+FLAT = 1e-6  # width over length, of positions scaled to their ranges, below which they are collinear
 
 
 @dataclass(frozen=True, eq=False)
 class Map:
     """`values` of the `rows` (run,) over `x` and `y`; `others` are the further parameters in which rows differ. limits:
-    of the colours, in shown units; marked: rows with the least and the largest value, with a mark and a name each."""
+    of the colours, in shown units; marked: rows with the least and the largest value, with a marker and a name each."""
 
     title: str
     values: Values
@@ -422,7 +420,7 @@ class Map:
             ax.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3, frameon=False)
 
     def _image(self, ax: Any, factor: float) -> Any:
-        """Cells, triangles or points."""
+        """Draw cells, triangles or points."""
         low, high = self.limits
         colors = {"cmap": MAP, "vmin": low, "vmax": high}
         grid = None if self.others else grid_places((self.x, self.y), self.rows)
@@ -443,7 +441,7 @@ class Map:
         return ax.scatter(x, y, c=z, s=30.0, edgecolors="0.4", linewidths=0.5, **colors)
 
     def _write(self, ax: Any, at: Sequence[np.ndarray], field: np.ndarray) -> None:
-        """The values in their cells, at the lower edge of each, so that marks leave them to be read."""
+        """Write the values into their cells, at the lower edge of each, so that markers do not hide them."""
         low, high = self.limits
         for (i, k), value in np.ndenumerate(field):
             if np.isfinite(value):
@@ -453,7 +451,7 @@ class Map:
 
 
 def _edges(at: np.ndarray, is_log: bool) -> np.ndarray:
-    """Borders (n + 1,) of cells around places (n,), which are in their middles where they are evenly spread."""
+    """Borders (n + 1,) of cells around positions (n,), which are at their centres if evenly spaced."""
     at = np.log(at) if is_log else at
     if len(at) == 1:
         edges = at[0] + np.array([-0.5, 0.5])
@@ -464,7 +462,7 @@ def _edges(at: np.ndarray, is_log: bool) -> np.ndarray:
 
 
 def _spread(x: np.ndarray, y: np.ndarray) -> bool:
-    """Whether the places do not all stand on one line."""
+    """Whether the positions are not collinear."""
     if len(x) < 3 or not np.ptp(x) or not np.ptp(y):
         return False
     scaled = np.stack([(x - x.mean()) / np.ptp(x), (y - y.mean()) / np.ptp(y)])
@@ -472,13 +470,13 @@ def _spread(x: np.ndarray, y: np.ndarray) -> bool:
     return bool(breadth > FLAT * length)
 
 
-MOST_LINES = 400  # rows that are drawn, spread over all
+MOST_LINES = 400  # rows drawn, evenly selected
 
 
 @dataclass(frozen=True, eq=False)
 class Histories:
-    """`values` (run, time) of the `rows` (run,) over time, a line a row, coloured by `hue`. A row that ended early is
-    dotted, with a cross where it ended; one without any value is told in the title."""
+    """`values` (run, time) of the `rows` (run,) over time, one line per row, coloured by `hue`. A row that ended early
+    is dotted, with a cross at its end; rows without any value are stated in the title."""
 
     title: str
     values: Values

@@ -1,22 +1,21 @@
-r"""Sobol indices: which parameter an output's variance comes from.
+r"""Sobol indices: contributions of the parameters to the variance of an output.
 
-Of independent parameters p_i with their distributions and an output y,
+For independent parameters p_i with their distributions and an output y,
 
-    first order  S_i  = V[E(y | p_i)] / V[y],        what is gone from the variance when p_i is known
-    total order  S_Ti = 1 - V[E(y | all but p_i)] / V[y],   what is left of it when all but p_i are known
+    first order  S_i  = V[E(y | p_i)] / V[y],        reduction of the variance if p_i is known
+    total order  S_Ti = 1 - V[E(y | all but p_i)] / V[y],   remaining variance if all but p_i are known
 
-0 <= S_i <= S_Ti <= 1; they are equal where p_i acts by itself, and the S_i add up to 1 where all do (I. M. Sobol',
-2001). `scipy.stats.sobol_indices` estimates them from points A, B and A with a column from B (A. Saltelli and others,
-2010).
+0 <= S_i <= S_Ti <= 1; they are equal if p_i does not interact, and the S_i add up to 1 if no parameter does (I. M.
+Sobol', 2001). `scipy.stats.sobol_indices` estimates them from points A, B and A with a column from B (A. Saltelli and
+others, 2010).
 
-**Rows of "saltelli:N"** are these points, and the indices those of the scene itself. **Other rows** give a response
-surface (`surface`), and the indices are those of the surface at `SURFACE_POINTS` points of that kind: its error is
-beside them, and no confidence interval has it. Parameters are distributed there as their values in the rows are,
-straight between them: a sample has the distribution it was drawn from, a range is uniform, values of a list weigh the
-same each.
+**Rows of "saltelli:N"** are these points, and the indices are those of the scene itself. For **other rows** the indices
+are those of a response surface (`surface`) at `SURFACE_POINTS` points of that kind: its error is reported with them,
+and is not in the confidence intervals. Parameters have the distribution of their values in the rows, linear between
+them: a sample has the distribution from which it was drawn, a range is uniform, values of a list have equal weights.
 
-Confidence intervals are quantiles of `RESAMPLES` bootstrap samples of the N points; they say how well N points tell the
-indices.
+Confidence intervals are quantiles of `RESAMPLES` bootstrap samples of the N points; they measure the sampling error of
+the indices.
 """
 
 from __future__ import annotations
@@ -36,8 +35,8 @@ from warpffrf.study.sweeps.reading.surface import Surface, surface
 from warpffrf.study.sweeps.reading.values import Table, Values, chosen_rows, values_of
 
 CONFIDENCE = 0.95
-RESAMPLES = 200  # of the bootstrap
-SURFACE_POINTS = 2048  # N of indices of a surface
+RESAMPLES = 200  # bootstrap samples
+SURFACE_POINTS = 2048  # N of the indices of a response surface
 CONSTANT = 1e-12  # of the largest value: a smaller range is round-off
 SEED = 0
 SALTELLI = "saltelli"
@@ -46,7 +45,7 @@ SALTELLI = "saltelli"
 @dataclass(frozen=True, eq=False, repr=False)
 class Sensitivities(reprs.Shown):
     """Sobol indices of output `name`, in the order of `parameters`: `first` and `total` (d,), and bounds of their 95 %
-    confidence intervals (d, 2). method: from what they are; `of_surface`: not from the scene's own rows."""
+    confidence intervals (d, 2). method: their source; `of_surface`: not from the scene's own rows."""
 
     name: str
     parameters: tuple[str, ...]
@@ -58,7 +57,7 @@ class Sensitivities(reprs.Shown):
     of_surface: bool
 
     def report(self) -> str:
-        """The indices, largest first, with their intervals and what they were made from."""
+        """The indices, largest first, with their intervals and source."""
         width = max(9, *map(len, self.parameters)) + 2
         lines = [f"Sobol indices of {self.name}, {self.method}", f"{'':<{width}}{'first order':>24}{'total order':>24}"]
         for n in np.argsort(-self.total, kind="stable"):
@@ -94,14 +93,14 @@ class Sensitivities(reprs.Shown):
 
 
 def of_rows(table: Table) -> bool:
-    """Whether the rows of a sweep are points that Sobol indices are made of."""
+    """Whether the rows of a sweep are a sample for Sobol indices."""
     return str(table.definition["sample"]).startswith(SALTELLI)
 
 
 def sensitivities(
     table: Table, output: str, component: str | int | None = None, where: Mapping[str, Any] | None = None
 ) -> Sensitivities:
-    """The indices of an output, as `Sweep.sensitivities` says."""
+    """The indices of an output, see `Sweep.sensitivities`."""
     values = values_of(table, output, component)
     subject = f"sensitivities of {output!r}"
     if values.time is not None:
@@ -115,7 +114,7 @@ def sensitivities(
 
 
 def _of_rows(subject: str, values: Values, names: tuple[str, ...], n: int) -> Sensitivities:
-    """From the rows A, B, AB_1, ..., AB_d, n of each."""
+    """Indices from the rows A, B, AB_1, ..., AB_d, n of each."""
     missing = values.missing()
     if missing:
         raise InputError(
@@ -125,12 +124,12 @@ def _of_rows(subject: str, values: Values, names: tuple[str, ...], n: int) -> Se
             "surface through the rows that there are"
         )
     if n & (n - 1):
-        raise InputError(f"{subject}: a sample of 'saltelli:{n}' does not do; take a power of two")
+        raise InputError(f"{subject}: a sample of 'saltelli:{n}' is not possible; use a power of two")
     return _indices(subject, values.name, names, values.numbers, n, f"from {len(values.numbers)} rows", False)
 
 
 def of_surface(table: Table, found: Surface, where: Mapping[str, Any] | None = None) -> Sensitivities:
-    """From points of a response surface through the rows `where`."""
+    """Indices from points of a response surface through the rows `where`."""
     rows = chosen_rows(table, where)
     names, n = tuple(found.ranges), SURFACE_POINTS
     q = saltelli(n, len(names), SEED)
@@ -150,12 +149,12 @@ def _indices(
 ) -> Sensitivities:
     """Estimate and bootstrap, from outputs y at the points A, B, AB_1, ..., AB_d, n of each."""
     if len(names) < 2:
-        raise InputError(f"{subject}: {''.join(names)} varies alone, and all variance is its own; vary two parameters")
+        raise InputError(f"{subject}: {''.join(names)} varies alone, so all variance is due to it; vary two parameters")
     if np.ptp(y) <= CONSTANT * np.abs(y).max():
-        raise InputError(f"{subject}: it is {y[0]:g} in all rows, there is no variance to share out")
+        raise InputError(f"{subject}: it is {y[0]:g} in all rows, so there is no variance")
     parts, rng = y.reshape(len(names) + 2, n), np.random.default_rng(SEED)
     first, total = _estimated(parts, np.arange(n))
-    # scipy's bootstrap draws from the random state that a process shares; this one is the same each time
+    # scipy's bootstrap uses the global random state of the process; this one is reproducible
     drawn = np.array([_estimated(parts, rng.integers(0, n, n)) for _ in range(RESAMPLES)])
     bounds = np.quantile(drawn, [0.5 * (1.0 - CONFIDENCE), 0.5 * (1.0 + CONFIDENCE)], axis=0)  # (2, order, d)
     return Sensitivities(name, names, first, total, bounds[:, 0].T, bounds[:, 1].T, method, of_surface)

@@ -1,27 +1,27 @@
-r"""A response surface: an output between the rows of a sweep, and how far it is off there.
+r"""A response surface: an output between the rows of a sweep, and its error.
 
-Parameters are scaled to 0 to 1 over their ranges, u = (p - p_least)/(p_largest - p_least), or their logarithms where
-the values are spread like that (`Axis.is_log`).
+Parameters are scaled to 0 to 1 over their ranges, u = (p - p_least)/(p_largest - p_least), or by their logarithms if
+the values are distributed logarithmically (`Axis.is_log`).
 
-**Whole grids**, all of whose rows have values: the tensor product of interpolating splines, of degree min(3, n - 1)
-along a parameter of n values (`scipy.interpolate.NdBSpline`). A sweep has its values dense where the output bends, and
-a cubic through uneven values overshoots in their wide gaps; so the n values stand at 0, 1/(n - 1), ..., 1, and u
-between them is turned into such a place by a monotone curve (`scipy.interpolate.PchipInterpolator`; of even values it
-is the straight line). The error is that of held-out values: each inner value of each parameter is left out in turn with
-all rows that have it, and they are predicted from the others. Cells are twice as wide there as they are in the surface
-that is used, whose error is smaller, of smooth outputs by 2^(degree + 1).
+**Whole grids**, with values in all rows: the tensor product of interpolating splines, of degree min(3, n - 1) along a
+parameter of n values (`scipy.interpolate.NdBSpline`). Values of a sweep are usually dense where the output is curved,
+and a cubic through uneven values overshoots in the wide gaps; the n values are therefore mapped to 0, 1/(n - 1), ...,
+1, and u between them by a monotone curve (`scipy.interpolate.PchipInterpolator`; a straight line for even values). The
+error is that of held-out values: each inner value of each parameter is omitted in turn with all its rows, and these are
+predicted from the others. The gaps are then twice as wide as in the final surface, whose error is smaller, for smooth
+outputs by 2^(degree + 1).
 
 **Other rows**: thin-plate splines with a linear part (`scipy.interpolate.RBFInterpolator`),
 
     s(u) = sum_i w_i |u - u_i|^2 log|u - u_i| + a + b.u,    s(u_i) = y_i.
 
-The error is that of leave-one-out: each row is predicted from all others; of more than `MOST_FOLDS` rows, groups of
-`MOST_LEFT_OUT` of them that are drawn once for all. Of more than `MANY` rows each place looks at its
-`NEIGHBOURS` nearest ones. Rows at the rim are extrapolated when they are left out, so that it is larger than the
-error between rows.
+The error is that of leave-one-out prediction: each row is predicted from all others; for more than `MOST_FOLDS` rows,
+groups of `MOST_LEFT_OUT` rows of a fixed random selection. For more than `MANY` rows each point uses its `NEIGHBOURS`
+nearest rows. Rows at the boundary are extrapolated when they are omitted, so that this error is larger than that
+between rows.
 
-Both errors are root mean squares of prediction less value, in the unit of the output, and `relative_error` is that over
-the standard deviation of the values: 0 is a surface through everything, 1 no better than their mean.
+Both errors are root mean squares of prediction minus value, in the unit of the output, and `relative_error` is that
+over the standard deviation of the values: 0 is a perfect prediction, 1 is no better than the mean.
 """
 
 from __future__ import annotations
@@ -40,19 +40,19 @@ from warpffrf.study.sweeps.parameters import sobol
 from warpffrf.study.sweeps.reading.plot import Axis, axes_of, grid_places
 from warpffrf.study.sweeps.reading.values import Table, Values, chosen_rows, shown_in, values_of
 
-MANY, NEIGHBOURS = 1000, 100  # rows, from which on thin plates are local; those that they go through then
-MOST_FOLDS, MOST_LEFT_OUT = 100, 500  # surfaces that are made to find an error, and rows that they are asked for
+MANY, NEIGHBOURS = 1000, 100  # rows above which thin-plate splines are local; number of nearest rows then
+MOST_FOLDS, MOST_LEFT_OUT = 100, 500  # surfaces computed for the error, and rows predicted by them
 DEGREE = 3  # of splines along a parameter with enough values
-OUTSIDE = 1e-9  # of a range: round-off by which a point may lie beyond it
-STARTS, BEST = 512, 6  # points where a least value is looked for, and of the best of them to its bottom
-SEED = 0  # of the groups of rows and of these points
+OUTSIDE = 1e-9  # of a range: round-off by which a point may lie outside
+STARTS, BEST = 512, 6  # start points of the minimisation, and number of the best that are refined
+SEED = 0  # of the groups of rows and of the start points
 
 Unit = Callable[[np.ndarray], np.ndarray]  # (n, d) of 0 to 1 -> (n,)
 
 
 @dataclass(frozen=True)
 class Extremum:
-    """The least or largest `value` of a surface, and the parameters where it has it; `error` is that of the surface."""
+    """The least or largest `value` of a surface, and its parameters; `error` is that of the surface."""
 
     value: float
     parameters: dict[str, float]
@@ -61,18 +61,18 @@ class Extremum:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Surface(reprs.Shown):
-    """An output between the rows of a sweep; a point is {parameter: value, or an array of them}.
+    """An output between the rows of a sweep; a point is {parameter: value, or an array of values}.
 
-    ranges: least and largest value of each parameter, between which it may be asked; at corners that no row of a sample
-    is near it goes beyond them. error: root mean square of predictions of left-out rows less their values, in the unit
-    of the output, NaN where too few rows are there to leave one out; `relative_error` is that over the standard
-    deviation of the values. method, note: how it was made, and what was left out.
+    ranges: least and largest value of each parameter; the surface extrapolates at corners without a nearby row of a
+    sample. error: root mean square of predictions of omitted rows minus their values, in the unit of the output, NaN
+    with too few rows; `relative_error` is that over the standard deviation of the values. method, note: how it was
+    computed, and what was omitted.
     """
 
     name: str
     unit: str
     ranges: dict[str, tuple[float, float]]
-    logarithmic: tuple[bool, ...]  # of which parameters the logarithms are scaled
+    logarithmic: tuple[bool, ...]  # parameters scaled by their logarithms
     rows: int
     method: str
     error: float
@@ -84,15 +84,15 @@ class Surface(reprs.Shown):
     values: np.ndarray
 
     def __call__(self, point: Mapping[str, Any]) -> Any:
-        """The output [SI] at a point, a number, or an array of the shape that its values broadcast to. Raises
-        InputError for a parameter that is missing or unknown, and outside of `ranges`."""
+        """The output [SI] at a point, a number, or an array of the broadcast shape of its values. Raises InputError for
+        a parameter that is missing or unknown, and outside of `ranges`."""
         for name in point:
             if name not in self.ranges:
                 raise unknown_name(f"response of {self.name!r}: parameter", str(name), self.ranges)
         columns = []
         for (name, (low, high)), is_log in zip(self.ranges.items(), self.logarithmic, strict=True):
             if name not in point:
-                raise InputError(f"response of {self.name!r}: say {name} too, between {low:g} and {high:g}")
+                raise InputError(f"response of {self.name!r}: give {name} too, between {low:g} and {high:g}")
             p = np.asarray(point[name], dtype=float)
             if not np.all((p >= low - OUTSIDE * (high - low)) & (p <= high + OUTSIDE * (high - low))):
                 raise InputError(
@@ -113,7 +113,7 @@ class Surface(reprs.Shown):
         return self._extremum(-1.0)
 
     def _extremum(self, sign: float) -> Extremum:
-        """From the rows and evenly spread points downhill: of several valleys the deepest that was met."""
+        """Minimisation from the rows and evenly distributed points; the best local minimum found."""
         spread = sobol(STARTS, len(self.ranges), SEED)
         starts = np.concatenate([self.points, spread])
         heights = sign * np.concatenate([self.values, self.of_unit(spread)])
@@ -131,7 +131,7 @@ class Surface(reprs.Shown):
         return Extremum(sign * best, where, self.error)
 
     def report(self) -> str:
-        """How it was made, how far it is off, and where it is least and largest."""
+        """Method, error, and the extrema."""
         factor, unit = shown_in(self.unit, self.values)
         said = f"{self.error * factor:.4g} {unit}".strip() + f", {self.relative_error:.2g} of the standard deviation"
         lines = [
@@ -151,7 +151,7 @@ class Surface(reprs.Shown):
 def surface(
     table: Table, output: str, component: str | int | None = None, where: Mapping[str, Any] | None = None
 ) -> Surface:
-    """The surface of an output, as `Sweep.response` says."""
+    """The surface of an output, see `Sweep.response`."""
     values, rows = values_of(table, output, component), chosen_rows(table, where)
     if values.time is not None:
         raise InputError(f"response of {output!r}: it is over time; sweep one number of it, as 'max({values.text})'")
@@ -163,7 +163,7 @@ def surface(
                 f"{' and '.join(axis.words[:2])}; choose one with where={{{axis.name!r}: {axis.words[0]!r}}}"
             )
     if not axes:
-        raise InputError(f"response of {output!r}: no parameter varies in these rows, one row says it all")
+        raise InputError(f"response of {output!r}: no parameter varies in these rows; sweep at least one")
     return _through(values, rows, axes)
 
 
@@ -202,7 +202,7 @@ def _through(values: Values, rows: np.ndarray, axes: Sequence[Axis]) -> Surface:
 
 @dataclass(frozen=True, eq=False)
 class _Made:
-    """What goes through rows, how it was made, and by how much it missed those that were left out."""
+    """An interpolation of rows, its method, and its errors at omitted rows."""
 
     of_unit: Unit
     method: str
@@ -211,7 +211,7 @@ class _Made:
 
 
 def _of_grid(u: np.ndarray, y: np.ndarray, places: np.ndarray, names: Sequence[str]) -> _Made:
-    """Splines through y (n,) at u (n, d), which stand at `places` (n, d) of a grid."""
+    """Splines through y (n,) at u (n, d), at the indices `places` (n, d) of a grid."""
     field = np.empty(places.max(axis=0) + 1)
     field[tuple(places.T)] = y
     at = [np.linspace(0.0, 1.0, count) for count in field.shape]
@@ -235,13 +235,13 @@ def _scaled(p: np.ndarray, low: float, high: float, is_log: bool) -> np.ndarray:
 
 
 def _unscaled(u: float, low: float, high: float, is_log: bool) -> float:
-    """The value of a parameter at 0 to 1, ends as they are."""
+    """The value of a parameter at 0 to 1, with exact ends."""
     between = low * (high / low) ** u if is_log else low + u * (high - low)
     return high if u == 1.0 else between
 
 
 def _splines(at: Sequence[np.ndarray], field: np.ndarray) -> Unit:
-    """The tensor product of splines through `field` (n_1, ..., n_d) at rising places (n_i,)."""
+    """The tensor product of splines through `field` (n_1, ..., n_d) at ascending positions (n_i,)."""
     knots, degrees = [], []
     for axis, places in enumerate(at):
         degree = min(DEGREE, len(places) - 1)
@@ -253,7 +253,7 @@ def _splines(at: Sequence[np.ndarray], field: np.ndarray) -> Unit:
 
 
 def _held_out(at: Sequence[np.ndarray], field: np.ndarray) -> np.ndarray:
-    """Prediction less value where each inner value of each axis is left out in turn."""
+    """Prediction minus value with each inner value of each axis omitted in turn."""
     misses = []
     for axis, places in enumerate(at):
         for n in range(1, len(places) - 1):
@@ -266,13 +266,13 @@ def _held_out(at: Sequence[np.ndarray], field: np.ndarray) -> np.ndarray:
 
 
 def _once(u: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Each point once, with the mean of what rows have there."""
+    """Each point once, with the mean of its rows."""
     points, of_point, counts = np.unique(u, axis=0, return_inverse=True, return_counts=True)
     return points, np.bincount(of_point.ravel(), y) / counts
 
 
 def _plates(name: str, u: np.ndarray, y: np.ndarray) -> Unit:
-    """Thin-plate splines through y (n,) at u (n, d). Raises `InputError` where the points do not span the space."""
+    """Thin-plate splines through y (n,) at u (n, d). Raises `InputError` if the points do not span the space."""
     try:
         nearest = NEIGHBOURS if len(y) > MANY else None
         return RBFInterpolator(u, y, kernel="thin_plate_spline", degree=1, neighbors=nearest)
@@ -284,12 +284,12 @@ def _plates(name: str, u: np.ndarray, y: np.ndarray) -> Unit:
 
 
 def _plates_are(rows: int) -> str:
-    """What a report calls them."""
+    """Their name in a report."""
     return f"thin-plate splines through the {NEIGHBOURS} nearest" if rows > MANY else "thin-plate splines"
 
 
 def _left_out(name: str, u: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, str]:
-    """Prediction less value of rows that are left out, and how they were."""
+    """Prediction minus value of omitted rows, and how they were selected."""
     n = len(y)
     if n < u.shape[1] + 3:
         return np.empty(0), f"{n} rows are too few to leave one out"

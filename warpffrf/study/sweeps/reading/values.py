@@ -1,4 +1,4 @@
-"""One output over the rows of a sweep, in the unit that suits it, and which rows have none."""
+"""One output over the rows of a sweep, in a suitable unit, and rows without a value."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.output.files.fields import COMPONENTS
 
 COMPLETED, WAITING = "completed", ""
-SAME = 1e-9  # relative: digits that people leave out, not a neighbour of a fine grid
+SAME = 1e-9  # relative: covers omitted digits, but not a neighbour on a fine grid
 TIME = "time"
-# unit -> the units that values are shown in, from the largest: (least value for it, name, what it is times)
+# unit -> display units, from the largest: (least value for it, name, factor)
 SHOWN: dict[str, tuple[tuple[float, str, float], ...]] = {
     "Pa": ((1e5, "MPa", 1e-6), (1e2, "kPa", 1e-3)),
     "N": ((1e4, "kN", 1e-3),),
@@ -25,11 +25,11 @@ SHOWN: dict[str, tuple[tuple[float, str, float], ...]] = {
 
 
 class Table(Protocol):
-    """What reading asks of a sweep."""
+    """Interface of a sweep for its evaluation."""
 
     @property
     def definition(self) -> Mapping[str, Any]:
-        """What was swept: title, call, sample, seed, and the texts of `parameters` and `outputs` by name."""
+        """Definition of the sweep: title, call, sample, seed, and the texts of `parameters` and `outputs` by name."""
         ...
 
     @property
@@ -47,14 +47,14 @@ class Table(Protocol):
         ...
 
     def about(self, name: str) -> tuple[tuple[str, ...], str]:
-        """Names of the axes of a variable behind `run`, and its unit."""
+        """Names of the axes of a variable after `run`, and its unit."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class Values:
-    """Output `name` in SI units, NaN where a row has none: `numbers` (run,), or (run, time) at `time` [s] of the same
-    shape. `status` (run,) is that of the rows; `text` says what the output is."""
+    """Output `name` in SI units, NaN for rows without a value: `numbers` (run,), or (run, time) at `time` [s] of the
+    same shape. `status` (run,) is that of the rows; `text` defines the output."""
 
     name: str
     text: str
@@ -65,26 +65,26 @@ class Values:
 
     @property
     def has(self) -> np.ndarray:
-        """(run,): which rows were completed and have a value, of a history one at least."""
+        """(run,): which rows were completed and have a value, for a history at least one."""
         finite = np.isfinite(self.numbers)
         return (self.status == COMPLETED) & (finite if finite.ndim == 1 else finite.any(axis=1))
 
     def missing(self, rows: np.ndarray | None = None) -> str:
-        """How many of the `rows` (run,), None for all, have no value, by status, as "2 failed, 1 not run yet"; ""
-        where all have one."""
+        """Number of the `rows` (run,), None for all, without a value, by status, as "2 failed, 1 not run yet"; "" if
+        all have one."""
         without = ~self.has if rows is None else ~self.has & rows
         counts = Counter(map(str, self.status[without]))
         names = {WAITING: "not run yet", COMPLETED: "without a value"}
         return ", ".join(f"{n} {names.get(status, status)}" for status, n in counts.items())
 
     def shown(self) -> tuple[float, str]:
-        """What to multiply SI values by for a picture, and the label of the axis with the unit."""
+        """Display factor of SI values, and the label of the axis with the unit."""
         factor, unit = shown_in(self.unit, self.numbers)
         return factor, f"{self.name} [{unit}]" if unit else self.name
 
 
 def shown_in(unit: str, values: np.ndarray) -> tuple[float, str]:
-    """What to multiply SI `values` by, and the unit they are shown in then."""
+    """Display factor of SI `values`, and the display unit."""
     finite = np.abs(values[np.isfinite(values)])
     top = float(finite.max(initial=0.0))
     for least, name, factor in SHOWN.get(unit, ()):
@@ -94,16 +94,16 @@ def shown_in(unit: str, values: np.ndarray) -> tuple[float, str]:
 
 
 def values_of(table: Table, output: str, component: str | int | None = None) -> Values:
-    """The output, of a vector the `component` "x", "y", "z" or its number.
+    """The output, for a vector the `component` "x", "y", "z" or its number.
 
-    Raises `InputError` for an unknown output, an unknown component, and where an output has more than one number a row,
-    or a time, after that.
+    Raises `InputError` for an unknown output, an unknown component, and if an output then has more than one number per
+    row, or per time.
     """
     if output not in table.output_names:
         raise unknown_name("sweep: output", output, table.output_names)
     numbers = np.asarray(table[output], dtype=float)
     dims, unit = table.about(output)
-    dims = dims[: numbers.ndim - 1]  # of no run so far: a number a row
+    dims = dims[: numbers.ndim - 1]  # if no run has it yet: one number per row
     others = [dim for dim in dims if dim != TIME]
     text, name = str(table.definition["outputs"][output]), output
     if component is not None:
@@ -118,7 +118,7 @@ def values_of(table: Table, output: str, component: str | int | None = None) -> 
 
 
 def _component(output: str, numbers: np.ndarray, dims: tuple[str, ...], component: str | int) -> tuple[np.ndarray, str]:
-    """The component of the last axis, and what it is called."""
+    """The component of the last axis, and its name."""
     if not dims or dims[-1] == TIME:
         raise InputError(f"sweep: output {output!r} has no components; leave component= out")
     known = COMPONENTS.get(dims[-1], ())
@@ -145,7 +145,7 @@ def _times(table: Table) -> np.ndarray:
 
 
 def _has_value(name: str, column: np.ndarray, wanted: str) -> np.ndarray:
-    """(run,): which texts of the parameter are the one `wanted`."""
+    """(run,): which texts of the parameter equal `wanted`."""
     same = column == wanted
     if not np.any(same):
         raise unknown_name(f"sweep: where: value of {name!r}", wanted, list(map(str, np.unique(column))))
@@ -153,7 +153,7 @@ def _has_value(name: str, column: np.ndarray, wanted: str) -> np.ndarray:
 
 
 def _has_number(name: str, column: np.ndarray, wanted: Any) -> np.ndarray:
-    """(run,): which numbers of the parameter are the one `wanted`."""
+    """(run,): which numbers of the parameter equal `wanted`."""
     try:
         number = float(wanted)
     except (TypeError, ValueError):
@@ -167,8 +167,8 @@ def _has_number(name: str, column: np.ndarray, wanted: Any) -> np.ndarray:
 
 
 def chosen_rows(table: Table, where: Mapping[str, Any] | None) -> np.ndarray:
-    """(run,): the rows whose parameters have the values `where`. Raises `InputError` for unknown names, and where no
-    row has a value, with the nearest one that rows have."""
+    """(run,): the rows whose parameters have the values `where`. Raises `InputError` for unknown names, and if no row
+    has a value, with the nearest available one."""
     rows = np.ones(len(table["status"]), dtype=bool)
     for name, wanted in (where or {}).items():
         if name not in table.parameter_names:
