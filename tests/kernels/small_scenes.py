@@ -167,7 +167,7 @@ def pendulum() -> Scene:
     scene = Scene()
     bar = scene.add_rigid_body(1.0, (1e-2, 1e-2, 1e-2), name="bar", position=(0.1, 0.0, 0.0))
     pin = scene.add(joints.Revolute(scene.ground.at((0, 0, 0)), bar.at((-0.1, 0, 0)), axis=(0, 1, 0), name="pin"))
-    scene.add(forces.RevoluteFriction(pin, 0.3, pin_radius=0.01, preload=1.0))
+    scene.add(forces.RevoluteFriction(pin, 0.3, pin_radius=0.01, load_independent=1.0))
     table = forces.ForceTable([[-0.1, -1.0], [0.0, 0.0], [0.1, 2.0]])
     scene.add(forces.SpringDamper(scene.ground.at((0.1, 0, 0.2)), bar.at((0, 0, 0)), table, forces.PowerLaw(2.0, 1.5)))
     return scene

@@ -109,6 +109,26 @@ def form_of(title: str, call: Callable[..., Any], roles: dict[str, str], leave_o
     return Form(title, call, found, TypeAdapter(table))
 
 
+def flattened(call: Callable[..., Any], groups: dict[str, type]) -> Callable[..., Any]:
+    """`call`, which takes the fields of its option objects as arguments of its own. groups: argument -> class of the
+    object."""
+    inside = {name: inspect.signature(cls).parameters for name, cls in groups.items()}
+
+    def made(*args: Any, **given: Any) -> Any:
+        for name, cls in groups.items():
+            given[name] = cls(**{key: given.pop(key) for key in inside[name] if key in given})
+        return call(*args, **given)
+
+    signature = inspect.signature(call)
+    shown = [
+        p.replace(kind=p.KEYWORD_ONLY)
+        for name, one in signature.parameters.items()
+        for p in (inside[name].values() if name in groups else (one,))
+    ]
+    made.__signature__ = signature.replace(parameters=shown)  # pyright: ignore[reportFunctionMemberAccess]
+    return made
+
+
 def _type_of(annotation: str) -> Any:
     """The pydantic type of an annotation's text; Any for what is not plain. None cannot be written in TOML."""
     kinds = []
@@ -237,7 +257,8 @@ def bearing_parts() -> dict[str, tuple[tuple[str, Any], ...]]:
     """Argument of a bearing -> kinds, of those that are cages, preloads and flanges."""
     from warpffrf.model.bearings import Flanges, PocketCage, PreloadForce, PreloadOffset, PrescribedCage
 
-    kinds = {"cage": (PrescribedCage, PocketCage), "preload": (PreloadForce, PreloadOffset), "flanges": (Flanges,)}
+    kinds = {"cage": (PrescribedCage, PocketCage), "flanges": (Flanges,)}
+    kinds["axial_preload"] = (PreloadForce, PreloadOffset)
     return {argument: tuple((snake_case(cls.__name__), cls) for cls in classes) for argument, classes in kinds.items()}
 
 
@@ -276,7 +297,14 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
 def fixed_forms() -> dict[str, dict[str, Form]]:
     """Section -> kind -> form of the tables that are not items: kind "" where there is only one."""
     from warpffrf.model import mesh
-    from warpffrf.model.bearings import add_ball_bearing, add_roller_bearing
+    from warpffrf.model.bearings import (
+        BallGeometry,
+        Materials,
+        RollerGeometry,
+        RollingContact,
+        add_ball_bearing,
+        add_roller_bearing,
+    )
     from warpffrf.model.material import Material
     from warpffrf.model.mesh.cut import cut
     from warpffrf.model.reduced.body import ReducedBody
@@ -287,6 +315,9 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
 
     paths: dict[str, str] = dict.fromkeys(PATHS, "path")
     rings: dict[str, str] = {"inner": "port", "outer": "port", "element_body": "reduced_bodies"}
+    groups: dict[str, type] = {"contact": RollingContact, "materials": Materials}
+    balls = flattened(add_ball_bearing, {"geometry": BallGeometry, **groups})
+    rollers = flattened(add_roller_bearing, {"geometry": RollerGeometry, **groups})
     found = {
         "materials": {"": form_of("material", Material, {}, ("name",))},
         "meshes": {
@@ -312,8 +343,8 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
             "rigid": form_of("rigid body", Scene.add_rigid_body, {}, ("self", "name")),
         },
         "bearings": {
-            "ball": form_of("ball bearing", add_ball_bearing, rings, ("scene", "name")),
-            "roller": form_of("roller bearing", add_roller_bearing, rings, ("scene", "name")),
+            "ball": form_of("ball bearing", balls, rings, ("scene", "name")),
+            "roller": form_of("roller bearing", rollers, rings, ("scene", "name")),
         },
         "arrange": {
             "place": form_of("place", Scene.place, {"port": "port", "onto": "port"}, ("self",)),
