@@ -515,15 +515,19 @@ CASES: dict[str, Case] = {
     ),
     "journal, rough": Case(
         lambda: journal(
-            load=20e3, asperities=laws.ExponentialAsperities(2e9, 1e-6), boundary_friction=0.1,
-                roughness_a=films.Roughness(1e-6, 3.0),
-            roughness_b=films.Roughness(5e-7, 1 / 6),
+            load=20e3,
+            mixed=films.MixedLubrication(
+                laws.ExponentialAsperities(2e9, 1e-6), boundary_friction=0.1, roughness_a=films.Roughness(1e-6, 3.0),
+                roughness_b=films.Roughness(5e-7, 1 / 6),
+            ),
         ),
         1e-4, {"start": "equilibrium"},
     ),
     "journal, both yield": Case(
-        lambda: journal(yields=True, load=20e3, asperities=laws.ExponentialAsperities(2e9, 1e-6),
-            boundary_friction=0.1), 1e-4,
+        lambda: journal(
+            yields=True, load=20e3, mixed=films.MixedLubrication(laws.ExponentialAsperities(2e9, 1e-6), 0.1)
+        ),
+        1e-4,
         {"start": "equilibrium"},
     ),
     "journal, profiles, both yield": Case(

@@ -25,13 +25,13 @@ from warpffrf.model.bearings.bearing import _of_rollers, edge_factor, reference_
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints import LineInPlane, PointInPlane
 from warpffrf.model.scene import Scene
-from warpffrf.scene_file.forms import flattened
+from warpffrf.scene_file.forms import flat
 
 BALLS: dict[str, Any] = {"elements": 8, "ball_diameter": 0.01, "pitch_diameter": 0.05}
 ROLLERS: dict[str, Any] = {"elements": 12, "roller_diameter": 0.01, "roller_length": 0.012, "pitch_diameter": 0.06}
-GROUPS: dict[str, type] = {"contact": RollingContact, "materials": Materials}
-BALL_BEARING = flattened(add_ball_bearing, {"geometry": BallGeometry, **GROUPS})  # as of scene files
-ROLLER_BEARING = flattened(add_roller_bearing, {"geometry": RollerGeometry, **GROUPS})
+OPTIONS: dict[str, type] = {"contact": RollingContact, "materials": Materials}
+BALL_BEARING = flat(add_ball_bearing, geometry=BallGeometry, **OPTIONS)  # as of scene files
+ROLLER_BEARING = flat(add_roller_bearing, geometry=RollerGeometry, **OPTIONS)
 SKEW = np.array([1.0, 2.0, 2.0]) / 3.0
 
 

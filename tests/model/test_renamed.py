@@ -10,11 +10,12 @@ import pytest
 import warpffrf as wf
 from warpffrf.model.errors import InputError, suggestion
 from warpffrf.model.renamed import RENAMED
-from warpffrf.scene_file.forms import value_kinds
+from warpffrf.scene_file.forms import flat, value_kinds
 
 MODULES: tuple[Any, ...] = (wf, wf.films, wf.forces, wf.laws, wf.bearings)
 CALLS: tuple[Callable[..., Any], ...] = (
-    wf.Contact, wf.Film, wf.reduce, wf.bearings.add_ball_bearing, wf.bearings.add_roller_bearing,
+    wf.Contact, wf.Film, flat(wf.Film, mixed=wf.films.MixedLubrication), wf.reduce,
+    wf.bearings.add_ball_bearing, wf.bearings.add_roller_bearing,
     wf.forces.Pretension, wf.forces.RevoluteFriction,
 )  # fmt: skip
 WORDS = {"contact_fixed", "body_fixed", "closest_point", *wf.films.CAVITATIONS}  # arguments of Contact and Film
@@ -29,7 +30,7 @@ def test_every_new_name_is_one(old: str) -> None:
     for new in RENAMED[old]:
         argument, _, value = new.partition("=")
         assert all(name in known for name in re.findall(r"(\w+)\(", value))
-        said = f"; it is given in {new} now" if value else f"; it is called {new!r} now"
+        said = f"; it is {new} now" if value else f"; it is called {new!r} now"
         assert suggestion(old, [argument]) == said
 
 
@@ -46,7 +47,9 @@ def test_scripts_written_before_are_answered() -> None:
         call(None, None, patch_grid=True)
     scene = wf.Scene()
     balls: dict[str, Any] = {"elements": 8, "ball_diameter": 0.01, "pitch_diameter": 0.05}
-    with pytest.raises(TypeError, match=r"'elements'; it is given in geometry=BallGeometry\(...\) or RollerGeometry"):
+    with pytest.raises(
+        TypeError, match=r"'elements'; it is geometry=wf.bearings.BallGeometry\(...\) or RollerGeometry"
+    ):
         scene.add_ball_bearing("b", **balls)
     with pytest.raises(TypeError, match="'preload'; it is called 'axial_preload' now"):
         scene.add_ball_bearing("b", wf.bearings.BallGeometry(**balls), preload=None)  # pyright: ignore[reportCallIssue]

@@ -8,7 +8,7 @@ import pytest
 import warpffrf as wf
 from warpffrf.online.compile.patches.plan import relative_curvatures
 from warpffrf.output.contact.hertz import hertz_point
-from warpffrf.scene_file.forms import flattened
+from warpffrf.scene_file.forms import flat
 
 STEEL = wf.Material(206e9, 0.3, 7850.0)
 D, LENGTH, PITCH, LOAD = 0.01, 9.6e-3, 0.034, 1500.0
@@ -75,8 +75,7 @@ def test_a_solid_roller_between_rigid_rings(rest: wf.Result) -> None:
 def test_what_is_no_element_is_refused(roller: wf.ReducedBody) -> None:
     def bearing(**changed: object) -> None:
         arguments = {"elements": 3, "roller_diameter": D, "roller_length": LENGTH, "pitch_diameter": PITCH}
-        groups: dict[str, type] = {"geometry": wf.bearings.RollerGeometry, "materials": wf.bearings.Materials}
-        add = flattened(wf.bearings.add_roller_bearing, groups)
+        add = flat(wf.bearings.add_roller_bearing, geometry=wf.bearings.RollerGeometry, materials=wf.bearings.Materials)
         add(wf.Scene(), "r", **{"element_body": roller} | arguments | changed)
 
     bearing()

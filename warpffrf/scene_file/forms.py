@@ -14,7 +14,7 @@ import inspect
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, wraps
 from types import ModuleType
 from typing import Any, NotRequired
 
@@ -109,24 +109,22 @@ def form_of(title: str, call: Callable[..., Any], roles: dict[str, str], leave_o
     return Form(title, call, found, TypeAdapter(table))
 
 
-def flattened(call: Callable[..., Any], groups: dict[str, type]) -> Callable[..., Any]:
-    """`call`, which takes the fields of its option objects as arguments of its own. groups: argument -> class of the
-    object."""
-    inside = {name: inspect.signature(cls).parameters for name, cls in groups.items()}
+def flat(call: Callable[..., Any], **objects: type) -> Callable[..., Any]:
+    """`call` that takes the fields of the option `objects` (argument -> class) in place of these: a flat table."""
+    kept = inspect.signature(call).parameters
+    fields = {name: inspect.signature(cls).parameters for name, cls in objects.items()}
+    added = [p.replace(kind=p.KEYWORD_ONLY) for own in fields.values() for p in own.values()]
 
-    def made(*args: Any, **given: Any) -> Any:
-        for name, cls in groups.items():
-            given[name] = cls(**{key: given.pop(key) for key in inside[name] if key in given})
+    @wraps(call)
+    def flattened(*args: Any, **given: Any) -> Any:
+        for name, own in fields.items():
+            if values := {key: given.pop(key) for key in own if key in given}:
+                given[name] = objects[name](**values)
         return call(*args, **given)
 
-    signature = inspect.signature(call)
-    shown = [
-        p.replace(kind=p.KEYWORD_ONLY)
-        for name, one in signature.parameters.items()
-        for p in (inside[name].values() if name in groups else (one,))
-    ]
-    made.__signature__ = signature.replace(parameters=shown)  # pyright: ignore[reportFunctionMemberAccess]
-    return made
+    parameters = [*(p for name, p in kept.items() if name not in objects), *added]
+    setattr(flattened, "__signature__", inspect.Signature(parameters))  # noqa: B010 (functions have no such attribute)
+    return flattened
 
 
 def _type_of(annotation: str) -> Any:
@@ -190,6 +188,8 @@ def _module(name: str) -> ModuleType | None:
 @cache
 def item_kinds() -> dict[str, dict[str, Form]]:
     """Section -> kind -> form, of everything that `Scene.add` takes."""
+    from warpffrf.model.films import Film, MixedLubrication
+
     found: dict[str, dict[str, Form]] = {}
     for name in ITEM_MODULES:
         module = _module(f"warpffrf.model.{name}")
@@ -197,7 +197,8 @@ def item_kinds() -> dict[str, dict[str, Form]]:
             section, kind = getattr(cls, "scene_list", None), cls.__dict__.get("kind")
             if not section or not kind or kind in ABSTRACT:
                 continue
-            found.setdefault(section, {})[kind] = form_of(kind, cls, item_roles(cls), leave_out=("name",))
+            call = flat(cls, mixed=MixedLubrication) if cls is Film else cls
+            found.setdefault(section, {})[kind] = form_of(kind, call, item_roles(call), leave_out=("name",))
     return found
 
 
@@ -315,9 +316,9 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
 
     paths: dict[str, str] = dict.fromkeys(PATHS, "path")
     rings: dict[str, str] = {"inner": "port", "outer": "port", "element_body": "reduced_bodies"}
-    groups: dict[str, type] = {"contact": RollingContact, "materials": Materials}
-    balls = flattened(add_ball_bearing, {"geometry": BallGeometry, **groups})
-    rollers = flattened(add_roller_bearing, {"geometry": RollerGeometry, **groups})
+    options: dict[str, type] = {"contact": RollingContact, "materials": Materials}
+    balls = flat(add_ball_bearing, geometry=BallGeometry, **options)
+    rollers = flat(add_roller_bearing, geometry=RollerGeometry, **options)
     found = {
         "materials": {"": form_of("material", Material, {}, ("name",))},
         "meshes": {

@@ -103,8 +103,8 @@ def _refuse_beside_film(one: Any, other: Any) -> None:
         if on_same_surfaces(film, contact):
             raise InputError(
                 f"contact {contact.name!r} and {film.label} stand on the same two surfaces, {film.a.label} and "
-                f"{film.b.label}; give the film a law for asperities instead of a contact beside it: Film(..., "
-                f"asperities=...)"
+                f"{film.b.label}; give the film the asperities instead of a contact, "
+                "mixed=films.MixedLubrication(asperities=...)"
             )
 
 
