@@ -40,7 +40,7 @@ def by_the_book() -> BallBearing:
 
 
 def axial_force(pressed: float) -> float:
-    """F [N] of rings that are pressed by a way [m] along the axis, as `model.bearings.preload` has it."""
+    """F [N] of rings that are pressed by a way [m] along the axis, as `model.bearings.parts` has it."""
     book = by_the_book()
     X, Y = book.reach * np.cos(ANGLE), book.reach * np.sin(ANGLE) + pressed
     Q, alpha = book.balls(np.array(X), np.array(Y))

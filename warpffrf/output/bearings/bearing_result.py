@@ -306,7 +306,7 @@ class BearingResult(reprs.Shown):
 
     def reference_life(self, capacity: float, row: int = -1, *, turning: str = "inner") -> ReferenceLife:
         """ISO/TS 16281's reference life from the loads of the balls, or of the rollers' laminae, at a saved step
-        (`model.bearings.rating`); capacity [N], turning: the ring that turns against the load. Raises `InputError` for
+        (`model.bearings.bearing`); capacity [N], turning: the ring that turns against the load. Raises `InputError` for
         rollers in distributed contact, which have no laminae."""
         if isinstance(self.geometry, BallGeometry):
             return reference_life(self.geometry, capacity, self.inner_load[row], self.outer_load[row], turning=turning)
