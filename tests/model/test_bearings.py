@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +24,7 @@ from warpffrf.model.bearings import (
     add_roller_bearing,
 )
 from warpffrf.model.bearings.bearing import _of_rollers, edge_factor, reference_life
+from warpffrf.model.bearings.geometry import from_description
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints import LineInPlane, PointInPlane
 from warpffrf.model.scene import Scene
@@ -147,6 +150,15 @@ def test_pockets_surround_elements() -> None:
 def test_what_does_not_fit_is_refused(make: Any, said: str) -> None:
     with pytest.raises(InputError, match=said):
         make()
+
+
+def test_a_geometry_is_varied_and_kept() -> None:
+    """What follows from other fields follows again; results keep the numbers."""
+    one = BallGeometry(**BALLS, osculation=(0.52, 0.53), shoulders=1e-3)
+    wider = replace(one, elements=9, ball_diameter=0.012)
+    assert len(wider.diameters) == 9 and wider.default_width == pytest.approx(0.018)
+    assert wider.groove("outer") == 0.53 * 0.012
+    assert from_description(json.loads(json.dumps(one.describe()))) == one
 
 
 def test_names_are_taken_once() -> None:

@@ -91,10 +91,10 @@ def assemble(
         setattr(bearing, side, body)
     if bearing.inner is bearing.outer:
         raise InputError(f"bearing {bearing.name!r}: inner and outer are both {bearing.inner.name!r}; name two bodies")
-    for i, (angle, excess) in enumerate(zip(geometry.angles, geometry.diameter_deviations, strict=True), start=1):
+    for i, (angle, diameter) in enumerate(zip(geometry.angles, geometry.diameters, strict=True), start=1):
         element = elements.add(
             scene, f"{bearing.name} {bearing.kind} {i}", place, 0.5 * geometry.pitch_diameter, float(angle),
-            geometry.diameter + excess,
+            float(diameter),
         )  # fmt: skip
         bearing.elements.append(element)
         for side, law in zip(SIDES, laws, strict=True):

@@ -127,7 +127,7 @@ def checked_elements(
             f"{name}: its centre of mass and its surface's centre must be the origin of its mesh, they are {apart:.3g} "
             "m off; move the mesh"
         )
-    if np.any(geometry.diameter_deviations):
+    if np.any(geometry.diameters != diameter):
         raise InputError(f"{label}: diameter_deviations are of rigid elements; element_body is one body for all places")
     return FlexibleElements(surface, given, tilt)
 

@@ -100,9 +100,10 @@ class Geometry:
         for name in (*lengths, "pitch_diameter"):
             self._keep(name, require_number(getattr(self, name), f"{self.label}: {name} [m]", positive=True))
         self._keep("clearance", require_number(self.clearance, f"{self.label}: clearance [m]"))
-        width = self.default_width if self.width is None else self.width
-        self._keep("width", require_number(width, f"{self.label}: width [m]", positive=True))
-        self._keep("diameter_deviations", self._checked_deviations())
+        if self.width is not None:
+            self._keep("width", require_number(self.width, f"{self.label}: width [m]", positive=True))
+        if self.diameter_deviations is not None:
+            self._keep("diameter_deviations", self._checked_deviations())
         D, pitch = self.diameter, self.pitch_diameter
         if D >= 0.5 * pitch:
             raise InputError(
@@ -119,8 +120,6 @@ class Geometry:
             )
 
     def _checked_deviations(self) -> tuple[float, ...]:
-        if self.diameter_deviations is None:
-            return (0.0,) * self.elements
         found = require_array(self.diameter_deviations, f"{self.label}: diameter_deviations [m]", (self.elements,))
         most = LARGEST_DEVIATION * self.diameter
         if np.max(np.abs(found)) > most:
@@ -129,6 +128,12 @@ class Geometry:
                 f"micrometres, got {found[np.argmax(np.abs(found))]:g} m, more than {most:.3g} m"
             )
         return tuple(found.tolist())
+
+    @property
+    def diameters(self) -> np.ndarray:
+        """(elements,) m, of the elements with their deviations."""
+        excess = np.zeros(self.elements) if self.diameter_deviations is None else np.array(self.diameter_deviations)
+        return self.diameter + excess
 
     @property
     def angles(self) -> np.ndarray:
@@ -252,13 +257,14 @@ class BallGeometry(Geometry):
         return self.osculation[SIDES.index(side)] * self.diameter  # pyright: ignore[reportIndexIssue]
 
     def bottom(self, side: str) -> float:
-        """Radius [m] of the bottom of the groove."""
+        """Radius [m] of the bottom of the groove, side "inner" or "outer"."""
         sign = -1.0 if side == "inner" else 1.0
         return self.centre(side)[0] + sign * self.groove(side)
 
     def curvatures(self, side: str, angle: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Relative curvatures [1/m] of ball and raceway across and along the groove, where they touch at the contact
-        angle [rad]: 2/D - 1/r, and 2/D +- cos(angle)/(R_c -+ r cos(angle)), R_c the radius of the groove centres."""
+        """Relative curvatures (...) [1/m] of ball and raceway, side "inner" or "outer", across and along the groove,
+        where they touch at the contact angle (...) [rad]: 2/D - 1/r, and 2/D +- cos(angle)/(R_c -+ r cos(angle)), R_c
+        the radius of the groove centres."""
         sign = 1.0 if side == "inner" else -1.0
         c = np.cos(np.asarray(angle, dtype=float))
         around = sign * c / (self.centre(side)[0] - sign * self.groove(side) * c)
@@ -316,7 +322,7 @@ class RollerGeometry(Geometry):
         return 0.5 * self.pitch_diameter + sign * (0.5 * self.diameter + 0.25 * self.clearance)
 
     def curvature(self, side: str) -> float:
-        """Relative curvature [1/m] of roller and raceway."""
+        """Relative curvature [1/m] of roller and raceway, side "inner" or "outer"."""
         sign = 1.0 if side == "inner" else -1.0
         return 2.0 / self.diameter + sign / self.bottom(side)
 

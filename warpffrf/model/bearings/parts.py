@@ -127,7 +127,8 @@ def ring_mass(geometry: Geometry, side: str, material: Material, axis: np.ndarra
                 f"{'above' if side == 'inner' else 'below'} {pitch + sign * D:.4g} m"
             )
     edge = max(edge, 0.0)
-    return hollow_cylinder(min(edge, shoulder), max(edge, shoulder), geometry.width, material, axis)  # pyright: ignore[reportArgumentType]
+    width = geometry.default_width if geometry.width is None else geometry.width
+    return hollow_cylinder(min(edge, shoulder), max(edge, shoulder), width, material, axis)
 
 
 def ring_surface(
