@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model import forces, friction, joints, signals
-from warpffrf.model.bearings import PocketCage
+from warpffrf.model.bearings import PocketCage, RollerGeometry, RollingContact
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
 from warpffrf.output.simulate import simulate
@@ -35,9 +35,13 @@ def bearing(count: int) -> Scene:
     """With `count` rollers, that begin to roll."""
     scene = Scene()
     one = scene.add_roller_bearing(
-        "b", elements=count, roller_diameter=DIAMETER, roller_length=LENGTH, pitch_diameter=count * SPACING / np.pi,
-        clearance=CLEARANCE, first=(0, 0, 1), outer=scene.ground, cage=PocketCage(0.2e-3, friction=TRACTION),
-        friction=TRACTION,
+        "b",
+        RollerGeometry(
+            elements=count, roller_diameter=DIAMETER, roller_length=LENGTH, pitch_diameter=count * SPACING / np.pi,
+            clearance=CLEARANCE,
+        ),
+        first=(0, 0, 1), outer=scene.ground, cage=PocketCage(0.2e-3, friction=TRACTION),
+        contact=RollingContact(friction=TRACTION),
     )  # fmt: skip
     center = one.inner.at((0, 0, 0))
     plane = scene.add(joints.Planar(scene.ground.at((0, 0, 0)), center, axis=(0, 1, 0), name="plane"))

@@ -58,9 +58,13 @@ def build() -> wf.Scene:
     """The scene: bearing `209` whose outer ring is the ground, joint `plane`, drive `drive`, force `load`."""
     scene = wf.Scene()
     bearing = scene.add_ball_bearing(
-        NAME, elements=COUNT, ball_diameter=BALL, pitch_diameter=PITCH, osculation=GROOVE / BALL, clearance=CLEARANCE,
-        first=(0, 0, -1), outer=scene.ground, cage=wf.bearings.PocketCage(PLAY, friction=TRACTION), friction=TRACTION,
-        law=wf.laws.HertzPoint(STEEL, STEEL, damping=DAMPING), material=STEEL,
+        NAME,
+        wf.bearings.BallGeometry(
+            elements=COUNT, ball_diameter=BALL, pitch_diameter=PITCH, osculation=GROOVE / BALL, clearance=CLEARANCE,
+        ),
+        first=(0, 0, -1), outer=scene.ground, cage=wf.bearings.PocketCage(PLAY, friction=TRACTION),
+        contact=wf.bearings.RollingContact(friction=TRACTION, law=wf.laws.HertzPoint(STEEL, STEEL, damping=DAMPING)),
+        materials=STEEL,
     )  # fmt: skip
     shaft: Any = bearing.inner
     plane = scene.add(wf.joints.Planar(scene.ground.at((0, 0, 0)), shaft.at((0, 0, 0)), axis=(0, 1, 0), name="plane"))

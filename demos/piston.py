@@ -131,9 +131,8 @@ def machine(piston_is: wf.ReducedBody, liner_is: wf.ReducedBody | None) -> wf.Sc
         bore = liner["bore"]
     for name in (THRUST, ANTI):
         scene.add(wf.Film(
-            piston[name], bore, oil=OIL, ambient_pressure=AMBIENT, form_a=skirt_form(), asperities=ROUGH,
-                boundary_friction=FRICTION,
-            name=name,
+            piston[name], bore, oil=OIL, ambient_pressure=AMBIENT, form_a=skirt_form(),
+            mixed=wf.films.MixedLubrication(ROUGH, FRICTION), name=name,
         ))  # fmt: skip
     return scene
 

@@ -83,8 +83,12 @@ def stiff_housing() -> wf.Scene:
 def _rollers(scene: wf.Scene, outer: Any) -> wf.bearings.Bearing:
     """The bearing, its inner ring guided in the plane across the axis, and the load."""
     bearing = scene.add_roller_bearing(
-        NAME, elements=COUNT, roller_diameter=ROLLER, roller_length=LENGTH, pitch_diameter=PITCH, clearance=CLEARANCE,
-        first=(0, 0, -1), outer=outer, law=wf.laws.PalmgrenLine(LENGTH, 3), material=STEEL,
+        NAME,
+        wf.bearings.RollerGeometry(
+            elements=COUNT, roller_diameter=ROLLER, roller_length=LENGTH, pitch_diameter=PITCH, clearance=CLEARANCE,
+        ),
+        first=(0, 0, -1), outer=outer, contact=wf.bearings.RollingContact(law=wf.laws.PalmgrenLine(LENGTH, 3)),
+        materials=STEEL,
     )  # fmt: skip
     inner: Any = bearing.inner
     inner.position = np.array([0.0, 0.0, -SINKS[1]])

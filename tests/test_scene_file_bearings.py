@@ -8,7 +8,7 @@ import pytest
 
 from warpffrf.examples import path
 from warpffrf.model import films, forces, laws
-from warpffrf.model.bearings import Flanges, PocketCage, PreloadForce
+from warpffrf.model.bearings import BallGeometry, Flanges, PocketCage, PreloadForce, RollerGeometry, RollingContact
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
@@ -31,7 +31,7 @@ ball_diameter = 0.01
 pitch_diameter = 0.05
 osculation = [0.52, 0.53]
 contact_angle = 0.4
-preload = { kind = "preload_force", force = 300.0 }
+axial_preload = { kind = "preload_force", force = 300.0 }
 inner = "shaft"
 cage = { kind = "pocket_cage", clearance = 2e-4 }
 friction = { kind = "traction_curve", peak = 0.06, peak_velocity = 0.02, limit = 0.03, decay_velocity = 0.5 }
@@ -66,13 +66,17 @@ def test_the_same_scene_as_from_python(tmp_path: Path) -> None:
     scene = Scene()
     shaft = scene.add_rigid_body(1.0, (1e-3,) * 3, name="shaft")
     scene.add_ball_bearing(
-        "a", elements=8, ball_diameter=0.01, pitch_diameter=0.05, osculation=(0.52, 0.53), contact_angle=0.4,
-        preload=PreloadForce(300.0), inner=shaft, cage=PocketCage(2e-4), material=steel,
-        friction=laws.TractionCurve(0.06, 0.02, 0.03, 0.5), outer_form=films.LobedForm(2e-6, 2),
+        "a",
+        BallGeometry(
+            elements=8, ball_diameter=0.01, pitch_diameter=0.05, osculation=(0.52, 0.53), contact_angle=0.4,
+            outer_form=films.LobedForm(2e-6, 2),
+        ),
+        axial_preload=PreloadForce(300.0), inner=shaft, cage=PocketCage(2e-4),
+        contact=RollingContact(friction=laws.TractionCurve(0.06, 0.02, 0.03, 0.5)), materials=steel,
     )  # fmt: skip
     b = scene.add_roller_bearing(
-        "b", elements=10, roller_diameter=0.008, roller_length=0.01, pitch_diameter=0.05, position=(0, 0.05, 0),
-        outer=scene.ground, flanges=Flanges(5e-5),
+        "b", RollerGeometry(elements=10, roller_diameter=0.008, roller_length=0.01, pitch_diameter=0.05),
+        position=(0, 0.05, 0), outer=scene.ground, flanges=Flanges(5e-5),
     )  # fmt: skip
     scene.add(forces.PointForce(b.inner.at((0, 0, 0)), (0, 0, -100), name="load"))
     read = loaded(tmp_path, BALL)
@@ -81,7 +85,7 @@ def test_the_same_scene_as_from_python(tmp_path: Path) -> None:
 
 
 REFUSED = [
-    ("elements = 10", "elements = 30", r"scene.toml:\d+: \[bearings.b\]: bearing 'b': 30 elements .* overlap"),
+    ("elements = 10", "elements = 30", r"scene.toml:\d+: \[bearings.b\]: RollerGeometry: 30 elements .* overlap"),
     ('outer = "ground"', 'outer = "housing"', r"there is no body 'housing'"),
     ('"b inner ring"', '"b outer ring"', r"there is no body 'b outer ring'"),
     ('"pocket_cage"', '"pocket"', r"there is no kind 'pocket'; did you mean 'pocket_cage'"),

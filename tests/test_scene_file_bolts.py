@@ -52,7 +52,7 @@ b = "plate.x_min"
 [forces.bolt]
 kind = "pretension"
 joint = "section"
-force = { kind = "smooth_step", start_value = 0, end_value = 500, duration = 1e-3 }
+preload = { kind = "smooth_step", start_value = 0, end_value = 500, duration = 1e-3 }
 lock_at = 2e-3
 """
 
@@ -61,7 +61,7 @@ def test_a_bolt_from_a_scene_file() -> None:
     scene = scene_of(BOLT).scene
     (bolt,) = scene.forces
     assert isinstance(bolt, Pretension) and bolt.lock_at == 2e-3
-    assert bolt.force(2e-3) == 500.0
+    assert bolt.preload(2e-3) == 500.0
     joint = scene.joint("section")
     assert joint.a.body is joint.b.body
     np.testing.assert_allclose(joint.world_point(), 0.0, atol=1e-12)

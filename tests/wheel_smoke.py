@@ -34,7 +34,7 @@ def build() -> wf.Scene:
     contact = scene.add(wf.Contact(lower["rim"], upper["rim"]))
     scene.close_gap(contact)
     guide = scene.add(wf.joints.Prismatic(scene.ground, upper["bore"], axis=(0, 0, 1)))
-    scene.add(wf.forces.JointSpringDamper(guide, stiffness=1e5, damping=1e3, preload=-PRELOAD))
+    scene.add(wf.forces.JointSpringDamper(guide, stiffness=1e5, damping=1e3, preload=PRELOAD))
     return scene
 
 

@@ -64,7 +64,7 @@ AXES = rot.rotation_vector_matrix(np.array([0.3, -0.5, 0.2]))
 SPRINGS = {
     "spring_damper": lambda s, a, b: forces.SpringDamper(a.at((0, 0.1, 0)), b.at((0.1, 0, 0)), 300.0, 2.0),
     "joint_spring_damper": lambda s, a, b: forces.JointSpringDamper(
-        cylindrical(s, a, b), 200.0, 3.0, coordinate="translation", reference=0.01, preload=2.0
+        cylindrical(s, a, b), 200.0, 3.0, coordinate="translation", reference=0.01, preload=-2.0
     ),
     "torsional_spring_damper": lambda s, a, b: forces.TorsionalSpringDamper(
         revolute(s, a, b), 20.0, 0.3, reference=0.2
@@ -99,7 +99,7 @@ def test_every_spring_of_the_registry_is_here() -> None:
     terms = ("law", "slip", "tension", "load")
     for element in forces.FORCES.values():
         have = {term for term in terms if hasattr(element, term)}
-        assert len(have) == 1 or have == {"law", "tension"}  # a spring with a preload in time pulls beside its law
+        assert len(have) == 1 or have == {"law", "tension"}  # a preload in time acts in addition to the law
 
 
 def spring_scene(name: str) -> tuple[Scene, Any]:

@@ -167,7 +167,7 @@ def pendulum() -> Scene:
     scene = Scene()
     bar = scene.add_rigid_body(1.0, (1e-2, 1e-2, 1e-2), name="bar", position=(0.1, 0.0, 0.0))
     pin = scene.add(joints.Revolute(scene.ground.at((0, 0, 0)), bar.at((-0.1, 0, 0)), axis=(0, 1, 0), name="pin"))
-    scene.add(forces.RevoluteFriction(pin, 0.3, pin_radius=0.01, preload=1.0))
+    scene.add(forces.RevoluteFriction(pin, 0.3, pin_radius=0.01, load_independent=1.0))
     table = forces.ForceTable([[-0.1, -1.0], [0.0, 0.0], [0.1, 2.0]])
     scene.add(forces.SpringDamper(scene.ground.at((0.1, 0, 0.2)), bar.at((0, 0, 0)), table, forces.PowerLaw(2.0, 1.5)))
     return scene
@@ -515,15 +515,19 @@ CASES: dict[str, Case] = {
     ),
     "journal, rough": Case(
         lambda: journal(
-            load=20e3, asperities=laws.ExponentialAsperities(2e9, 1e-6), boundary_friction=0.1,
-                roughness_a=films.Roughness(1e-6, 3.0),
-            roughness_b=films.Roughness(5e-7, 1 / 6),
+            load=20e3,
+            mixed=films.MixedLubrication(
+                laws.ExponentialAsperities(2e9, 1e-6), boundary_friction=0.1, roughness_a=films.Roughness(1e-6, 3.0),
+                roughness_b=films.Roughness(5e-7, 1 / 6),
+            ),
         ),
         1e-4, {"start": "equilibrium"},
     ),
     "journal, both yield": Case(
-        lambda: journal(yields=True, load=20e3, asperities=laws.ExponentialAsperities(2e9, 1e-6),
-            boundary_friction=0.1), 1e-4,
+        lambda: journal(
+            yields=True, load=20e3, mixed=films.MixedLubrication(laws.ExponentialAsperities(2e9, 1e-6), 0.1)
+        ),
+        1e-4,
         {"start": "equilibrium"},
     ),
     "journal, profiles, both yield": Case(

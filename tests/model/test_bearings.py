@@ -2,30 +2,48 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.model.bearings import Bearing, Flanges, PocketCage, PreloadForce, PrescribedCage
+from warpffrf.model.bearings import (
+    BallGeometry,
+    Bearing,
+    Flanges,
+    Materials,
+    PocketCage,
+    PreloadForce,
+    PrescribedCage,
+    RollerGeometry,
+    RollingContact,
+    add_ball_bearing,
+    add_roller_bearing,
+)
 from warpffrf.model.bearings.bearing import _of_rollers, edge_factor, reference_life
-from warpffrf.model.bearings.geometry import RollerRaceways
+from warpffrf.model.bearings.geometry import from_description
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints import LineInPlane, PointInPlane
 from warpffrf.model.scene import Scene
+from warpffrf.scene_file.forms import flat
 
 BALLS: dict[str, Any] = {"elements": 8, "ball_diameter": 0.01, "pitch_diameter": 0.05}
 ROLLERS: dict[str, Any] = {"elements": 12, "roller_diameter": 0.01, "roller_length": 0.012, "pitch_diameter": 0.06}
+OPTIONS: dict[str, type] = {"contact": RollingContact, "materials": Materials}
+BALL_BEARING = flat(add_ball_bearing, geometry=BallGeometry, **OPTIONS)  # as of scene files
+ROLLER_BEARING = flat(add_roller_bearing, geometry=RollerGeometry, **OPTIONS)
 SKEW = np.array([1.0, 2.0, 2.0]) / 3.0
 
 
 def ball(scene: Scene | None = None, **options: Any) -> Bearing:
-    return (scene or Scene()).add_ball_bearing("b", **{**BALLS, **options})
+    return BALL_BEARING(scene or Scene(), "b", **{**BALLS, **options})
 
 
 def roller(scene: Scene | None = None, **options: Any) -> Bearing:
-    return (scene or Scene()).add_roller_bearing("r", **{**ROLLERS, **options})
+    return ROLLER_BEARING(scene or Scene(), "r", **{**ROLLERS, **options})
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.4, -0.4])
@@ -37,12 +55,12 @@ def test_balls_just_touch_both_rings_anywhere(angle: float) -> None:
     )
     bearing = ball(scene, contact_angle=angle, position=(0.1, 0.2, 0.3), axis=SKEW, inner=shaft)
     assert bearing.inner is shaft and bearing.outer.name == "b outer ring" and shaft.surfaces
-    out = bearing.place.outward(bearing.raceways.angles[2])
+    out = bearing.place.outward(bearing.geometry.angles[2])
     for side, sign in (("inner", 1.0), ("outer", -1.0)):
         at = bearing.contacts_of(side)[2].nearest()  # pyright: ignore[reportAttributeAccessIssue]
         assert abs(at.gap) < 1e-12
         np.testing.assert_allclose(at.normal, sign * (np.cos(angle) * out + np.sin(angle) * SKEW), atol=1e-7)
-        across, along = bearing.raceways.curvatures(side, angle)  # pyright: ignore[reportAttributeAccessIssue]
+        across, along = bearing.geometry.curvatures(side, angle)  # pyright: ignore[reportAttributeAccessIssue]
         np.testing.assert_allclose(at.curvatures, (across, along), rtol=1e-7)
 
 
@@ -77,7 +95,7 @@ def test_orbit_speed_is_that_of_rolling() -> None:
     gamma = 0.01 * np.cos(0.5) / 0.05
     assert bearing.orbit_speed(100.0) == pytest.approx(50.0 * (1.0 - gamma))
     assert bearing.orbit_speed(100.0, 100.0) == pytest.approx(100.0)
-    radial = bearing.raceways.diameter / bearing.raceways.pitch_diameter
+    radial = bearing.geometry.diameter / bearing.geometry.pitch_diameter
     assert bearing.orbit_speed(100.0, angle=0.0) == pytest.approx(50.0 * (1.0 - radial))
     assert roller().orbit_speed(0.0, 100.0) == pytest.approx(50.0 * (1.0 + 0.01 / 0.06))
 
@@ -112,8 +130,11 @@ def test_pockets_surround_elements() -> None:
         (lambda: ball(bore=0.045), "bore 0.045 m leaves no ring under the raceway, which lies above 0.04 m"),
         (lambda: ball(law=3), "laws.HertzPoint"),
         (lambda: ball(shoulders=-1.0), "shoulders"),
-        (lambda: ball(preload=500.0), r"bearings.PreloadForce\(newtons\)"),
-        (lambda: ball(preload=PreloadForce(-5.0)), "PreloadForce: force"),
+        (lambda: ball(material=3), "material must be a Material"),
+        (lambda: Scene().add_ball_bearing("b", RollerGeometry(**ROLLERS)), r"must be bearings.BallGeometry\(...\)"),  # type: ignore[arg-type]
+        (lambda: ball(osculation=(0.52, 0.53, 0.54)), "two, .inner, outer., got 3"),
+        (lambda: ball(axial_preload=500.0), r"bearings.PreloadForce\(newtons\)"),
+        (lambda: ball(axial_preload=PreloadForce(-5.0)), "PreloadForce: force"),
         (lambda: ball(diameter_deviations=np.zeros(3)), "diameter_deviations"),
         (lambda: ball(diameter_deviations=np.full(8, 1e-3)), "some micrometres"),
         (lambda: ball(outer_form=3), "outer_form: form must be one of films.LobedForm"),
@@ -129,6 +150,15 @@ def test_pockets_surround_elements() -> None:
 def test_what_does_not_fit_is_refused(make: Any, said: str) -> None:
     with pytest.raises(InputError, match=said):
         make()
+
+
+def test_a_geometry_is_varied_and_kept() -> None:
+    """What follows from other fields follows again; results keep the numbers."""
+    one = BallGeometry(**BALLS, osculation=(0.52, 0.53), shoulders=1e-3)
+    wider = replace(one, elements=9, ball_diameter=0.012)
+    assert len(wider.diameters) == 9 and wider.default_width == pytest.approx(0.018)
+    assert wider.groove("outer") == 0.53 * 0.012
+    assert from_description(json.loads(json.dumps(one.describe()))) == one
 
 
 def test_names_are_taken_once() -> None:
@@ -158,14 +188,14 @@ def uniform(count: int, laminae: int, load: float) -> np.ndarray:
 def test_reference_life_of_rollers_has_the_limit_of_iso_281(turning: str) -> None:
     """A life of one under C/0.83 without edges, to the three digits of the standard's 0.378 and 0.364 (to the 4th or
     4.5th power); with them, the harm of the laminae times f^4 or f^4.5."""
-    raceways, C = RollerRaceways("r", 60, 1e-3, 60e-3, 0.0, length=0.012), 50e3
+    geometry, C = RollerGeometry(elements=60, roller_diameter=1e-3, pitch_diameter=60e-3, roller_length=0.012), 50e3
     q = uniform(60, 30, C / 0.83)
-    plain = _of_rollers(raceways, C, q, q, "inner", edges=np.ones)
+    plain = _of_rollers(geometry, C, q, q, "inner", edges=np.ones)
     assert plain.revolutions == pytest.approx(1.0, rel=2e-2)
-    half = _of_rollers(raceways, C, 0.5 * q, 0.5 * q, turning, edges=np.ones)
-    assert half.revolutions == pytest.approx(16.0 * _of_rollers(raceways, C, q, q, turning, edges=np.ones).revolutions)
-    found = reference_life(raceways, C, q, q, turning=turning)
+    half = _of_rollers(geometry, C, 0.5 * q, 0.5 * q, turning, edges=np.ones)
+    assert half.revolutions == pytest.approx(16.0 * _of_rollers(geometry, C, q, q, turning, edges=np.ones).revolutions)
+    found = reference_life(geometry, C, q, q, turning=turning)
     f = edge_factor(30)
     assert f[0] == pytest.approx(2.33, abs=5e-3) and f[15] == pytest.approx(1.0, abs=5e-3)
-    same = _of_rollers(raceways, C, q, q, turning, edges=np.ones).revolutions
+    same = _of_rollers(geometry, C, q, q, turning, edges=np.ones).revolutions
     assert found.revolutions == pytest.approx(same * np.mean(f**4.5) ** (-8.0 / 9.0))

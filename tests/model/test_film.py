@@ -22,8 +22,10 @@ from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.model.scene import Scene
 from warpffrf.scene_file import load_scene
+from warpffrf.scene_file.forms import flat
 
 OIL = oils.Newtonian(0.04)
+FILM = flat(Film, mixed=films.MixedLubrication)  # as of scene files
 R, CLEARANCE, WIDTH = 0.05, 50e-6, 0.02
 AXIS: dict[str, Any] = {"axis_point": (0, 0, 0), "axis_direction": (0, 1, 0)}
 SHAFT, BORE = surfaces.Cylinder(radius=R - CLEARANCE, **AXIS), surfaces.Bore(radius=R, **AXIS)
@@ -66,7 +68,7 @@ def pad(body_maker) -> Pair:
 
 def refused(words: str, a: Any, b: Any, **options: Any) -> None:
     with pytest.raises(InputError, match=words):
-        Film(a, b, **{"oil": OIL, "ambient_pressure": 1e5, "name": "bearing"} | options)
+        FILM(a, b, **{"oil": OIL, "ambient_pressure": 1e5, "name": "bearing"} | options)
 
 
 # --- what is refused
@@ -89,11 +91,11 @@ def test_what_is_no_option_is_named(pair: Pair) -> None:
         ({"evaluation": "whole"}, "film 'bearing': evaluation 'whole' does not exist; known: 'semi', 'hyper'"),
         (
             {"boundary_friction": 0.1},
-            "film 'bearing': boundary_friction is that of asperities.*asperities=laws.ExponentialAsperities",
+            "films.MixedLubrication: boundary_friction is that of asperities.*asperities=laws.ExponentialAsperities",
         ),
         (
             {"boundary_friction": -0.1, "asperities": ASPERITIES},
-            "film 'bearing': boundary_friction must not be negative",
+            "films.MixedLubrication: boundary_friction must not be negative",
         ),
         ({"ambient_pressure": -1.0}, r"film 'bearing': ambient_pressure \[Pa\] must not be negative"),
         ({"ambient_pressure": "1e5"}, "ambient_pressure.*must be a number"),
@@ -105,7 +107,8 @@ def test_what_is_no_option_is_named(pair: Pair) -> None:
         ({"feeds": [1e5]}, "feeds must be a list of films.AxialGroove.*number 1 is 100000"),
         ({"form_a": 1e-6}, "film 'bearing': form_a must be one of films.LobedForm, films.BarrelForm"),
         ({"form_b": 1e-6}, "film 'bearing': form_b must be one of films.LobedForm"),
-        ({"asperities": 1e12}, "film 'bearing': asperities must be one of"),
+        ({"asperities": 1e12}, "films.MixedLubrication: asperities must be one of"),
+        ({"roughness_b": 1e-6}, "films.MixedLubrication: roughness_b must be films.Roughness"),
         ({"asperities": laws.Unilateral()}, "unilateral has no pressure to a gap.*laws.ExponentialAsperities"),
         (
             {"asperities": laws.LinearLayer(1e12)},
@@ -140,7 +143,8 @@ def test_what_profiles_cannot_be_is_named(pair: Pair) -> None:
 def test_laws_that_reach_out_are_taken(pair: Pair) -> None:
     _, bore, shaft = pair
     for law in (ASPERITIES, laws.TabulatedLayer((-1e-6, 2e-6), (1e8, 0.0))):
-        assert Film(bore, shaft, oil=OIL, ambient_pressure=1e5, asperities=law).asperities is law
+        film = Film(bore, shaft, oil=OIL, ambient_pressure=1e5, mixed=films.MixedLubrication(law))
+        assert film.mixed.asperities is law
 
 
 def test_a_film_that_nothing_keeps_wet_is_taken_where_oil_is_not_counted(pair: Pair) -> None:
@@ -408,7 +412,7 @@ def test_every_parameter_is_part_of_the_hash(pair: Pair) -> None:
     ]  # fmt: skip
     without, hashes = scene.content_hash(), set()
     for options in variants:
-        film = scene.add(Film(bore, shaft, **{"oil": OIL, "ambient_pressure": 1e5} | options))
+        film = scene.add(FILM(bore, shaft, **{"oil": OIL, "ambient_pressure": 1e5} | options))
         hashes.add(scene.content_hash())
         scene.films.remove(film)
     assert len(hashes) == len(variants) and scene.content_hash() == without and without not in hashes
@@ -439,7 +443,7 @@ def test_a_film_holds_its_bodies_to_the_ground(pad: Pair) -> None:
 
 def test_a_film_has_its_surfaces_alone(pair: Pair, body_maker) -> None:
     scene, bore, shaft = pair
-    words = r"contact 'dry' and film 'wet' act on the same two surfaces.*Film\(..., asperities=...\)"
+    words = r"contact 'dry' and film 'wet' act on the same two surfaces.*Film\(..., mixed=films.MixedLubrication\("
     film, contact = Film(bore, shaft, oil=OIL, ambient_pressure=1e5, name="wet"), Contact(bore, shaft, name="dry")
     for first, second in ((film, contact), (contact, film)):
         scene.add(first)
@@ -468,7 +472,7 @@ def test_a_film_comes_back_from_arrays(pair: Pair) -> None:
     form = films.LobedForm(1e-6, 2) + films.MeasuredForm([0.0, 1.0], [0.0], [[0.0], [1e-6]])
     oil = oils.Barus(0.04, coefficient=1e-8, density=oils.DowsonHigginson())
     feeds = [films.AxialGroove(0.0, 0.01, 1e5, z=(-0.005, 0.005)), films.SupplyHole(2.0, 0.0, 0.004, 1e5)]
-    scene.add(Film(bore, shaft, oil=oil, feeds=feeds, asperities=ASPERITIES, form_a=form))
+    scene.add(Film(bore, shaft, oil=oil, feeds=feeds, mixed=films.MixedLubrication(ASPERITIES), form_a=form))
     found: Any = from_arrays(*to_arrays(scene))
     assert found.content_hash() == scene.content_hash() and found.films[0].a.body is found.bodies[0]
     np.testing.assert_array_equal(found.films[0].held()[1], scene.films[0].held()[1])
@@ -534,8 +538,8 @@ def test_a_film_of_a_scene_file_is_that_of_python(tmp_path: Path) -> None:
     scene.films.clear()
     oil = oils.Barus(0.04, coefficient=1e-8, density=oils.DowsonHigginson())
     hole, barrel = films.SupplyHole(0.0, 0.0, 0.006, 2e5), films.BarrelForm(1e-6, 0.03)
-    options: dict[str, Any] = {"oil": oil, "asperities": ASPERITIES, "feeds": [hole], "form_a": barrel}
-    options["roughness_a"] = films.Roughness(4e-7, 3.0)
+    mixed = films.MixedLubrication(ASPERITIES, roughness_a=films.Roughness(4e-7, 3.0))
+    options: dict[str, Any] = {"oil": oil, "mixed": mixed, "feeds": [hole], "form_a": barrel}
     scene.add(Film(film.a, film.b, **options, cavitation="reynolds", name="film"))
     assert scene.content_hash() == from_file
 

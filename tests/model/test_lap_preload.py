@@ -85,7 +85,7 @@ def test_what_holds_a_preload(cure: str) -> None:
     low, high = scene.bodies
     if cure == "bolt":
         joint = scene.add(joints.Prismatic(low["z_min"], high["z_max"], axis=(0, 0, 1), point=(0, 0, 0)))
-        scene.add(forces.JointSpringDamper(joint, 1e8, preload=-1e3))
+        scene.add(forces.JointSpringDamper(joint, 1e8, preload=1e3))
     elif cure == "force":
         scene.add(forces.PointForce(high["z_max"], (0.0, 0.0, -1e3)))
     elif cure == "gravity":

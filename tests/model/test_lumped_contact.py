@@ -11,8 +11,8 @@ import pytest
 from references.closed_forms.elliptic import EllipticContact
 from references.closed_forms.hertz import contact_modulus
 from warpffrf.model import films, laws, surfaces
-from warpffrf.model.bearings.geometry import BallRaceways
-from warpffrf.model.bearings.parts import Losses, contact_of
+from warpffrf.model.bearings import BallGeometry, RollingContact
+from warpffrf.model.bearings.parts import contact_of
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.laws.lumped import LUMPED_LAWS, as_lumped_law
@@ -244,7 +244,7 @@ def test_what_only_lumped_contacts_see_is_refused_by_a_contact(body_maker: Calla
     disc = hard.surface(surfaces.Cone(radius=0.01, half_angle=1.55, **about), name="disc")
     with pytest.raises(InputError, match=r"hard\['disc'\] is a cone too flat for distributed contact"):
         Contact(soft["rim"], disc)
-    losses = Losses(0.0, laws.RollingResistanceArm(1e-5, 1.0))
+    losses = RollingContact(rolling_resistance=laws.RollingResistanceArm(1e-5, 1.0))
     with pytest.raises(InputError, match=r"soft\['rim'\] is flexible, and distributed contact has no rolling_res"):
         contact_of(hard.surface(ball(), name="skin"), soft["rim"], HERTZ, losses, "pair")
 
@@ -254,10 +254,12 @@ def test_hertz_stiffness_hardly_changes_with_the_contact_angle(grooves: Any) -> 
     """It stays that of the initial pose: within 4e-3 of that at 10 degrees more or less, of a 209 and a 218 bearing,
     and the other way round on the other ring."""
     (count, D, pitch), angle = grooves
-    raceways = BallRaceways("b", count, D, pitch, 0.0, 0.5232 * D, 0.5232 * D, angle)
+    geometry = BallGeometry(
+        elements=count, ball_diameter=D, pitch_diameter=pitch, osculation=0.5232, contact_angle=angle
+    )
 
     def stiffness(side: str, at: float) -> float:
-        small, large = sorted(float(c) for c in raceways.curvatures(side, at))
+        small, large = sorted(float(c) for c in geometry.curvatures(side, at))
         return HERTZ.approach(Meeting("pair", (small, large), 0.0)).stiffness
 
     for turn in (-np.radians(10.0), np.radians(10.0)):

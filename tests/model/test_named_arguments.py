@@ -19,7 +19,7 @@ STRUCTURES = {
     "Basis", "Cyclic", "FacetSet", "Matrices", "MeshReport", "Feed", "Form", "Oil", "FrictionLaw", "Law", "LumpedLaw",
     "Shape", "InputError", "LapCells", "Sensor", "Integrator", "from_description", "as_oil", "as_law", "Coefficients",
     "Marker", "Row", "Signal", "basis_options", "ONE_TEN_HUNDRED", "damping_ratios", "default_damping",
-    "roots_at_infinity", "coincident_within", "as_signal", "Bearing", "Cage", "Example", "Preload", "RunError",
+    "roots_at_infinity", "coincident_within", "as_signal", "Bearing", "Cage", "Example", "AxialPreload", "RunError",
     "BasisProblem", "RawBasis", "Force", "Pieces", "scalar_law", "Approach", "RevolutionShape",
 }  # fmt: skip
 WRONG = "no_argument_of_this_name"

@@ -1,6 +1,7 @@
 """Old names get an error that says the new one: attributes of modules, arguments, words and kinds."""
 
 import inspect
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -9,10 +10,14 @@ import pytest
 import warpffrf as wf
 from warpffrf.model.errors import InputError, suggestion
 from warpffrf.model.renamed import RENAMED
-from warpffrf.scene_file.forms import value_kinds
+from warpffrf.scene_file.forms import flat, value_kinds
 
 MODULES: tuple[Any, ...] = (wf, wf.films, wf.forces, wf.laws, wf.bearings)
-CALLS: tuple[Callable[..., Any], ...] = (wf.Contact, wf.Film, wf.reduce)
+CALLS: tuple[Callable[..., Any], ...] = (
+    wf.Contact, wf.Film, flat(wf.Film, mixed=wf.films.MixedLubrication), wf.reduce,
+    wf.bearings.add_ball_bearing, wf.bearings.add_roller_bearing,
+    wf.forces.Pretension, wf.forces.RevoluteFriction,
+)  # fmt: skip
 WORDS = {"contact_fixed", "body_fixed", "closest_point", *wf.films.CAVITATIONS}  # arguments of Contact and Film
 
 
@@ -21,8 +26,12 @@ def test_every_new_name_is_one(old: str) -> None:
     known = {*WORDS, *value_kinds(), *(kind.kind for kind in (wf.forces.BearingSpring,))}
     known |= {name for module in MODULES for name in dir(module)}
     known |= {name for call in CALLS for name in inspect.signature(call).parameters}
-    assert [new for new in RENAMED[old] if new not in known] == []
-    assert suggestion(old, list(known)) == f"; it is called {RENAMED[old][0]!r} now"
+    assert [new for new in RENAMED[old] if new.partition("=")[0] not in known] == []
+    for new in RENAMED[old]:
+        argument, _, value = new.partition("=")
+        assert all(name in known for name in re.findall(r"(\w+)\(", value))
+        said = f"; it is {new} now" if value else f"; it is called {new!r} now"
+        assert suggestion(old, [argument]) == said
 
 
 def test_a_name_that_is_valid_elsewhere_is_no_old_one() -> None:
@@ -37,6 +46,13 @@ def test_scripts_written_before_are_answered() -> None:
     with pytest.raises(TypeError, match="'patch_grid'; it is called 'contact_fixed' now"):
         call(None, None, patch_grid=True)
     scene = wf.Scene()
+    balls: dict[str, Any] = {"elements": 8, "ball_diameter": 0.01, "pitch_diameter": 0.05}
+    with pytest.raises(
+        TypeError, match=r"'elements'; it is geometry=wf.bearings.BallGeometry\(...\) or RollerGeometry"
+    ):
+        scene.add_ball_bearing("b", **balls)
+    with pytest.raises(TypeError, match="'preload'; it is called 'axial_preload' now"):
+        scene.add_ball_bearing("b", wf.bearings.BallGeometry(**balls), preload=None)  # pyright: ignore[reportCallIssue]
     port: Any = scene.ground.surface(wf.surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
     with pytest.raises(TypeError, match="'gaps'; it is called 'kinematics' now"):
         wf.Contact(port, port, gaps="points")  # pyright: ignore[reportCallIssue]

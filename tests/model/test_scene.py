@@ -148,7 +148,7 @@ def test_springs(body_maker) -> None:
     with pytest.raises(InputError, match="leaves free, fixed joint 'fixed_1' has none"):
         forces.JointSpringDamper(weld, 1e4)
     slide = scene.add(joints.Prismatic(scene.ground, upper["bore"], axis=(0, 0, 1)))
-    guide = scene.add(forces.JointSpringDamper(slide, 1e6, 100.0, preload=-200.0))
+    guide = scene.add(forces.JointSpringDamper(slide, 1e6, 100.0, preload=200.0))
     assert guide.name == "joint_spring_damper_1"
 
 

@@ -290,8 +290,16 @@ def test_a_run_goes_on_where_another_has_ended() -> None:
     ("film", "options", "words"),
     [
         ({"evaluation": "hyper"}, {}, "evaluation 'hyper'.*evaluation='semi'"),
-        ({"asperities": laws.ExponentialAsperities(2e9, 0.2e-6, 2.8e-6)}, {}, "asperities.*leave asperities out"),
-        ({"roughness_a": films.Roughness(0.5e-6)}, {}, "smooth walls.*leave roughness out"),
+        (
+            {"mixed": films.MixedLubrication(laws.ExponentialAsperities(2e9, 0.2e-6, 2.8e-6))},
+            {},
+            "asperities.*leave asperities out",
+        ),
+        (
+            {"mixed": films.MixedLubrication(roughness_a=films.Roughness(0.5e-6))},
+            {},
+            "smooth walls.*leave roughness out",
+        ),
         ({"oil": oils.Newtonian(VISCOSITY, density=oils.DowsonHigginson())}, {}, "constant density.*leave density"),
         ({}, {"local": "hht"}, "quasi-static.*local='quasi_static'"),
         ({}, {"variant": "modified"}, "variant 'modified'.*variant='full'"),

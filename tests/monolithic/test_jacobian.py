@@ -102,7 +102,7 @@ def springs(scene: Scene, a: Any, b: Any) -> dict[str, Any]:
     return {
         "spring_damper": lambda: forces.SpringDamper(a["left"], b.at((0.1, 0, 0)), 300.0, 2.0),
         "joint_spring_damper": lambda: forces.JointSpringDamper(
-            hinge("cylindrical"), 200.0, 3.0, coordinate="translation", reference=0.01, preload=2.0
+            hinge("cylindrical"), 200.0, 3.0, coordinate="translation", reference=0.01, preload=-2.0
         ),
         "torsional_spring_damper": lambda: forces.TorsionalSpringDamper(hinge("revolute"), 20.0, 0.3, reference=0.2),
         "bushing": lambda: forces.Bushing(a["right"], port, K, D, axes=AXES, preload=np.arange(6.0)),

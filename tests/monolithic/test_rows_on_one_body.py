@@ -32,7 +32,7 @@ def tied(level: str = "full", stiffening: bool = False, pull: Any = None, lock_a
     middle = 0.5 * (ends[0].world_point() + ends[1].world_point())
     slide = scene.add(joints.PointOnLine(*ends, axis=(0.2, 0.3, 0.9), point=middle, name="slide"))
     if pull is None:
-        scene.add(forces.JointSpringDamper(slide, 2e3, 1.0, preload=-30.0, name="bolt"))
+        scene.add(forces.JointSpringDamper(slide, 2e3, 1.0, preload=30.0, name="bolt"))
     else:
         scene.add(forces.Pretension(slide, pull, lock_at=lock_at, name="bolt"))
     scene.add(forces.Bushing(*ends, [3e3, 2e3, 1e3, 20.0, 30.0, 10.0], np.full(6, 0.1), point=middle + 0.02))

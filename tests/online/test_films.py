@@ -104,7 +104,7 @@ def test_a_groove_under_pressure_feeds_profiles_too() -> None:
 def test_asperities_carry_what_the_film_does_not(speed: float) -> None:
     """Beside the dense reference, from a film that carries to dry contact; no more iterations than there."""
     law = ExponentialAsperities(2e9, 0.2e-6, 2.8e-6)
-    found = find_equilibrium(bearing((60e3, 0.0), speed=speed, asperities=law))
+    found = find_equilibrium(bearing((60e3, 0.0), speed=speed, mixed=films.MixedLubrication(law)))
     assert found.status == "completed", found.message
     film, expected = found.films["film"], reference(asperities=law.curve, speed=speed)
     settled = expected.settle(np.array([0.3 * CLEARANCE, 0.0]), np.array([60e3, 0.0]))
@@ -123,7 +123,7 @@ def test_gaussian_asperities_carry_what_the_film_does_not(speed: float) -> None:
     """The same with the law of Greenwood and Tripp; and, nearly dry, beside an exponential law with its pressure and
     slope where the pressure is largest."""
     law = GreenwoodTripp.from_products(0.8e-6, 0.08, 0.02, 115e9)  # 0.4 GPa at zero gap
-    found = find_equilibrium(bearing((60e3, 0.0), speed=speed, asperities=law))
+    found = find_equilibrium(bearing((60e3, 0.0), speed=speed, mixed=films.MixedLubrication(law)))
     assert found.status == "completed", found.message
     film, expected = found.films["film"], reference(asperities=law.curve, speed=speed)
     settled = expected.settle(np.array([0.3 * CLEARANCE, 0.0]), np.array([60e3, 0.0]))
@@ -137,7 +137,7 @@ def test_gaussian_asperities_carry_what_the_film_does_not(speed: float) -> None:
         gap = expected.gap_at_hats(settled.state)[np.argmax(settled.state.asperity)]
         decay = float(law.pressure(gap) / law.curve.slope(-gap))
         fitted = ExponentialAsperities(float(law.pressure(gap)) * np.exp(gap / decay), decay)
-        other = find_equilibrium(bearing((60e3, 0.0), speed=speed, asperities=fitted)).films["film"]
+        other = find_equilibrium(bearing((60e3, 0.0), speed=speed, mixed=films.MixedLubrication(fitted))).films["film"]
         assert other.largest_asperity_pressure[-1] == pytest.approx(largest, rel=0.02)
         assert other.smallest_gap[-1] == pytest.approx(film.smallest_gap[-1], abs=0.02 * law.deviation)
 
@@ -146,7 +146,7 @@ def test_asperities_rub() -> None:
     """With a coefficient: the torque of dry contact, and its loss, beside the drag of the oil."""
     law, mu = ExponentialAsperities(2e9, 0.2e-6, 2.8e-6), 0.1
     smooth, rubbing = (
-        find_equilibrium(bearing((60e3, 0.0), speed=3.0, asperities=law, boundary_friction=f)) for f in (0.0, mu)
+        find_equilibrium(bearing((60e3, 0.0), speed=3.0, mixed=films.MixedLubrication(law, f))) for f in (0.0, mu)
     )
     more = -(rubbing.films["film"].torque_second[-1][1] - smooth.films["film"].torque_second[-1][1])
     dry = mu * rubbing.films["film"].asperity_force[-1] * RADIUS
@@ -484,7 +484,10 @@ def test_a_load_that_no_film_carries_is_told() -> None:
     found = find_equilibrium(bearing((90e3, 0.0)))
     assert found.status == "no_equilibrium"
     assert found.message.startswith("equilibrium: film 'film' is squeezed to")
-    assert "give it more speed" in found.message and "asperities=laws.ExponentialAsperities" in found.message
+    assert (
+        "give it more speed" in found.message
+        and "mixed=films.MixedLubrication(laws.ExponentialAsperities" in found.message
+    )
 
 
 def test_a_film_without_sliding_is_told_to_carry_nothing_at_rest() -> None:

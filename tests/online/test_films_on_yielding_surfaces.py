@@ -114,7 +114,7 @@ def test_the_ledger_closes_while_one_turns_through_the_load(on_shaft: bool) -> N
 
 def test_asperities_press_both() -> None:
     law = ExponentialAsperities(2e9, 1e-6)
-    found = find_equilibrium(bearing((20e3, 0.0), yielding=shaft_body(), asperities=law))
+    found = find_equilibrium(bearing((20e3, 0.0), yielding=shaft_body(), mixed=films.MixedLubrication(law)))
     assert found.status == "completed", found.message
     opposite, expected = of_shaft(), reference(asperities=law.curve)
     more = held_compliance(shaft_body(), "rim", "bore")[np.ix_(opposite, opposite)]
@@ -137,7 +137,12 @@ def test_profiles_along_press_both() -> None:
     (note,) = [
         note for note in strips.notes if "not compared with all nodes, as its second surface is compliant" in note
     ]
-    rough = bearing((20e3, 0.0), evaluation="hyper", axial_degrees=(0, 2), roughness_a=films.Roughness(0.2e-6))
+    rough = bearing(
+        (20e3, 0.0),
+        evaluation="hyper",
+        axial_degrees=(0, 2),
+        mixed=films.MixedLubrication(roughness_a=films.Roughness(0.2e-6)),
+    )
     (note,) = [note for note in find_equilibrium(rough).notes if "not compared with all nodes" in note]
     assert "as its walls are rough" in note
     pressure = both.basis.to_hats @ settled.state.pressure

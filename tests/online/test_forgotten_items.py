@@ -50,8 +50,8 @@ def test_signs_of_preloads_are_told() -> None:
     body = scene.add_rigid_body(1.0, (1, 1, 1), name="body")
     guide = scene.add(wf.joints.Prismatic(scene.ground, body.at(ORIGIN), axis=(0, 0, 1)))
     assert pulled_apart(scene) == ""
-    scene.add(wf.forces.JointSpringDamper(guide, 1e3, preload=-200.0, name="press"))
-    assert "sign of the preload of 'press' (-200 N): a positive one pushes the second body" in pulled_apart(scene)
+    scene.add(wf.forces.JointSpringDamper(guide, 1e3, preload=200.0, name="press"))
+    assert "sign of the preload of 'press' (+200 N): a positive one is a tension" in pulled_apart(scene)
     scene.add(wf.forces.JointSpringDamper(guide, 1e3, preload=wf.signals.Ramp(0, 1, duration=1), name="soft"))
     assert "'soft' (a signal)" in pulled_apart(scene)
 

@@ -8,6 +8,7 @@ from lumped_scenes import BALL, INNER, OUTER, STEEL
 from lumped_scenes import Y as AXIS
 
 from warpffrf.model import forces, joints, laws, surfaces
+from warpffrf.model.bearings import BallGeometry
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.scene import Scene
 from warpffrf.online import find_equilibrium
@@ -88,7 +89,9 @@ def test_a_ring_that_only_its_balls_hold_is_named(load: float, free: str, held: 
     scene = Scene()
     shaft = scene.add_rigid_body(1.0, (1e-3,) * 3, name="shaft")
     inner, outer = (shaft, None) if free == "outer" else (None, shaft)
-    scene.add_ball_bearing("b", elements=7, ball_diameter=0.0111, pitch_diameter=0.046, inner=inner, outer=outer)
+    scene.add_ball_bearing(
+        "b", BallGeometry(elements=7, ball_diameter=0.0111, pitch_diameter=0.046), inner=inner, outer=outer
+    )
     plane = scene.add(joints.Planar(scene.ground, shaft.at((0, 0, 0)), axis=AXIS))
     scene.add(joints.Drive(plane, 0.0, quantity="velocity"))
     scene.add(forces.PointForce(shaft.at((0, 0, 0)), (load, 0, 0)))

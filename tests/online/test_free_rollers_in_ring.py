@@ -12,6 +12,7 @@ import pytest
 
 from warpffrf import mesh, offline
 from warpffrf.model import forces, joints, laws, surfaces
+from warpffrf.model.bearings import RollerGeometry, RollingContact
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.reduced.body import ReducedBody
@@ -42,8 +43,9 @@ def loaded(ring: ReducedBody, off: float, *, held: bool = True) -> Scene:
     if held:
         scene.add(joints.Fixed(scene.ground, outer["outside"], name="housing"))
     bearing = scene.add_roller_bearing(
-        "r", elements=3, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH, first=(0, 0, -1),
-        outer=outer["bore"], law=laws.PalmgrenLine(LENGTH, 3), material=STEEL,
+        "r", RollerGeometry(elements=3, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH),
+        first=(0, 0, -1), outer=outer["bore"], contact=RollingContact(law=laws.PalmgrenLine(LENGTH, 3)),
+        materials=STEEL,
     )  # fmt: skip
     bearing.elements[0].position = bearing.elements[0].position + np.array([0.0, off, 0.0])
     inner = bearing.inner.at((0, 0, 0))

@@ -30,7 +30,7 @@ HELD = 1e-6  # of friction that holds: round-off of positions over h^2, as of al
 ROUND_OFF = 1e-12
 
 
-def pendulum(start: float, friction: float = 0.0, *, pin_radius: float = 0.0, preload: float = 0.0) -> Scene:
+def pendulum(start: float, friction: float = 0.0, *, pin_radius: float = 0.0, load_independent: float = 0.0) -> Scene:
     """A rod on a pin, held at `start` [rad] from the vertical."""
     scene = Scene(gravity=(0.0, -G, 0.0))
     rod = scene.add_rigid_body(
@@ -38,7 +38,9 @@ def pendulum(start: float, friction: float = 0.0, *, pin_radius: float = 0.0, pr
         rotation=(0.0, 0.0, np.sin(0.5 * start), np.cos(0.5 * start)),
     )  # fmt: skip
     pin = scene.add(joints.Revolute(scene.ground.at((0, 0, 0)), rod.at((0.0, ARM, 0.0)), axis=(0, 0, 1), name="pin"))
-    scene.add(forces.RevoluteFriction(pin, friction, pin_radius=pin_radius, preload=preload, name="rub"))
+    scene.add(
+        forces.RevoluteFriction(pin, friction, pin_radius=pin_radius, load_independent=load_independent, name="rub")
+    )
     return scene
 
 
@@ -80,7 +82,7 @@ def test_a_constant_torque_takes_the_closed_form_from_every_swing_and_stops_wher
             return WEIGHT * (np.cos(b) - np.cos(a)) - torque * (a + b)
 
         known.append(-float(side) * root(left, -0.999 * a, a))
-    history = settled(pendulum(start, preload=torque), 5.0)
+    history = settled(pendulum(start, load_independent=torque), 5.0)
     theta = angle(history, start)
     found = turning_points(theta)
     assert len(found) == len(known) > 6
@@ -93,10 +95,10 @@ def test_a_constant_torque_takes_the_closed_form_from_every_swing_and_stops_wher
     assert history.energy["friction"][-1] == pytest.approx(-torque * np.abs(np.diff(known)).sum(), rel=AGREE)
 
 
-PIN = {"friction": 0.3, "pin_radius": 0.05, "preload": 0.2}
+PIN = {"friction": 0.3, "pin_radius": 0.05, "load_independent": 0.2}
 
 
-def swings(start: float, friction: float, pin_radius: float, preload: float) -> list[float]:
+def swings(start: float, friction: float, pin_radius: float, load_independent: float) -> list[float]:
     """Turning points of the pendulum whose reaction presses, three swings: between two turns the torque has one sign,
     and the angular acceleration that goes with it is found by a root finder."""
 
@@ -105,7 +107,7 @@ def swings(start: float, friction: float, pin_radius: float, preload: float) -> 
             across = np.hypot(
                 MASS * (G * np.sin(theta) + ARM * alpha), MASS * (G * np.cos(theta) + ARM * omega * omega)
             )
-            torque = preload + friction * pin_radius * across
+            torque = load_independent + friction * pin_radius * across
             return (INERTIA + MASS * ARM * ARM) * alpha + WEIGHT * np.sin(theta) + sign * torque
 
         return root(off, -1e3, 1e3)
@@ -161,7 +163,7 @@ def test_within_the_cone_it_does_not_creep() -> None:
     rub = history.forces["rub"].friction
     assert rub is not None and np.all(rub.state == STICK) and not rub.power.any()
     assert history.forces["rub"].torque[:, 2] == pytest.approx(np.full(2001, WEIGHT * np.sin(0.03)), rel=SOLVED)
-    bound = PIN["friction"] * PIN["pin_radius"] * MASS * G + PIN["preload"]
+    bound = PIN["friction"] * PIN["pin_radius"] * MASS * G + PIN["load_independent"]
     assert rub.bound == pytest.approx(np.full(2001, bound / PIN["pin_radius"]), rel=SOLVED)
     assert history.energy["friction"][-1] == 0.0
 
@@ -169,7 +171,7 @@ def test_within_the_cone_it_does_not_creep() -> None:
 def test_it_holds_as_soon_as_it_stops() -> None:
     """No ringing of friction after a stop: two steps later it is what the weight asks for, and stays so."""
     for integrator in INTEGRATORS.values():
-        history = settled(pendulum(1.0, preload=4.0), 0.9, integrator=integrator)
+        history = settled(pendulum(1.0, load_independent=4.0), 0.9, integrator=integrator)
         rub = history.forces["rub"].friction
         assert rub is not None
         stop = int(np.argmax(rub.state == STICK))
@@ -247,7 +249,7 @@ def test_bending_presses_on_both_ends_of_a_guide(offset: float) -> None:
     rail = scene.add(
         joints.Prismatic(scene.ground.at((0, 0, 0)), slide.at((-offset, 0.0, 0.0)), axis=(1, 0, 0), name="rail")
     )
-    scene.add(forces.PrismaticFriction(rail, mu, bearing_length=length, preload=1.0, name="rub"))
+    scene.add(forces.PrismaticFriction(rail, mu, bearing_length=length, load_independent=1.0, name="rub"))
     scene.add(forces.PointForce(slide.at((0, 0, 0)), (push, 0.0, 0.0)))
     history = settled(scene, 0.05)
     ends = MASS * G * (abs(0.5 + offset / length) + abs(0.5 - offset / length))
@@ -350,7 +352,7 @@ def test_friction_opposes_the_helix_whatever_the_inertia() -> None:
 # --- machines
 
 
-def four_bar(preload: float) -> Scene:
+def four_bar(load_independent: float) -> Scene:
     """A four-bar linkage in a vertical plane, friction in all joints: sticking, they hold each other."""
     scene = Scene(gravity=(0.0, -G, 0.0))
     corners = np.array([(0.0, 0.0), (0.2, 0.5), (0.9, 0.6), (1.0, 0.0)])
@@ -366,7 +368,9 @@ def four_bar(preload: float) -> Scene:
     ends = [scene.ground.at((0, 0, 0)), *(port for link in links for port in link), scene.ground.at((1.0, 0, 0))]
     for i in range(4):
         hinge = scene.add(joints.Revolute(ends[2 * i], ends[2 * i + 1], axis=(0, 0, 1), name=f"hinge {i}"))
-        scene.add(forces.RevoluteFriction(hinge, 0.1, pin_radius=0.01, preload=preload, name=f"rub {i}"))
+        scene.add(
+            forces.RevoluteFriction(hinge, 0.1, pin_radius=0.01, load_independent=load_independent, name=f"rub {i}")
+        )
     return scene
 
 
@@ -406,7 +410,7 @@ def test_friction_at_an_interface_of_a_flexible_body(plain_body: ReducedBody) ->
     scene = Scene()
     roller = scene.add_body(plain_body, name="roller", inertia="constant", angular_velocity=(0.0, omega, 0.0))
     axle = scene.add(joints.Revolute(scene.ground, roller["bore"], axis=(0, 1, 0), name="axle"))
-    scene.add(forces.RevoluteFriction(axle, 0.0, preload=torque, name="rub"))
+    scene.add(forces.RevoluteFriction(axle, 0.0, load_independent=torque, name="rub"))
     J = roller.inertia[1, 1]
     history = settled(scene, 0.5 * omega * J / torque, 0.5 * omega * J / torque / 200)
     assert history.bodies["roller"].angular_velocity[-1, 1] == pytest.approx(0.5 * omega, rel=1e-4)
@@ -418,7 +422,7 @@ def test_friction_at_an_interface_of_a_flexible_body(plain_body: ReducedBody) ->
 
 def test_a_run_that_is_continued_gives_the_same_bits() -> None:
     """Also from among steps that forget, and from one that sticks."""
-    scene = pendulum(1.0, preload=4.0)
+    scene = pendulum(1.0, load_independent=4.0)
     whole = settled(scene, 0.9)
     rub = whole.forces["rub"].friction
     assert rub is not None
@@ -431,7 +435,7 @@ def test_a_run_that_is_continued_gives_the_same_bits() -> None:
 
 
 def test_results_say_whether_a_joint_sticks(tmp_path: Path) -> None:
-    result = wf.simulate(pendulum(1.0, preload=4.0), duration=0.9, step=1e-3, progress=False)
+    result = wf.simulate(pendulum(1.0, load_independent=4.0), duration=0.9, step=1e-3, progress=False)
     assert "force 'rub'" in result.report() and "sticks at the end, stuck in" in result.report()
     again = wf.Result.load(result.save(tmp_path / "run.h5"))
     here, there = result.force("rub").friction, again.force("rub").friction
@@ -469,14 +473,14 @@ def test_scene_files_know_it(tmp_path: Path) -> None:
 
 
 def test_friction_is_left_out_of_an_equilibrium_with_a_note() -> None:
-    scene = pendulum(0.3, preload=5.0)
+    scene = pendulum(0.3, load_independent=5.0)
     history = run(scene, 0.01, step=1e-3, start="equilibrium", progress=False)
     assert angle(history, 0.3)[0] == pytest.approx(0.0, abs=1e-8)
     assert any("friction of 'rub' does not act in the equilibrium" in note for note in history.notes)
 
 
 def test_what_cannot_rub_is_refused() -> None:
-    scene = pendulum(0.3, preload=5.0)
+    scene = pendulum(0.3, load_independent=5.0)
     (pin,) = scene.joints
     with pytest.raises(InputError, match="acts on a prismatic joint, got revolute joint 'pin'"):
         forces.PrismaticFriction(pin, 0.3)
@@ -485,7 +489,7 @@ def test_what_cannot_rub_is_refused() -> None:
     with pytest.raises(InputError, match="it has no friction"):
         forces.RevoluteFriction(pin, 0.3)
     with pytest.raises(InputError, match="in m/s; give it the pin_radius"):
-        forces.RevoluteFriction(pin, RegularisedCoulomb(0.3, 0.01), preload=1.0)
+        forces.RevoluteFriction(pin, RegularisedCoulomb(0.3, 0.01), load_independent=1.0)
     with pytest.raises(InputError, match="friction must be a coefficient"):
         forces.RevoluteFriction(pin, "dry", pin_radius=0.1)  # pyright: ignore[reportArgumentType]
     with pytest.raises(InputError, match="bearing_length"):

@@ -1,4 +1,4 @@
-"""A preload that changes with time is the force of its signal on the joint's coordinate, beside the spring."""
+"""A preload that changes with time draws the sides of the joint together by its signal, in addition to the spring."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ SAME = 1e-6  # of the largest: the pull is a row whose softness the iteration ta
 
 
 def scene(joint: type, force: str) -> wf.Scene:
-    """A body on a joint along or about z with a spring; the signal as its preload, or as a load on the body."""
+    """A body on a joint along or about z with a spring: minus the signal as its preload, or the signal as a load."""
     made = wf.Scene()
     body = made.add_rigid_body(MASS, (MASS, MASS, MASS), name="body")
     held = made.add(joint(made.ground, body.at(ORIGIN), axis=AXIS, name="guide"))
-    preload = RISE if force == "preload" else 0.0
+    preload = RISE.scaled(-1.0) if force == "preload" else 0.0
     made.add(wf.forces.JointSpringDamper(held, STIFFNESS, DAMPING, preload=preload, name="spring"))
     if force == "load":
         load = wf.forces.PointForce if joint is wf.joints.Prismatic else wf.forces.PointTorque
@@ -52,7 +52,7 @@ def test_it_moves_as_a_load_does(joint: type, simulate: Callable[..., wf.Result]
 def test_rest_and_hash() -> None:
     """At rest the preload is that of time 0, and a scene with another signal is another scene."""
     made = scene(wf.joints.Prismatic, "preload")
-    made.forces[0].preload = wf.signals.Ramp(PUSH, 2.0 * PUSH, duration=1.0)
+    made.forces[0].preload = wf.signals.Ramp(-PUSH, -2.0 * PUSH, duration=1.0)
     rest = wf.equilibrium(made)
     assert rest.joint("guide").coordinate[0] == pytest.approx(PUSH / STIFFNESS, rel=1e-6)
     assert made.content_hash() != scene(wf.joints.Prismatic, "preload").content_hash()

@@ -90,7 +90,7 @@ def rubbing_pendulum(bodies: Bodies) -> wf.Scene:
     scene = pendulum(bodies)
     hinge, elbow = scene.joints
     scene.add(wf.forces.RevoluteFriction(hinge, 0.2, pin_radius=0.01, name="slips"))
-    scene.add(wf.forces.RevoluteFriction(elbow, 0.0, preload=10.0, name="sticks"))
+    scene.add(wf.forces.RevoluteFriction(elbow, 0.0, load_independent=10.0, name="sticks"))
     return scene
 
 

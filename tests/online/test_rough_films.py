@@ -20,7 +20,7 @@ from film_scenes import (
 )
 
 from references.films.rough_walls import RoughWalls
-from warpffrf.model.films import Roughness
+from warpffrf.model.films import MixedLubrication, Roughness
 from warpffrf.model.films.roughness import flow_factors
 from warpffrf.model.laws import GreenwoodTripp
 from warpffrf.online import run
@@ -32,7 +32,7 @@ Walls = tuple[Roughness | None, Roughness | None]
 
 
 def named(walls: Walls) -> dict[str, Any]:
-    return {"roughness_a": walls[0], "roughness_b": walls[1]}
+    return {"mixed": MixedLubrication(roughness_a=walls[0], roughness_b=walls[1])}
 
 
 def as_functions(walls: Walls) -> RoughWalls:
@@ -72,7 +72,7 @@ def test_a_steady_bearing_is_that_of_the_dense_reference(walls: Walls, given: Ro
 
 
 def test_walls_that_are_hardly_rough_are_smooth() -> None:
-    smooth, found = (find_equilibrium(bearing((20e3, 0.0), roughness_a=r)) for r in (None, Roughness(1e-9)))
+    smooth, found = (find_equilibrium(bearing((20e3, 0.0), **named((r, None)))) for r in (None, Roughness(1e-9)))
     np.testing.assert_allclose(place(found), place(smooth), rtol=1e-9)
     np.testing.assert_allclose(found.films["film"].pressure, smooth.films["film"].pressure, rtol=1e-7, atol=1.0)
 
@@ -105,7 +105,7 @@ def test_a_centred_shaft_is_dragged_as_rough_walls_are(pattern: float) -> None:
     """Petroff's bearing, Phi mu (omega R)^2/c, three deviations thick: Phi of the fits as they are printed."""
     wall = Roughness(CLEARANCE / 3.0, pattern)
     found = find_equilibrium(
-        bearing((1.0, 0.0), roughness_a=wall, cavitation="full_sommerfeld", feeds=[], ambient_pressure=1.0)
+        bearing((1.0, 0.0), **named((wall, None)), cavitation="full_sommerfeld", feeds=[], ambient_pressure=1.0)
     )
     assert found.status == "completed", found.message
     A, a, b, c = {1.0: (11.1, 2.31, 2.38, 0.11), 1 / 3: (12.3, 2.32, 2.30, 0.10)}[pattern]
@@ -118,7 +118,7 @@ def test_a_centred_shaft_is_dragged_as_rough_walls_are(pattern: float) -> None:
 def test_rough_walls_and_their_asperities(speed: float) -> None:
     """Both of one roughness, beside the dense reference, down to where walls are closer than factors are known."""
     law, wall = GreenwoodTripp.from_products(0.8e-6, 0.08, 0.02, 115e9), Roughness(0.8e-6)
-    found = find_equilibrium(bearing((60e3, 0.0), speed=speed, asperities=law, roughness_a=wall))
+    found = find_equilibrium(bearing((60e3, 0.0), speed=speed, mixed=MixedLubrication(law, roughness_a=wall)))
     assert found.status == "completed", found.message
     film, expected = found.films["film"], reference(asperities=law.curve, speed=speed)
     expected.walls = RoughWalls.isotropic(0.8e-6)
@@ -134,5 +134,5 @@ def test_rough_walls_and_their_asperities(speed: float) -> None:
 
 def test_heights_that_the_law_tells_otherwise_are_named() -> None:
     law = GreenwoodTripp.from_products(0.8e-6, 0.08, 0.02, 115e9)
-    found = find_equilibrium(bearing((20e3, 0.0), asperities=law, roughness_a=Roughness(0.5e-6)))
+    found = find_equilibrium(bearing((20e3, 0.0), mixed=MixedLubrication(law, roughness_a=Roughness(0.5e-6))))
     assert any("standard deviation 5e-07 m, those of its law of asperities 8e-07 m" in note for note in found.notes)

@@ -27,7 +27,7 @@ def nip(cover: wf.ReducedBody, force: float, **options) -> wf.Scene:
     scene.close_gap(pair)
     scene.add(wf.joints.Fixed(scene.ground, roll["bore"]))
     guide = scene.add(wf.joints.Prismatic(scene.ground, plate.at((0, 0, 0)), axis=(0, 0, 1)))
-    scene.add(wf.forces.JointSpringDamper(guide, stiffness=1.0, damping=1.0, preload=-force))
+    scene.add(wf.forces.JointSpringDamper(guide, stiffness=1.0, damping=1.0, preload=force))
     return scene
 
 

@@ -27,14 +27,14 @@ ROUND_OFF = 1e-12
 TIMES, SIGNS = [0.0, 1.0, 3.0, 5.0], np.array([0.0, 1.0, -1.0, 1.0])
 
 
-def rail(friction: Any = 0.0, *, preload: float = BOUND, spring: float = STIFFNESS) -> Scene:
+def rail(friction: Any = 0.0, *, load_independent: float = BOUND, spring: float = STIFFNESS) -> Scene:
     """A block on a guide that rubs, held by a spring and pushed to and fro."""
     scene = Scene(gravity=ORIGIN)
     block = scene.add_rigid_body(1.0, (0.01, 0.01, 0.01), name="block")
     guide = scene.add(joints.Prismatic(scene.ground.at(ORIGIN), block.at(ORIGIN), axis=(1, 0, 0), name="guide"))
     if spring:
         scene.add(forces.JointSpringDamper(guide, spring, damping=7.0, name="spring"))
-    scene.add(forces.PrismaticFriction(guide, friction, preload=preload, name="rub"))
+    scene.add(forces.PrismaticFriction(guide, friction, load_independent=load_independent, name="rub"))
     scene.add(forces.PointForce(block.at(ORIGIN), (Table(TIMES, LOAD * SIGNS, hold=True), 0.0, 0.0), name="push"))
     return scene
 

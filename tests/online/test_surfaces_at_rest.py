@@ -69,7 +69,7 @@ def incline(tangent: float, grid: Any = "body_fixed", *, brake: bool = True) -> 
     down = GRAVITY * np.array([np.sin(angle), 0.0, -np.cos(angle)])
     scene, axle = on_floor((0.0, 0.0, 0.0), gravity=tuple(down), grid=grid)
     if brake:
-        scene.add(forces.RevoluteFriction(axle, 0.5, preload=1e3, pin_radius=RADIUS, name="brake"))
+        scene.add(forces.RevoluteFriction(axle, 0.5, load_independent=1e3, pin_radius=RADIUS, name="brake"))
     return scene
 
 

@@ -35,7 +35,7 @@ def pressed(body: ReducedBody) -> wf.Scene:
     scene.close_gap(scene.add(wf.Contact(lower["rim"], upper["rim"], name="pair")))
     scene.add(wf.joints.Fixed(scene.ground, lower["bore"]))
     guide = scene.add(wf.joints.Prismatic(scene.ground, upper["bore"], axis=(0, 0, 1)))
-    scene.add(wf.forces.JointSpringDamper(guide, stiffness=1e6, damping=2e3, preload=-2e3))
+    scene.add(wf.forces.JointSpringDamper(guide, stiffness=1e6, damping=2e3, preload=2e3))
     return scene
 
 

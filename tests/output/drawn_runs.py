@@ -60,7 +60,8 @@ def loaded_bearing() -> Result:
     """A ball bearing whose inner ring is pressed outwards, at rest."""
     scene = wf.Scene()
     bearing = scene.add_ball_bearing(
-        "bearing", elements=7, ball_diameter=11.5e-3, pitch_diameter=43.5e-3, first=(0, 0, 1), outer=scene.ground
-    )
+        "bearing", wf.bearings.BallGeometry(elements=7, ball_diameter=11.5e-3, pitch_diameter=43.5e-3), first=(0, 0, 1),
+        outer=scene.ground,
+    )  # fmt: skip
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 0.0, 1e3)))
     return wf.equilibrium(scene, progress=False)

@@ -10,7 +10,7 @@ import pytest
 
 from references.closed_forms.elliptic import EllipticContact
 from warpffrf.model import forces, laws
-from warpffrf.model.bearings import PocketCage
+from warpffrf.model.bearings import BallGeometry, PocketCage, RollerGeometry, RollingContact
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints import Fixed
 from warpffrf.model.material import Material
@@ -28,8 +28,11 @@ PRESSURE = 1e-2  # P8: promised
 def p7(clearance: float, radial: float, axial: float) -> Result:
     scene = Scene()
     bearing = scene.add_ball_bearing(
-        "b", elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, osculation=(0.52, 0.53),
-        clearance=clearance, first=(0, 0, 1), outer=scene.ground, material=E210,
+        "b",
+        BallGeometry(
+            elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, osculation=(0.52, 0.53), clearance=clearance,
+        ),
+        first=(0, 0, 1), outer=scene.ground, materials=E210,
     )  # fmt: skip
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, axial, radial), name="load"))
     return equilibrium(scene, progress=False)
@@ -49,8 +52,12 @@ def skew() -> Result:
 def ball_209() -> Result:
     scene = Scene()
     bearing = scene.add_ball_bearing(
-        "209", elements=9, ball_diameter=12.7 * MM, pitch_diameter=0.5 * (52.291 + 77.706) * MM, osculation=6.6 / 12.7,
-        clearance=15e-6, first=(0, 0, 1), outer=scene.ground, material=E206, shoulders=(1.5 * MM, 0.25 * MM),
+        "209",
+        BallGeometry(
+            elements=9, ball_diameter=12.7 * MM, pitch_diameter=0.5 * (52.291 + 77.706) * MM, osculation=6.6 / 12.7,
+            clearance=15e-6, shoulders=(1.5 * MM, 0.25 * MM),
+        ),
+        first=(0, 0, 1), outer=scene.ground, materials=E206,
     )  # fmt: skip
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 0.0, 8900.0), name="load"))
     return equilibrium(scene, progress=False)
@@ -119,12 +126,15 @@ def test_a_roller_of_laminae() -> None:
     """P10 with a clearance; peak pressures of lines by Hertz, and what a table has not is left out."""
     scene = Scene()
     bearing = scene.add_roller_bearing(
-        "N", elements=14, roller_diameter=10 * MM, roller_length=9.6 * MM, pitch_diameter=64 * MM, clearance=40.6e-6,
-        first=(0, 0, 1), outer=scene.ground, law=laws.PalmgrenLine(9.6 * MM, 3), material=E206,
+        "N",
+        RollerGeometry(
+            elements=14, roller_diameter=10 * MM, roller_length=9.6 * MM, pitch_diameter=64 * MM, clearance=40.6e-6,
+        ),
+        first=(0, 0, 1), outer=scene.ground, contact=RollingContact(law=laws.PalmgrenLine(9.6 * MM, 3)), materials=E206,
     )  # fmt: skip
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 0.0, 4450.0), name="load"))
     found = equilibrium(scene, progress=False).bearing("N")
-    R = 1.0 / (1.0 / (5 * MM) + 1.0 / bearing.raceways.bottom("inner"))
+    R = 1.0 / (1.0 / (5 * MM) + 1.0 / bearing.geometry.bottom("inner"))
     line = found.inner_load[-1, 0] / (9.6 * MM)
     peak = np.sqrt(line * 0.5 * E206.plane_strain_modulus / (np.pi * R))
     assert found.inner_patches.peak_pressure[-1, 0] == pytest.approx(peak, rel=1e-6)
@@ -157,7 +167,7 @@ def test_stiffness_is_the_slope_of_equilibria(skew: Result) -> None:
 def test_one_patch_is_that_of_another_derivation(radial: Result) -> None:
     """Carlson's integrals instead of Legendre's."""
     found = radial.bearing("b")
-    across, along = found.raceways.curvatures("outer", 0.0)  # pyright: ignore[reportAttributeAccessIssue]
+    across, along = found.geometry.curvatures("outer", 0.0)  # pyright: ignore[reportAttributeAccessIssue]
     modulus = 0.5 * E210.plane_strain_modulus
     exact = EllipticContact(found.outer_load[-1, 0], 1.0 / float(across), 1.0 / float(along), modulus)
     assert found.outer_patches.half_axis_across[-1, 0] == pytest.approx(exact.half_axes[0], rel=1e-9)
@@ -184,8 +194,8 @@ def test_a_cage_with_pockets_comes_to_rest() -> None:
     """Balls beside the load are squeezed out until their pockets hold them, alike on either side."""
     scene = Scene()
     bearing = scene.add_ball_bearing(
-        "b", elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, first=(0, 0, 1), outer=scene.ground,
-        cage=PocketCage(0.1 * MM), clearance=10e-6,
+        "b", BallGeometry(elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, clearance=10e-6),
+        first=(0, 0, 1), outer=scene.ground, cage=PocketCage(0.1 * MM),
     )  # fmt: skip
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 0.0, 1e3), name="load"))
     result = equilibrium(scene, progress=False)
@@ -199,8 +209,8 @@ def evenly_spaced() -> np.ndarray:
     """Loads of the same bearing with balls at equal angles."""
     scene = Scene()
     bearing = scene.add_ball_bearing(
-        "b", elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, first=(0, 0, 1), outer=scene.ground,
-        clearance=10e-6,
+        "b", BallGeometry(elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, clearance=10e-6),
+        first=(0, 0, 1), outer=scene.ground,
     )  # fmt: skip
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 0.0, 1e3), name="load"))
     return equilibrium(scene, progress=False).bearing("b").outer_load[-1]
@@ -213,7 +223,8 @@ def evenly_spaced() -> np.ndarray:
 def test_thrust_against_the_contact_angle_is_named(thrust: float, said: str) -> None:
     scene = Scene()
     bearing = scene.add_ball_bearing(
-        "b", elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, contact_angle=np.radians(25.0),
+        "b",
+        BallGeometry(elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, contact_angle=np.radians(25.0)),
         outer=scene.ground,
     )  # fmt: skip
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, thrust, 0.0), name="thrust"))
@@ -224,14 +235,17 @@ def test_thrust_against_the_contact_angle_is_named(thrust: float, said: str) -> 
 def test_a_bearing_without_load_says_so() -> None:
     scene = Scene()
     scene.add_ball_bearing(
-        "b", elements=3, ball_diameter=10 * MM, pitch_diameter=40 * MM, clearance=20e-6, outer=scene.ground
-    )
+        "b", BallGeometry(elements=3, ball_diameter=10 * MM, pitch_diameter=40 * MM, clearance=20e-6),
+        outer=scene.ground,
+    )  # fmt: skip
     assert "no element is loaded: the inner ring is free" in equilibrium(scene, progress=False).bearing("b").report()
 
 
 def test_a_bearing_without_load_has_no_stiffness() -> None:
     scene = Scene()
-    bearing = scene.add_ball_bearing("b", elements=8, ball_diameter=0.01, pitch_diameter=0.05, outer=scene.ground)
+    bearing = scene.add_ball_bearing(
+        "b", BallGeometry(elements=8, ball_diameter=0.01, pitch_diameter=0.05), outer=scene.ground
+    )
     scene.add(Fixed(scene.ground, bearing.inner.at((0, 0, 0)), axis=(0, 0, 1)))  # pyright: ignore[reportAttributeAccessIssue]
     found = simulate(scene, 1e-5, step=1e-5, progress=False).bearing_stiffness("b")
     assert np.all(np.isnan(found.matrix)) and "no element is loaded" in found.reason

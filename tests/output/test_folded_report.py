@@ -31,16 +31,14 @@ def cushions(count: int) -> wf.Scene:
         floor = scene.ground.surface(wf.surfaces.Plane(origin=(0.1 * n, 0, 0), outward=Z), name=f"floor {n}")
         body = scene.add_body(roller, name=f"roller {n}", position=(0.1 * n, 0, 0.01))
         guide = scene.add(wf.joints.Prismatic(scene.ground, body["bore"], axis=Z, name=f"guide {n}"))
-        scene.add(
-            wf.forces.JointSpringDamper(guide, 1e6, 1e3, preload=-2e3 * (1 + (5 * n) % count), name=f"spring {n}")
-        )
+        scene.add(wf.forces.JointSpringDamper(guide, 1e6, 1e3, preload=2e3 * (1 + (5 * n) % count), name=f"spring {n}"))
         scene.add(wf.Contact(body["rim"], floor, name=f"pair {n}"))
         skin = wf.surfaces.Sphere(radius=0.01, axis_point=(0, 0, 0), axis_direction=Z)
         ball = scene.add_rigid_body(
             0.03, (1e-6,) * 3, name=f"ball {n}", position=(0.1 * n, 1, 0.01), surfaces={"skin": skin}
         )
         slide = scene.add(wf.joints.Prismatic(scene.ground, ball.at((0, 0, 0)), axis=Z, name=f"slide {n}"))
-        scene.add(wf.forces.JointSpringDamper(slide, 1e3, preload=-10.0 * (1 + (3 * n) % count), name=f"push {n}"))
+        scene.add(wf.forces.JointSpringDamper(slide, 1e3, preload=10.0 * (1 + (3 * n) % count), name=f"push {n}"))
         scene.add(wf.LumpedContact(ball["skin"], floor, law=wf.laws.HertzPoint(STEEL, STEEL), name=f"ball {n}"))
     return scene
 

@@ -96,7 +96,7 @@ def run_up(bearing: Bearing, bodies: tuple[ReducedBody, ReducedBody], ramp: floa
             mass, (along, 0.5 * mass * r**2, along), name=f"roller {i}", position=place, surfaces={"tread": tread}
         )
         pocket = scene.add(joints.Prismatic(cage.at(place), roll.at(center), axis=tuple(out), name=f"pocket {i}"))
-        scene.add(forces.JointSpringDamper(pocket, stiffness=1e4, damping=5.0, preload=2.0, name=f"spring {i}"))
+        scene.add(forces.JointSpringDamper(pocket, stiffness=1e4, damping=5.0, preload=-2.0, name=f"spring {i}"))
         scene.add(Contact(shaft["rim"], roll["tread"], name=f"in {i}"))
         scene.add(Contact(housing["bore"], roll["tread"], name=f"out {i}"))
     scene.add(forces.PointForce(hub.at(center), (0.0, 0.0, -LOAD)))

@@ -11,7 +11,7 @@ from scipy.optimize import brentq, root
 from references.closed_forms.ball_bearing import BallBearing
 from warpffrf.model import films, forces
 from warpffrf.model import rotation as rot
-from warpffrf.model.bearings import Bearing, Flanges, PreloadForce, PreloadOffset
+from warpffrf.model.bearings import BallGeometry, Bearing, Flanges, PreloadForce, PreloadOffset, RollerGeometry
 from warpffrf.model.joints import Fixed
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
@@ -40,7 +40,7 @@ def by_the_book() -> BallBearing:
 
 
 def axial_force(pressed: float) -> float:
-    """F [N] of rings that are pressed by a way [m] along the axis, as `model.bearings.preload` has it."""
+    """F [N] of rings that are pressed by a way [m] along the axis, as `model.bearings.parts` has it."""
     book = by_the_book()
     X, Y = book.reach * np.cos(ANGLE), book.reach * np.sin(ANGLE) + pressed
     Q, alpha = book.balls(np.array(X), np.array(Y))
@@ -52,8 +52,9 @@ def test_a_force_presses_the_rings(angle: float) -> None:
     """Both rings are free: the loads of all balls add up to it on either, and the ring moves as the equations say."""
     scene = Scene()
     bearing = scene.add_ball_bearing(
-        "b", **SIZE, contact_angle=angle, preload=PreloadForce(500.0), outer=scene.ground, axis=(0.0, 0.6, 0.8)
-    )
+        "b", BallGeometry(**SIZE, contact_angle=angle), axial_preload=PreloadForce(500.0), outer=scene.ground,
+        axis=(0.0, 0.6, 0.8),
+    )  # fmt: skip
     history = find_equilibrium(scene)
     assert history.status == "completed", history.message
     axis = bearing.place.axis
@@ -68,7 +69,7 @@ def test_a_force_presses_the_rings(angle: float) -> None:
 def test_raceways_that_stand_off_press_when_held() -> None:
     scene = Scene()
     bearing = scene.add_ball_bearing(
-        "b", **SIZE, contact_angle=ANGLE, preload=PreloadOffset(20 * UM), outer=scene.ground
+        "b", BallGeometry(**SIZE, contact_angle=ANGLE), axial_preload=PreloadOffset(20 * UM), outer=scene.ground
     )
     scene.add(Fixed(scene.ground, bearing.inner.at((0, 0, 0)), name="hold"))
     history = find_equilibrium(scene)
@@ -114,7 +115,7 @@ def test_loads_follow_the_form_of_the_raceway(form: Any, turned: float) -> None:
     scene = Scene()
     ring = scene.add_rigid_body(1.0, (1e-3,) * 3, name="ring", rotation={"axis": (0, 0, 1), "angle": 0.3})
     bearing = scene.add_ball_bearing(
-        "b", **SIZE, first=(0, 0, 1), outer=ring, outer_form=form, diameter_deviations=THICKER,
+        "b", BallGeometry(**SIZE, outer_form=form, diameter_deviations=THICKER), first=(0, 0, 1), outer=ring,
         axis=(0, 1, 0),
     )  # fmt: skip
     if turned:
@@ -143,8 +144,8 @@ def test_flanges_carry_thrust() -> None:
     scene = Scene()
     play = 40 * UM
     bearing = scene.add_roller_bearing(
-        "r", **ROLLERS, outer=scene.ground, flanges=Flanges(play, inner="back", end_radius=END), material=STEEL,
-        clearance=-4 * UM,
+        "r", RollerGeometry(**ROLLERS, clearance=-4 * UM), outer=scene.ground,
+        flanges=Flanges(play, inner="back", end_radius=END), materials=STEEL,
     )  # fmt: skip
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 800.0, 0.0), name="thrust"))
     history = find_equilibrium(scene)
@@ -162,8 +163,8 @@ def test_thrust_tilts_rollers() -> None:
     laminae of IsoLamina carry; against a roller between two planes in NumPy."""
     scene, height, thrust, tight = Scene(), 1 * MM, 800.0, 8 * UM
     bearing = scene.add_roller_bearing(
-        "r", **ROLLERS, outer=scene.ground, clearance=-tight, material=STEEL,
-        flanges=Flanges(40 * UM, inner="back", end_radius=END, height=height),
+        "r", RollerGeometry(**ROLLERS, clearance=-tight), outer=scene.ground,
+        flanges=Flanges(40 * UM, inner="back", end_radius=END, height=height), materials=STEEL,
     )  # fmt: skip
     for side, sign in (("outer", 1.0), ("inner", -1.0)):  # where ends meet ribs
         rib = bearing.contacts[f"flange_{side}_{'front' if side == 'outer' else 'back'}_1"].nearest()  # pyright: ignore[reportAttributeAccessIssue]
@@ -198,11 +199,11 @@ def test_flanges_stop_the_skew() -> None:
     """At psi_max of the play, where the roller's ends just touch both ribs."""
     scene = Scene()
     play = 30 * UM
-    bearing = scene.add_roller_bearing("r", **ROLLERS, flanges=Flanges(play, end_radius=END), cage=None)
+    bearing = scene.add_roller_bearing("r", RollerGeometry(**ROLLERS), flanges=Flanges(play, end_radius=END), cage=None)
     skew = np.sqrt(play / (END - 0.5 * LENGTH))
     roller = bearing.elements[2]
     roller.rotation = rot.quaternion(
-        rot.rotation_vector_matrix(skew * bearing.place.outward(bearing.raceways.angles[2]))
+        rot.rotation_vector_matrix(skew * bearing.place.outward(bearing.geometry.angles[2]))
     )
     for end in ("front", "back"):
         at = bearing.contacts[f"flange_outer_{end}_3"].nearest()  # pyright: ignore[reportAttributeAccessIssue]

@@ -8,6 +8,7 @@ import pytest
 import warpffrf as wf
 from warpffrf.online.compile.patches.plan import relative_curvatures
 from warpffrf.output.contact.hertz import hertz_point
+from warpffrf.scene_file.forms import flat
 
 STEEL = wf.Material(206e9, 0.3, 7850.0)
 D, LENGTH, PITCH, LOAD = 0.01, 9.6e-3, 0.034, 1500.0
@@ -28,8 +29,8 @@ def roller() -> wf.ReducedBody:
 def rest(roller: wf.ReducedBody) -> wf.Result:
     scene = wf.Scene()
     bearing = scene.add_roller_bearing(
-        "r", elements=3, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH, outer=scene.ground, axis=AXIS,
-        first=FIRST, material=STEEL, element_body=roller,
+        "r", wf.bearings.RollerGeometry(elements=3, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH),
+        outer=scene.ground, axis=AXIS, first=FIRST, materials=wf.bearings.Materials(STEEL, element_body=roller),
     )  # fmt: skip
     inner = bearing.inner.at((0, 0, 0))
     scene.add(wf.joints.Prismatic(scene.ground.at((0, 0, 0)), inner, axis=FIRST, name="guide"))
@@ -38,7 +39,7 @@ def rest(roller: wf.ReducedBody) -> wf.Result:
 
 
 def test_rollers_stand_with_their_axes_along_the_bearing(rest: wf.Result) -> None:
-    for angle, element in zip(rest.scene.bearing("r").raceways.angles, rest.scene.bearing("r").elements, strict=True):
+    for angle, element in zip(rest.scene.bearing("r").geometry.angles, rest.scene.bearing("r").elements, strict=True):
         shape = element["rim"].surface.shape
         np.testing.assert_allclose(element.to_world(shape.e_a) - element.position, AXIS, atol=1e-12)
         out = np.cos(angle) * FIRST + np.sin(angle) * np.cross(AXIS, FIRST)
@@ -74,7 +75,8 @@ def test_a_solid_roller_between_rigid_rings(rest: wf.Result) -> None:
 def test_what_is_no_element_is_refused(roller: wf.ReducedBody) -> None:
     def bearing(**changed: object) -> None:
         arguments = {"elements": 3, "roller_diameter": D, "roller_length": LENGTH, "pitch_diameter": PITCH}
-        wf.Scene().add_roller_bearing("r", **({"element_body": roller} | arguments | changed))  # type: ignore[arg-type]
+        add = flat(wf.bearings.add_roller_bearing, geometry=wf.bearings.RollerGeometry, materials=wf.bearings.Materials)
+        add(wf.Scene(), "r", **{"element_body": roller} | arguments | changed)
 
     bearing()
     for changed, message in (
@@ -87,7 +89,10 @@ def test_what_is_no_element_is_refused(roller: wf.ReducedBody) -> None:
         with pytest.raises(wf.InputError, match=message):
             bearing(**changed)
     with pytest.raises(wf.InputError, match="a cylinder of diameter 0.01 m, .* are one of sphere"):
-        wf.Scene().add_ball_bearing("b", elements=3, ball_diameter=D, pitch_diameter=PITCH, element_body=roller)
+        wf.Scene().add_ball_bearing(
+            "b", wf.bearings.BallGeometry(elements=3, ball_diameter=D, pitch_diameter=PITCH),
+            materials=wf.bearings.Materials(element_body=roller),
+        )  # fmt: skip
 
 
 @pytest.mark.slow
@@ -98,8 +103,11 @@ def test_stiffness_of_a_bearing_with_flexible_rollers(roller: wf.ReducedBody) ->
     def pressed(load: float) -> wf.Result:
         scene = wf.Scene()
         bearing = scene.add_roller_bearing(
-            "r", elements=3, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH, outer=scene.ground,
-            clearance=-12e-6, material=STEEL, element_body=roller,
+            "r",
+            wf.bearings.RollerGeometry(
+                elements=3, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH, clearance=-12e-6,
+            ),
+            outer=scene.ground, materials=wf.bearings.Materials(STEEL, element_body=roller),
         )  # fmt: skip
         inner = bearing.inner.at((0, 0, 0))
         scene.add(wf.joints.Planar(scene.ground.at((0, 0, 0)), inner, axis=(0, 1, 0), name="plane"))
@@ -135,8 +143,9 @@ def ball() -> wf.ReducedBody:
 def under(ball: wf.ReducedBody, load: float) -> wf.Result:
     scene = wf.Scene()
     bearing = scene.add_ball_bearing(
-        "b", elements=3, ball_diameter=BALL, pitch_diameter=BALL_PITCH, osculation=GROOVE / BALL, outer=scene.ground,
-        first=(0, 0, -1), material=STEEL, element_body=ball,
+        "b",
+        wf.bearings.BallGeometry(elements=3, ball_diameter=BALL, pitch_diameter=BALL_PITCH, osculation=GROOVE / BALL),
+        outer=scene.ground, first=(0, 0, -1), materials=wf.bearings.Materials(STEEL, element_body=ball),
     )  # fmt: skip
     inner = bearing.inner.at((0, 0, 0))
     scene.add(wf.joints.Prismatic(scene.ground.at((0, 0, 0)), inner, axis=(0, 0, 1), name="guide"))
@@ -152,7 +161,7 @@ def test_a_ball_in_rigid_grooves(ball: wf.ReducedBody) -> None:
     assert rest.status == "completed", rest.message
     found, modulus, approach = rest.bearing("b"), STEEL.youngs_modulus / (1.0 - STEEL.poisson_ratio**2), 0.0
     for side in ("inner", "outer"):
-        curvatures = found.raceways.curvatures(side, 0.0)  # pyright: ignore[reportAttributeAccessIssue]
+        curvatures = found.geometry.curvatures(side, 0.0)  # pyright: ignore[reportAttributeAccessIssue]
         hertz = hertz_point(LIGHT, np.diag([float(k) for k in curvatures]), modulus)
         approach += hertz.approach
         assert rest.history.contacts[f"b {side} 1"].pressure[0].max() == pytest.approx(
@@ -171,10 +180,13 @@ def test_cells_under_a_ball_have_the_curvatures_at_the_contact_angle(ball: wf.Re
     """Off the middle of a groove the ball's axis leans against that of the ring: those of ISO/TS 16281's raceways."""
     scene = wf.Scene()
     bearing = scene.add_ball_bearing(
-        "b", elements=3, ball_diameter=BALL, pitch_diameter=BALL_PITCH, osculation=GROOVE / BALL, outer=scene.ground,
-        contact_angle=angle, material=STEEL, element_body=ball,
+        "b",
+        wf.bearings.BallGeometry(
+            elements=3, ball_diameter=BALL, pitch_diameter=BALL_PITCH, osculation=GROOVE / BALL, contact_angle=angle,
+        ),
+        outer=scene.ground, materials=wf.bearings.Materials(STEEL, element_body=ball),
     )  # fmt: skip
     for contact in scene.contacts:
         side = "inner" if "inner" in contact.name else "outer"
-        in_the_groove, around = bearing.raceways.curvatures(side, angle)  # pyright: ignore[reportAttributeAccessIssue]
+        in_the_groove, around = bearing.geometry.curvatures(side, angle)  # pyright: ignore[reportAttributeAccessIssue]
         np.testing.assert_allclose(relative_curvatures(contact), (around, in_the_groove), rtol=1e-9)

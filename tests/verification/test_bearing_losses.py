@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe
 
 from warpffrf.model import forces, joints, laws
-from warpffrf.model.bearings import Bearing, Flanges
+from warpffrf.model.bearings import BallGeometry, Bearing, Flanges, RollerGeometry, RollingContact
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.output.bearings.bearing_result import BearingResult
@@ -39,9 +39,13 @@ def test_torque_of_rolling_resistance() -> None:
     lever, speed, length, D, pitch, creep = 2e-5, 100.0, 8 * MM, 8 * MM, 40 * MM, 1e-2
     scene = Scene()
     bearing = scene.add_roller_bearing(
-        "b", elements=3, roller_diameter=D, roller_length=length, pitch_diameter=pitch, clearance=-10e-6,
-        outer=scene.ground, law=laws.PalmgrenLine(length, 2), friction=laws.RegularisedCoulomb(MU, creep),
-        rolling_resistance=laws.RollingResistanceArm(lever, 0.5),
+        "b",
+        RollerGeometry(elements=3, roller_diameter=D, roller_length=length, pitch_diameter=pitch, clearance=-10e-6),
+        outer=scene.ground,
+        contact=RollingContact(
+            law=laws.PalmgrenLine(length, 2), friction=laws.RegularisedCoulomb(MU, creep),
+            rolling_resistance=laws.RollingResistanceArm(lever, 0.5),
+        ),
     )  # fmt: skip
     turned(scene, bearing, speed)
     bearing.roll(speed)
@@ -69,8 +73,12 @@ def test_ribs_rub_under_thrust() -> None:
     scene, friction = Scene(), laws.RegularisedCoulomb(MU, 1e-2)
     flanges = Flanges(20e-6, inner="back", height=1 * MM, end_radius=30 * MM, friction=friction)
     bearing = scene.add_roller_bearing(
-        "b", elements=3, roller_diameter=8 * MM, roller_length=length, pitch_diameter=40 * MM, clearance=-10e-6,
-        outer=scene.ground, law=laws.PalmgrenLine(length, 2), friction=friction, material=STEEL, flanges=flanges,
+        "b",
+        RollerGeometry(
+            elements=3, roller_diameter=8 * MM, roller_length=length, pitch_diameter=40 * MM, clearance=-10e-6,
+        ),
+        outer=scene.ground, flanges=flanges,
+        contact=RollingContact(law=laws.PalmgrenLine(length, 2), friction=friction), materials=STEEL,
     )  # fmt: skip
     inner: Any = bearing.inner
     axle = scene.add(joints.Cylindrical(scene.ground.at(origin), inner.at(origin), axis=(0, 1, 0), name="axle"))
@@ -103,7 +111,7 @@ def pivoting(found: BearingResult, bearing: Bearing, creep: float) -> dict[str, 
     n, moments = {}, {}
     for side in SIDES:
         Q, angle = getattr(found, f"{side}_load")[-1, 0], getattr(found, f"{side}_angle")[-1, 0]
-        across, along = bearing.raceways.curvatures(side, angle)  # pyright: ignore[reportAttributeAccessIssue]
+        across, along = bearing.geometry.curvatures(side, angle)  # pyright: ignore[reportAttributeAccessIssue]
         a, b = hertz_point(Q, np.diag([float(across), float(along)]), MODULUS).semi_axes
         bound, slope = 0.375 * MU * Q * a * ellipe(1.0 - (b / a) ** 2), MU * Q * (a**2 + b**2) / (5.0 * creep)
         moments[side] = lambda w, c=bound, d=slope: np.sign(w) * min(c, d * abs(w))
@@ -135,9 +143,13 @@ def test_raceway_control_is_found(osculation: tuple[float, float], speed: float,
     creep = 2e-5 * speed
     scene = Scene()
     bearing = scene.add_ball_bearing(
-        "b", elements=3, ball_diameter=BALL, pitch_diameter=PITCH, contact_angle=ANGLE, osculation=osculation,
-        outer=scene.ground, cage=None, friction=laws.RegularisedCoulomb(MU, creep), spin=True, material=STEEL,
-        law=laws.HertzPoint(STEEL, STEEL, damping=1.0),
+        "b",
+        BallGeometry(elements=3, ball_diameter=BALL, pitch_diameter=PITCH, contact_angle=ANGLE, osculation=osculation),
+        outer=scene.ground, cage=None,
+        contact=RollingContact(
+            friction=laws.RegularisedCoulomb(MU, creep), spin=True, law=laws.HertzPoint(STEEL, STEEL, damping=1.0),
+        ),
+        materials=STEEL,
     )  # fmt: skip
     turned(scene, bearing, speed, (0.0, 15e-6, 0.0))
     bearing.roll(speed, control=begin)

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from warpffrf.model import forces, friction, joints, laws
-from warpffrf.model.bearings import Bearing, PocketCage, PrescribedCage
+from warpffrf.model.bearings import BallGeometry, Bearing, PocketCage, PrescribedCage, RollingContact
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
@@ -33,8 +33,8 @@ def preloaded(cage: Any, *, speed: float = SPEED) -> tuple[Scene, Bearing]:
     """An angular-contact bearing whose inner ring is held where it is pressed in, and turns at 10,000 rpm."""
     scene = Scene()
     bearing = scene.add_ball_bearing(
-        "b", elements=8, ball_diameter=D, pitch_diameter=PITCH, contact_angle=FREE, outer=scene.ground, cage=cage,
-        law=DAMPED, friction=TRACTION, material=STEEL,
+        "b", BallGeometry(elements=8, ball_diameter=D, pitch_diameter=PITCH, contact_angle=FREE), outer=scene.ground,
+        cage=cage, contact=RollingContact(law=DAMPED, friction=TRACTION), materials=STEEL,
     )  # fmt: skip
     at = np.array([0.0, PRELOAD, 0.0])
     bearing.inner.position = at
@@ -58,8 +58,8 @@ def test_bodies_begin_to_roll(control: str) -> None:
     """Where they touch surfaces have one velocity, and none of pivoting on one ring; at any axis; the closed forms."""
     scene = Scene()
     bearing = scene.add_ball_bearing(
-        "b", elements=8, ball_diameter=D, pitch_diameter=PITCH, contact_angle=FREE, position=(0.1, 0.2, 0.3),
-        axis=(1, 2, 2),
+        "b", BallGeometry(elements=8, ball_diameter=D, pitch_diameter=PITCH, contact_angle=FREE),
+        position=(0.1, 0.2, 0.3), axis=(1, 2, 2),
     )  # fmt: skip
     inner, outer = 300.0, -70.0
     found = bearing.roll(inner, outer, control=control)
@@ -151,8 +151,8 @@ def _passing(angle: float, cage: Any, load: Any) -> tuple[Scene, Bearing, Any]:
     """A bearing under a radial load along z, the first ball `angle` from it."""
     scene = Scene()
     bearing = scene.add_ball_bearing(
-        "b", **VC, first=(np.sin(angle), 0.0, np.cos(angle)), outer=scene.ground, cage=cage, law=DAMPED, friction=load,
-        material=STEEL,
+        "b", BallGeometry(**VC), first=(np.sin(angle), 0.0, np.cos(angle)), outer=scene.ground, cage=cage,
+        contact=RollingContact(law=DAMPED, friction=load), materials=STEEL,
     )  # fmt: skip
     center = bearing.inner.at((0, 0, 0))  # pyright: ignore[reportAttributeAccessIssue]
     plane = scene.add(joints.Planar(scene.ground.at((0, 0, 0)), center, axis=(0, 1, 0), name="plane"))

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from references.closed_forms.ball_bearing import BallBearing
 from warpffrf.model import forces, laws
-from warpffrf.model.bearings import Bearing
+from warpffrf.model.bearings import BallGeometry, Bearing, RollerGeometry, RollingContact
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, find_equilibrium
@@ -39,7 +39,7 @@ def loaded(case: str) -> tuple[Scene, Bearing]:
     clearance, radial, axial = CASES[case][:3]
     scene = Scene()
     bearing = scene.add_ball_bearing(
-        "bearing", **P7, clearance=clearance, first=(0, 0, 1), outer=scene.ground, material=E210
+        "bearing", BallGeometry(**P7, clearance=clearance), first=(0, 0, 1), outer=scene.ground, materials=E210
     )
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, axial, radial), name="load"))
     return scene, bearing
@@ -102,8 +102,12 @@ def test_209_ball_bearing() -> None:
     """P8: 8.9 kN radial, 15 um of clearance."""
     scene = Scene()
     bearing = scene.add_ball_bearing(
-        "209", elements=9, ball_diameter=12.7 * MM, pitch_diameter=0.5 * (52.291 + 77.706) * MM, osculation=6.6 / 12.7,
-        clearance=15 * UM, first=(0, 0, 1), outer=scene.ground, material=E206,
+        "209",
+        BallGeometry(
+            elements=9, ball_diameter=12.7 * MM, pitch_diameter=0.5 * (52.291 + 77.706) * MM, osculation=6.6 / 12.7,
+            clearance=15 * UM,
+        ),
+        first=(0, 0, 1), outer=scene.ground, materials=E206,
     )  # fmt: skip
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 0.0, 8900.0), name="load"))
     history = find_equilibrium(scene)
@@ -118,8 +122,12 @@ def test_218_angular_contact_bearing() -> None:
     """P9: 17.8 kN thrust turns 40 degrees into 41.5."""
     scene = Scene()
     bearing = scene.add_ball_bearing(
-        "218", elements=16, ball_diameter=22.23 * MM, pitch_diameter=125.3 * MM, osculation=0.5232,
-        contact_angle=np.radians(40.0), outer=scene.ground, material=E206,
+        "218",
+        BallGeometry(
+            elements=16, ball_diameter=22.23 * MM, pitch_diameter=125.3 * MM, osculation=0.5232,
+            contact_angle=np.radians(40.0),
+        ),
+        outer=scene.ground, materials=E206,
     )  # fmt: skip
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 17800.0, 0.0), name="thrust"))
     history = find_equilibrium(scene)
@@ -145,8 +153,11 @@ def test_209_roller_bearing() -> None:
     scene = Scene()
     clearance, length = 40.6 * UM, 9.6 * MM
     bearing = scene.add_roller_bearing(
-        "N 209", elements=14, roller_diameter=10 * MM, roller_length=length, pitch_diameter=64 * MM,
-        clearance=clearance, first=(0, 0, 1), outer=scene.ground, law=laws.PalmgrenLine(length, 3), material=E206,
+        "N 209",
+        RollerGeometry(
+            elements=14, roller_diameter=10 * MM, roller_length=length, pitch_diameter=64 * MM, clearance=clearance,
+        ),
+        first=(0, 0, 1), outer=scene.ground, contact=RollingContact(law=laws.PalmgrenLine(length, 3)), materials=E206,
     )  # fmt: skip
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 0.0, 4450.0), name="load"))
     history = find_equilibrium(scene)
@@ -163,15 +174,15 @@ def test_loads_that_nothing_carries_are_named() -> None:
     """Thrust on a bearing of straight rollers, and balls without a cage, which the load squeezes out of its zone."""
     scene = Scene()
     bearing = scene.add_roller_bearing(
-        "r", elements=8, roller_diameter=8 * MM, roller_length=8 * MM, pitch_diameter=40 * MM, outer=scene.ground,
-        law=laws.PalmgrenLine(8 * MM, 3),
+        "r", RollerGeometry(elements=8, roller_diameter=8 * MM, roller_length=8 * MM, pitch_diameter=40 * MM),
+        outer=scene.ground, contact=RollingContact(law=laws.PalmgrenLine(8 * MM, 3)),
     )  # fmt: skip
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 100.0, 0.0), name="thrust"))
     history = find_equilibrium(scene)
     assert history.status == "no_equilibrium"
     assert "body 'r inner ring' is free to slide along (0, 1, 0), and 100 N drive it there" in history.message
     scene = Scene()
-    bearing = scene.add_ball_bearing("b", **P7, outer=scene.ground, cage=None)
+    bearing = scene.add_ball_bearing("b", BallGeometry(**P7), outer=scene.ground, cage=None)
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (1e3, 0.0, 300.0), name="load"))
     history = find_equilibrium(scene)
     assert history.status == "no_equilibrium"

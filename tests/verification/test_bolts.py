@@ -98,7 +98,7 @@ def sprung(body: ReducedBody, load: float = LOAD) -> Scene:
     scene, b = held(body)
     axis = scene.add(joints.Prismatic(b["nut"], b["head"], axis=(0, 0, 1), name="axis"))
     preload = TIGHT * (BOLT + COLUMN) / COLUMN
-    scene.add(forces.JointSpringDamper(axis, BOLT, preload=-preload, name="bolt"))
+    scene.add(forces.JointSpringDamper(axis, BOLT, preload=preload, name="bolt"))
     scene.add(forces.PointForce(b["head"], (load, (0, 0, 1)), name="load"))
     return scene
 
@@ -163,7 +163,7 @@ def test_bolt_diagram_of_a_spring_between_two_bodies() -> None:
     scene.add(joints.Fixed(scene.ground.at(lower["nut"].world_point()), lower["nut"]))
     scene.add(joints.Fixed(lower["head"], upper["nut"], name="between"))
     axis = scene.add(joints.Prismatic(lower["nut"], upper["head"], axis=(0, 0, 1)))
-    scene.add(forces.JointSpringDamper(axis, BOLT, preload=-TIGHT * (BOLT + COLUMN) / COLUMN, name="bolt"))
+    scene.add(forces.JointSpringDamper(axis, BOLT, preload=TIGHT * (BOLT + COLUMN) / COLUMN, name="bolt"))
     scene.add(forces.PointForce(upper["head"], (0.0, 0.0, LOAD)))
     history = find_equilibrium(scene)
     assert history.status == "completed", history.message
@@ -194,7 +194,7 @@ def test_rows_on_one_body_leave_a_free_body_its_momentum(column: ReducedBody, le
         angular_velocity=(40.0, -70.0, 90.0),
     )
     axis = scene.add(joints.Cylindrical(b["nut"], b["head"], axis=(0, 0, 1), point=(0.03, 0.0, 0.01)))
-    scene.add(forces.JointSpringDamper(axis, BOLT, 50.0, coordinate="translation", preload=-TIGHT))
+    scene.add(forces.JointSpringDamper(axis, BOLT, 50.0, coordinate="translation", preload=TIGHT))
     scene.add(forces.Bushing(b["nut"], b["head"], [1e7] * 3 + [300.0] * 3, point=(0.0, 0.05, 0.0)))
     scene.add(forces.SpringDamper(b["nut"], b["head"], 1e7, free_length=0.015))
     history = run(
@@ -277,7 +277,7 @@ def test_a_preload_without_a_load_path_is_named(column: ReducedBody) -> None:
     scene, b = held(column)
     cap = scene.add_rigid_body(0.1, (1e-5, 1e-5, 1e-5), name="cap", position=b["head"].world_point())
     axis = scene.add(joints.Prismatic(b["head"], cap.at((0, 0, 0)), axis=(0, 0, 1), name="axis"))
-    spring = scene.add(forces.JointSpringDamper(axis, BOLT, preload=-TIGHT, name="spring"))
+    spring = scene.add(forces.JointSpringDamper(axis, BOLT, preload=TIGHT, name="spring"))
     told = r"spring.*no load path, only joint 'axis' connects 'clamp' and 'cap'; add the contact or joint"
     assert re.search(told, scene.check().loose_preloads["spring"])
     assert re.search(told, str(scene.check()))
@@ -357,7 +357,7 @@ def test_friction_in_a_joint_between_places_of_one_body(cut: ReducedBody) -> Non
     scene, b = held(cut, inertia="full")
     section = scene.add(joints.Prismatic(b["shank_low"], b["shank_high"], axis=(0, 0, 1), name="section"))
     scene.add(forces.Pretension(section, signals.SmoothStep(0.0, TIGHT, duration=4e-3), name="bolt"))
-    scene.add(forces.PrismaticFriction(section, 0.0, preload=bound, name="rub"))
+    scene.add(forces.PrismaticFriction(section, 0.0, load_independent=bound, name="rub"))
     history = run(scene, 4.4e-3, step=2e-5, integrator=GeneralizedAlpha(0.8), progress=False)
     assert history.status == "completed", history.message
     shortening = -history.joints["section"].coordinate

@@ -50,7 +50,7 @@ def cam_scene(load: float) -> Scene:
     slide = scene.add_rigid_body(0.2, (1e-4, 1e-4, 1e-4), name="slide", position=(0, 0, height))
     scene.add(joints.Revolute(slide.at((0, 0, 0)), wheel.at((0, 0, 0)), axis=ACROSS, name="pin"))
     guide = scene.add(joints.Prismatic(scene.ground, slide.at((0, 0, 0)), axis=(0, 0, 1), name="guide"))
-    scene.add(forces.JointSpringDamper(guide, stiffness=1e3, preload=-load, name="spring"))
+    scene.add(forces.JointSpringDamper(guide, stiffness=1e3, preload=load, name="spring"))
     scene.add(Contact(disc["rim"], wheel["tread"], name="nose"))
     return scene
 

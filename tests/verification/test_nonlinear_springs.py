@@ -294,7 +294,7 @@ def test_what_a_damper_takes_while_friction_stops_the_body() -> None:
     taken = []
     for damping in (3.0, forces.PowerLaw(3.0, 1.0)):
         scene = on("joint_spring_damper", K1, damping, x=AMPLITUDE)
-        scene.add(forces.PrismaticFriction(scene.joints[0], 0.0, preload=8.0, name="rub"))
+        scene.add(forces.PrismaticFriction(scene.joints[0], 0.0, load_independent=8.0, name="rub"))
         history = conservative(scene, 0.5, 2e-3)
         assert history.counters["forgetful_steps"] > 5
         taken.append(history.energy["damping"])

@@ -3,10 +3,10 @@ table. `errors.suggestion` reads it: of arguments, kinds, words and public names
 
 from __future__ import annotations
 
-# old -> new, of which one is known where the old one is not
+# old -> new, of which one is known where the old one is not; ARGUMENT=... is a new argument that takes the old one
 RENAMED: dict[str, tuple[str, ...]] = {
     # surfaces and grids of contact
-    "patch_grid": ("contact_fixed",), "patch": ("contact_fixed",), "material": ("body_fixed",),
+    "patch_grid": ("contact_fixed",), "patch": ("contact_fixed",), "material": ("body_fixed", "materials"),
     "gaps": ("kinematics",), "points": ("closest_point",),
     # oil films
     "Groove": ("AxialGroove",), "Ring": ("CircumferentialGroove",), "Hole": ("SupplyHole",),
@@ -14,8 +14,19 @@ RENAMED: dict[str, tuple[str, ...]] = {
     "Lobes": ("LobedForm",), "Barrel": ("BarrelForm",), "Worn": ("WornForm",), "Measured": ("MeasuredForm",),
     "Sum": ("CompositeForm",), "lobes": ("lobed_form",), "barrel": ("barrel_form",), "worn": ("worn_form",),
     "measured": ("measured_form",), "sum": ("composite_form",),
-    "law": ("asperities",), "friction": ("boundary_friction",), "form": ("form_a",), "form_second": ("form_b",),
-    "roughness": ("roughness_a",), "roughness_second": ("roughness_b",), "powers": ("axial_degrees",),
+    "law": (
+        "asperities", "mixed=wf.films.MixedLubrication(asperities=...)", "contact=wf.bearings.RollingContact(law=...)",
+    ),
+    "friction": (
+        "boundary_friction", "mixed=wf.films.MixedLubrication(boundary_friction=...)",
+        "contact=wf.bearings.RollingContact(friction=...)",
+    ),
+    "roughness": ("roughness_a", "mixed=wf.films.MixedLubrication(roughness_a=...)"),
+    "roughness_second": ("roughness_b", "mixed=wf.films.MixedLubrication(roughness_b=...)"),
+    "form": ("form_a",), "form_second": ("form_b",),
+    **{name: (f"mixed=wf.films.MixedLubrication({name}=...)",)
+       for name in ("asperities", "boundary_friction", "roughness_a", "roughness_b")},
+    "powers": ("axial_degrees",),
     "mass_conserving": ("jfo",), "half": ("half_sommerfeld",), "none": ("full_sommerfeld",),
     # laws, forces, cages
     "StribeckCoulomb": ("Stribeck",), "TableCoulomb": ("TabulatedFriction",), "TableLayer": ("TabulatedLayer",),
@@ -24,4 +35,17 @@ RENAMED: dict[str, tuple[str, ...]] = {
     "force_table": ("tabulated_force",), "rolling_lever": ("rolling_resistance_arm",), "bearing": ("bearing_spring",),
     "Spaced": ("PrescribedCage",), "Pockets": ("PocketCage",), "spaced": ("prescribed_cage",),
     "pockets": ("pocket_cage",),
+    # preload: a tension, of bolts and springs; friction in a joint without load, and the axial preload of a bearing
+    "preload": ("load_independent", "axial_preload"), "Preload": ("AxialPreload",), "force": ("preload",),
+    # bearings
+    **dict.fromkeys(
+        ("elements", "pitch_diameter", "clearance", "inner_form", "outer_form", "diameter_deviations", "width", "bore",
+         "outside_diameter"), ("geometry=wf.bearings.BallGeometry(...) or RollerGeometry(...)",)
+    ),
+    **{name: (f"geometry=wf.bearings.BallGeometry({name}=...)",)
+       for name in ("ball_diameter", "osculation", "contact_angle", "shoulders")},
+    **{name: (f"geometry=wf.bearings.RollerGeometry({name}=...)",)
+       for name in ("roller_diameter", "roller_length", "profile")},
+    **{name: (f"materials=wf.bearings.Materials({name}=...)",) for name in ("element_material", "element_body")},
+    **{name: (f"contact=wf.bearings.RollingContact({name}=...)",) for name in ("rolling_resistance", "spin")},
 }  # fmt: skip

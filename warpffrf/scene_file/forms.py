@@ -14,7 +14,7 @@ import inspect
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, wraps
 from types import ModuleType
 from typing import Any, NotRequired
 
@@ -109,6 +109,24 @@ def form_of(title: str, call: Callable[..., Any], roles: dict[str, str], leave_o
     return Form(title, call, found, TypeAdapter(table))
 
 
+def flat(call: Callable[..., Any], **objects: type) -> Callable[..., Any]:
+    """`call` that takes the fields of the option `objects` (argument -> class) in place of these: a flat table."""
+    kept = inspect.signature(call).parameters
+    fields = {name: inspect.signature(cls).parameters for name, cls in objects.items()}
+    added = [p.replace(kind=p.KEYWORD_ONLY) for own in fields.values() for p in own.values()]
+
+    @wraps(call)
+    def flattened(*args: Any, **given: Any) -> Any:
+        for name, own in fields.items():
+            if values := {key: given.pop(key) for key in own if key in given}:
+                given[name] = objects[name](**values)
+        return call(*args, **given)
+
+    parameters = [*(p for name, p in kept.items() if name not in objects), *added]
+    setattr(flattened, "__signature__", inspect.Signature(parameters))  # noqa: B010 (functions have no such attribute)
+    return flattened
+
+
 def _type_of(annotation: str) -> Any:
     """The pydantic type of an annotation's text; Any for types that are not plain. TOML has no None."""
     kinds = []
@@ -170,6 +188,8 @@ def _module(name: str) -> ModuleType | None:
 @cache
 def item_kinds() -> dict[str, dict[str, Form]]:
     """Section -> kind -> form of every class that `Scene.add` accepts."""
+    from warpffrf.model.films import Film, MixedLubrication
+
     found: dict[str, dict[str, Form]] = {}
     for name in ITEM_MODULES:
         module = _module(f"warpffrf.model.{name}")
@@ -177,7 +197,8 @@ def item_kinds() -> dict[str, dict[str, Form]]:
             section, kind = getattr(cls, "scene_list", None), cls.__dict__.get("kind")
             if not section or not kind or kind in ABSTRACT:
                 continue
-            found.setdefault(section, {})[kind] = form_of(kind, cls, item_roles(cls), leave_out=("name",))
+            call = flat(cls, mixed=MixedLubrication) if cls is Film else cls
+            found.setdefault(section, {})[kind] = form_of(kind, call, item_roles(call), leave_out=("name",))
     return found
 
 
@@ -237,7 +258,8 @@ def bearing_parts() -> dict[str, tuple[tuple[str, Any], ...]]:
     """Argument of a bearing -> kinds of cages, preloads and flanges."""
     from warpffrf.model.bearings import Flanges, PocketCage, PreloadForce, PreloadOffset, PrescribedCage
 
-    kinds = {"cage": (PrescribedCage, PocketCage), "preload": (PreloadForce, PreloadOffset), "flanges": (Flanges,)}
+    kinds = {"cage": (PrescribedCage, PocketCage), "flanges": (Flanges,)}
+    kinds["axial_preload"] = (PreloadForce, PreloadOffset)
     return {argument: tuple((snake_case(cls.__name__), cls) for cls in classes) for argument, classes in kinds.items()}
 
 
@@ -276,7 +298,14 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
 def fixed_forms() -> dict[str, dict[str, Form]]:
     """Section -> kind -> form of the tables that are not items; kind "" where a section has one form only."""
     from warpffrf.model import mesh
-    from warpffrf.model.bearings import add_ball_bearing, add_roller_bearing
+    from warpffrf.model.bearings import (
+        BallGeometry,
+        Materials,
+        RollerGeometry,
+        RollingContact,
+        add_ball_bearing,
+        add_roller_bearing,
+    )
     from warpffrf.model.material import Material
     from warpffrf.model.mesh.cut import cut
     from warpffrf.model.reduced.body import ReducedBody
@@ -287,6 +316,9 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
 
     paths: dict[str, str] = dict.fromkeys(PATHS, "path")
     rings: dict[str, str] = {"inner": "port", "outer": "port", "element_body": "reduced_bodies"}
+    options: dict[str, type] = {"contact": RollingContact, "materials": Materials}
+    balls = flat(add_ball_bearing, geometry=BallGeometry, **options)
+    rollers = flat(add_roller_bearing, geometry=RollerGeometry, **options)
     found = {
         "materials": {"": form_of("material", Material, {}, ("name",))},
         "meshes": {
@@ -312,8 +344,8 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
             "rigid": form_of("rigid body", Scene.add_rigid_body, {}, ("self", "name")),
         },
         "bearings": {
-            "ball": form_of("ball bearing", add_ball_bearing, rings, ("scene", "name")),
-            "roller": form_of("roller bearing", add_roller_bearing, rings, ("scene", "name")),
+            "ball": form_of("ball bearing", balls, rings, ("scene", "name")),
+            "roller": form_of("roller bearing", rollers, rings, ("scene", "name")),
         },
         "arrange": {
             "place": form_of("place", Scene.place, {"port": "port", "onto": "port"}, ("self",)),

@@ -87,8 +87,12 @@ def p7(radial: float, axial: float, flexible: bool) -> Made:
     """Seven balls of 11.5 mm, ISO/TS 16281."""
     scene = wf.Scene()
     bearing = scene.add_ball_bearing(
-        NAME, elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, osculation=(0.52, 0.53), first=(0, 0, -1),
-        outer=scene.ground, material=E210, element_body=ball_body(11.5 * MM, E210) if flexible else None,
+        NAME,
+        wf.bearings.BallGeometry(
+            elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, osculation=(0.52, 0.53),
+        ),
+        first=(0, 0, -1), outer=scene.ground,
+        materials=wf.bearings.Materials(E210, element_body=ball_body(11.5 * MM, E210) if flexible else None),
     )  # fmt: skip
     return loaded(scene, bearing, radial, axial)
 
@@ -97,9 +101,12 @@ def p8(flexible: bool) -> Made:
     """A 209 ball bearing."""
     scene = wf.Scene()
     bearing = scene.add_ball_bearing(
-        NAME, elements=9, ball_diameter=12.7 * MM, pitch_diameter=64.9985 * MM, osculation=6.6 / 12.7,
-        clearance=15 * UM, first=(0, 0, -1), outer=scene.ground, material=E206,
-        element_body=ball_body(12.7 * MM, E206) if flexible else None,
+        NAME,
+        wf.bearings.BallGeometry(
+            elements=9, ball_diameter=12.7 * MM, pitch_diameter=64.9985 * MM, osculation=6.6 / 12.7, clearance=15 * UM,
+        ),
+        first=(0, 0, -1), outer=scene.ground,
+        materials=wf.bearings.Materials(E206, element_body=ball_body(12.7 * MM, E206) if flexible else None),
     )  # fmt: skip
     return loaded(scene, bearing, 8900.0, 0.0, near=40 * UM)
 
@@ -108,9 +115,13 @@ def p9(flexible: bool) -> Made:
     """A 218 angular-contact bearing."""
     scene = wf.Scene()
     bearing = scene.add_ball_bearing(
-        NAME, elements=16, ball_diameter=22.23 * MM, pitch_diameter=125.3 * MM, osculation=0.5232,
-        contact_angle=float(np.radians(40.0)), first=(0, 0, -1), outer=scene.ground, material=E206,
-        element_body=ball_body(22.23 * MM, E206) if flexible else None,
+        NAME,
+        wf.bearings.BallGeometry(
+            elements=16, ball_diameter=22.23 * MM, pitch_diameter=125.3 * MM, osculation=0.5232,
+            contact_angle=float(np.radians(40.0)),
+        ),
+        first=(0, 0, -1), outer=scene.ground,
+        materials=wf.bearings.Materials(E206, element_body=ball_body(22.23 * MM, E206) if flexible else None),
     )  # fmt: skip
     return loaded(scene, bearing, 0.0, 17800.0)
 
@@ -120,9 +131,13 @@ def p10(*, rollers: bool, ring: bool) -> Made:
     scene, clearance, length = wf.Scene(), 40.6 * UM, 9.6 * MM
     bore = 0.5 * (64 * MM + 10 * MM) + 0.25 * clearance
     bearing = scene.add_roller_bearing(
-        NAME, elements=14, roller_diameter=10 * MM, roller_length=length, pitch_diameter=64 * MM, clearance=clearance,
+        NAME,
+        wf.bearings.RollerGeometry(
+            elements=14, roller_diameter=10 * MM, roller_length=length, pitch_diameter=64 * MM, clearance=clearance,
+        ),
         first=(0, 0, -1), outer=in_housing(scene, roller_ring(bore), "bore") if ring else scene.ground,
-        law=wf.laws.PalmgrenLine(length, 3), material=E206, element_body=roller_body() if rollers else None,
+        contact=wf.bearings.RollingContact(law=wf.laws.PalmgrenLine(length, 3)),
+        materials=wf.bearings.Materials(E206, element_body=roller_body() if rollers else None),
     )  # fmt: skip
     return loaded(scene, bearing, 4450.0, 0.0, near=30 * UM)
 

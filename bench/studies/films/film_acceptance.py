@@ -408,7 +408,9 @@ def dry_rows(hats: tuple[int, int] = (64, 9), speeds: Sequence[float] = (3.0, 0.
     place, largest = dry.bodies["shaft"].position[-1][0], float(dry.contacts["dry"].pressure[-1].max())
     for speed in speeds:
         wet = completed(
-            find_equilibrium(bearing(body, (HEAVY, 0.0), speed=speed, feeds=[GROOVE], asperities=ASPERITIES))
+            find_equilibrium(
+                bearing(body, (HEAVY, 0.0), speed=speed, feeds=[GROOVE], mixed=films.MixedLubrication(ASPERITIES))
+            )
         )
         film, x = wet.films["film"], wet.bodies["shaft"].position[-1]
         case, on = f"asperities and film at {speed:g} rad/s beside dry contact", f"{hats[0]} x {hats[1]}"

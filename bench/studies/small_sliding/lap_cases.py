@@ -200,7 +200,7 @@ def bolted(counts: tuple[int, int, int], force: signals.Table) -> Scene:
     high = scene.add_body(block(counts, "z_min", "z_max"), name="high", position=(0.0, 0.0, half))
     scene.add(joints.Fixed(scene.ground, low["z_min"]))
     bolt = scene.add(joints.Prismatic(low["z_min"], high["z_max"], axis=(0, 0, 1), point=(0.0, 0.0, 0.0), name="bolt"))
-    scene.add(forces.JointSpringDamper(bolt, BOLT, preload=-TIGHTENED, name="shank"))
+    scene.add(forces.JointSpringDamper(bolt, BOLT, preload=TIGHTENED, name="shank"))
     scene.add(Lap(high["face"], low["face"], friction=0.2, name="joint"))
     scene.add(forces.PointForce(high["z_max"], (0.0, 0.0, force)))
     scene.add(sensors.Position(high["z_max"], name="head"))

@@ -65,9 +65,9 @@ def refuse_films(scene: Any, local: str, variant: str) -> None:
             beyond, cure = "has no evaluation 'hyper' of films", "take evaluation='semi'"
         elif not film.b.rigid:
             beyond, cure = f"has a rigid second surface of a film only, {film.b.label} is flexible", "make it rigid"
-        elif film.asperities is not None:
+        elif film.mixed.asperities is not None:
             beyond, cure = "has no asperities beside a film", "leave asperities out"
-        elif film.deviation > 0.0:
+        elif film.mixed.deviation > 0.0:
             beyond, cure = "has smooth walls of films only", "leave roughness out"
         elif film.oil.density is not None:
             beyond, cure = "has oils of constant density only", "leave density out"

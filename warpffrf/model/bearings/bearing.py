@@ -45,8 +45,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.bearings.geometry import BallRaceways, RollerRaceways, Rolling, rolling
-from warpffrf.model.bearings.parts import SIDES, Place
+from warpffrf.model.bearings.geometry import SIDES, BallGeometry, RollerGeometry, Rolling, rolling
+from warpffrf.model.bearings.parts import Place
 from warpffrf.model.bodies import Body, Ground
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_number
@@ -68,17 +68,15 @@ class Bearing(reprs.Shown):
     kind: "ball" or "roller". elements: bodies, "<name> ball 1" onwards, counter-clockwise about the axis.
     inner, outer: bodies of the rings, or the ground. contacts: by "inner_1", "outer_1", ... and of pockets; joints: by
     "pocket_1", "cage_axle"; forces: "preload_inner", "preload_outer". name: as given; element_surface: name of the
-    surface of each element. cage: its body, drive: of its speed, None without. raceways: the geometry; place: its
-    position and axes; materials: of the elements and of the rings; shoulders: heights [m] of the inner and the outer
-    ring's shoulders over the bottom of the raceway, None if unknown.
+    surface of each element. cage: its body, drive: of its speed, None without. geometry: as given; place: its
+    position and axes; materials: of the elements and of the rings.
     """
 
     name: str
     kind: str
-    raceways: BallRaceways | RollerRaceways
+    geometry: BallGeometry | RollerGeometry
     place: Place
     materials: tuple[Material, Material]
-    shoulders: tuple[float | None, float | None] = (None, None)
     elements: list[Body] = field(default_factory=list)
     inner: Body | Ground = field(default_factory=Ground)
     outer: Body | Ground = field(default_factory=Ground)
@@ -91,7 +89,7 @@ class Bearing(reprs.Shown):
 
     def _facts(self) -> dict[str, Any]:
         return {
-            "name": self.name, "kind": f"{self.raceways.count} {self.kind}s", "inner": self.inner.name,
+            "name": self.name, "kind": f"{self.geometry.elements} {self.kind}s", "inner": self.inner.name,
             "outer": self.outer.name, "cage": None if self.cage is None else self.cage.name,
         }  # fmt: skip
 
@@ -108,7 +106,7 @@ class Bearing(reprs.Shown):
     @property
     def angle(self) -> float:
         """Free contact angle [rad], 0 for rollers."""
-        return self.raceways.free_angle if isinstance(self.raceways, BallRaceways) else 0.0
+        return self.geometry.free_angle if isinstance(self.geometry, BallGeometry) else 0.0
 
     def roll(
         self, inner: float = 0.0, outer: float = 0.0, *, angle: float | None = None, control: str = "outer"
@@ -151,7 +149,7 @@ class Bearing(reprs.Shown):
         return self.angle if angle is None else require_number(angle, f"bearing {self.name!r}: {what}: angle [rad]")
 
     def _rolling(self, inner: float, outer: float, angle: float, control: str) -> Rolling:
-        D, pitch = self.raceways.diameter, self.raceways.pitch_diameter
+        D, pitch = self.geometry.diameter, self.geometry.pitch_diameter
         return rolling(D, pitch, inner, outer, (angle, angle), control)
 
     def _turn(self, body: Body, speed: float) -> None:
@@ -162,9 +160,9 @@ class Bearing(reprs.Shown):
     def describe(self) -> dict[str, Any]:
         """Plain data that results files store and results are evaluated from."""
         return {
-            "name": self.name, "kind": self.kind, "raceways": self.raceways.describe(),
+            "name": self.name, "kind": self.kind, "geometry": self.geometry.describe(),
             "center": self.place.center.tolist(), "axes": self.place.axes.tolist(),
-            "moduli": [m.plane_strain_modulus for m in self.materials], "shoulders": list(self.shoulders),
+            "moduli": [m.plane_strain_modulus for m in self.materials],
             "elements": [element.name for element in self.elements], "inner": self.inner.name,
             "outer": self.outer.name, "poses": {ring.name: _pose(ring) for ring in (self.inner, self.outer)},
             "inertia": [self._across(body) for body in self.elements],
@@ -183,7 +181,7 @@ class Bearing(reprs.Shown):
         """Those with the ring of a side, "inner" or "outer", in the order of the elements."""
         if side not in SIDES:
             raise ValueError(side)
-        return [self.contacts[f"{side}_{i}"] for i in range(1, self.raceways.count + 1)]
+        return [self.contacts[f"{side}_{i}"] for i in range(1, self.geometry.elements + 1)]
 
 
 def _pose(body: Body | Ground) -> dict[str, Any]:
@@ -262,7 +260,7 @@ def basic_life(
 
 
 def reference_life(
-    raceways: Any, capacity: float, inner: np.ndarray, outer: np.ndarray, *, turning: str = "inner"
+    geometry: Any, capacity: float, inner: np.ndarray, outer: np.ndarray, *, turning: str = "inner"
 ) -> ReferenceLife:
     """ISO/TS 16281's L_10r from the loads [N] of elements on either raceway, of balls (Z,), of rollers (Z, n) of their
     laminae; capacity [N]; turning: the ring that rotates relative to the load, the other one is stationary. raceways:
@@ -272,19 +270,19 @@ def reference_life(
     C = require_number(capacity, "reference life: capacity [N]", positive=True)
     if max(float(np.max(Q, initial=0.0)) for Q in (inner, outer)) <= 0.0:
         raise InputError("reference life: no element is loaded, and the life is unbounded")
-    if isinstance(raceways, BallRaceways):
-        return _of_balls(raceways, C, inner, outer, turning)
+    if isinstance(geometry, BallGeometry):
+        return _of_balls(geometry, C, inner, outer, turning)
     if np.shape(inner)[1] < FEWEST:
         raise InputError(
             f"reference life: ISO/TS 16281 has {FEWEST} laminae at least on a roller, and there are "
             f"{np.shape(inner)[1]}; give them in the law, laws.IsoLamina(length)"
         )
-    return _of_rollers(raceways, C, inner, outer, turning)
+    return _of_rollers(geometry, C, inner, outer, turning)
 
 
-def _of_balls(raceways: BallRaceways, C: float, inner: np.ndarray, outer: np.ndarray, turning: str) -> ReferenceLife:
-    D, Z, c = raceways.diameter, raceways.count, float(np.cos(raceways.contact_angle))
-    gamma, r_i, r_e = D * c / raceways.pitch_diameter, raceways.inner_groove, raceways.outer_groove
+def _of_balls(geometry: BallGeometry, C: float, inner: np.ndarray, outer: np.ndarray, turning: str) -> ReferenceLife:
+    D, Z, c = geometry.diameter, geometry.elements, float(np.cos(geometry.contact_angle))
+    gamma, r_i, r_e = D * c / geometry.pitch_diameter, geometry.groove("inner"), geometry.groove("outer")
     h = 1.044 * ((1.0 - gamma) / (1.0 + gamma)) ** 1.72 * (r_i / r_e * (2.0 * r_e - D) / (2.0 * r_i - D)) ** 0.41
     ratings = [
         C / (factor * Z * c**0.7) * (1.0 + h ** (sign * 10.0 / 3.0)) ** 0.3
@@ -306,10 +304,10 @@ def edge_factor(count: int) -> np.ndarray:
 
 
 def _of_rollers(
-    raceways: RollerRaceways, C: float, inner: np.ndarray, outer: np.ndarray, turning: str,
+    geometry: RollerGeometry, C: float, inner: np.ndarray, outer: np.ndarray, turning: str,
     edges: Callable[[int], np.ndarray] = edge_factor,
 ) -> ReferenceLife:  # fmt: skip
-    gamma, Z = raceways.diameter / raceways.pitch_diameter, raceways.count
+    gamma, Z = geometry.diameter / geometry.pitch_diameter, geometry.elements
     h = 1.038 * ((1.0 - gamma) / (1.0 + gamma)) ** (143.0 / 108.0)
     ratings = [
         C / (UNIFORM * factor * Z) * (1.0 + h ** (sign * 4.5)) ** (2.0 / 9.0)

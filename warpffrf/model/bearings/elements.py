@@ -31,6 +31,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from warpffrf.model import laws, surfaces
+from warpffrf.model.bearings.geometry import Geometry
 from warpffrf.model.bearings.parts import Place
 from warpffrf.model.bodies import Body, Ground, Port, as_port
 from warpffrf.model.errors import InputError, require_array, require_number
@@ -97,16 +98,15 @@ def checked_elements(
     label: str,
     given: Any,
     rigid: RigidElements,
-    diameter: float,
+    geometry: Geometry,
     kinds: tuple[str, ...],
-    deviations: np.ndarray,
     tilt: float = 0.0,
 ) -> Elements:
     """`rigid` where `given`, the reduced body of all elements, is None. kinds: of the surfaces that go; tilt
     [rad]: of a flexible one's axis. Raises `InputError` for what is no element of this bearing."""
     if given is None:
         return rigid
-    name = f"{label}: element_body"
+    name, diameter = f"{label}: element_body", geometry.diameter
     if not isinstance(given, ReducedBody):
         raise InputError(f"{name} must be a reduced body, reduce(mesh, material, contact=...), or None, got {given!r}")
     if len(given.contact_surfaces) != 1:
@@ -127,7 +127,7 @@ def checked_elements(
             f"{name}: its centre of mass and its surface's centre must be the origin of its mesh, they are {apart:.3g} "
             "m off; move the mesh"
         )
-    if np.any(deviations):
+    if np.any(geometry.diameters != diameter):
         raise InputError(
             f"{label}: diameter_deviations are of rigid elements; element_body is one body for all elements"
         )
@@ -175,7 +175,7 @@ class Cage(ABC):
         total = sum(element.mass for element in bearing.elements)
         mass = LIGHT * total if self.mass is None else require_number(self.mass, f"{label}: mass [kg]", positive=True)
         axis = bearing.place.axis
-        about = mass * (0.5 * bearing.raceways.pitch_diameter) ** 2
+        about = mass * (0.5 * bearing.geometry.pitch_diameter) ** 2
         inertia = 0.5 * about * (np.eye(3) + np.outer(axis, axis))
         body = scene.add_rigid_body(mass, inertia, name=f"{bearing.name} cage", position=bearing.place.center)
         bearing.cage = body
@@ -216,7 +216,7 @@ class PrescribedCage(Cage):
         bearing.drive = scene.add(Drive(axle, self.speed, name=f"{bearing.name} cage drive"))
         place = bearing.place
         for i, element in enumerate(bearing.elements, start=1):
-            angle = bearing.raceways.angles[i - 1]
+            angle = bearing.geometry.angles[i - 1]
             ports = body.at((0.0, 0.0, 0.0)), centre_of(element, f"bearing {bearing.name!r}: PrescribedCage")
             name, across = f"{bearing.name} pocket {i}", place.around(angle)
             if bearing.kind == "roller":
@@ -251,7 +251,7 @@ class PocketCage(Cage):
         elements."""
         label = f"bearing {bearing.name!r}: PocketCage"
         play = require_number(self.clearance, f"{label}: clearance [m]")
-        D, apart = bearing.raceways.diameter, bearing.raceways.apart
+        D, apart = bearing.geometry.diameter, bearing.geometry.apart
         if play < 0.0:
             raise InputError(
                 f"{label}: pockets of {D + play:.6g} m are smaller than the elements, whose diameter is {D:g} m; the "
@@ -291,15 +291,15 @@ class PocketCage(Cage):
         if self.law is not None:
             return self.law
         if bearing.kind == "roller":
-            return laws.PalmgrenLine(bearing.raceways.length, POCKET_LAMINAE)  # pyright: ignore[reportAttributeAccessIssue]
+            return laws.PalmgrenLine(bearing.geometry.roller_length, POCKET_LAMINAE)  # pyright: ignore[reportAttributeAccessIssue]
         return laws.PowerForce(POCKET_STIFFNESS, 1.5)
 
     @staticmethod
     def _walls(bearing: Bearing, body: Body, i: int, half: float) -> dict[str, surfaces.Shape]:
         """Cage surfaces that element i may contact, user axes of the cage: name -> shape."""
-        place, angle = bearing.place, bearing.raceways.angles[i - 1]
+        place, angle = bearing.place, bearing.geometry.angles[i - 1]
         out, around = place.outward(angle), place.around(angle)
-        middle = 0.5 * bearing.raceways.pitch_diameter * out
+        middle = 0.5 * bearing.geometry.pitch_diameter * out
         if bearing.kind == "ball":
             return {f"pocket_{i}": surfaces.Cup(radius=half, axis_point=middle, axis_direction=place.axis)}
         return {

@@ -35,7 +35,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpffrf.model import surfaces
-from warpffrf.model.bearings.geometry import RollerRaceways
+from warpffrf.model.bearings.geometry import RollerGeometry
 from warpffrf.model.bodies import Body, Ground, SurfacePort
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction import FrictionLike
@@ -80,9 +80,9 @@ class Flanges:
         """Add the ribs, the ends and their contacts to the scene and to `bearing`. Raises `InputError`."""
         label = f"bearing {bearing.name!r}: Flanges"
         play = require_number(self.clearance, f"{label}: clearance [m]", non_negative=True)
-        if not isinstance(bearing.raceways, RollerRaceways):
+        if not isinstance(bearing.geometry, RollerGeometry):
             raise InputError(f"{label}: only roller bearings have flanges; balls are guided by their grooves")
-        half = 0.5 * bearing.raceways.length
+        half = 0.5 * bearing.geometry.roller_length
         radius = END_RADIUS * half
         if self.end_radius is not None:
             radius = require_number(self.end_radius, f"{label}: end_radius [m]", positive=True)
@@ -93,7 +93,7 @@ class Flanges:
             )
         if any(element.reduced is not None for element in bearing.elements):
             raise InputError(f"{label}: ribs stop rigid rollers, these are flexible; leave flanges or element_body out")
-        lever = self._lever(label, 0.5 * bearing.raceways.diameter, radius)
+        lever = self._lever(label, 0.5 * bearing.geometry.diameter, radius)
         ribs = self._ribs(label)
         if not ribs:
             raise InputError(f"{label}: neither outer nor inner has a rib; leave flanges out")
@@ -152,7 +152,7 @@ class Flanges:
         inner = side == "inner"
         cone = surfaces.Cone if inner else surfaces.ConicalBore
         return cone(
-            radius=0.5 * bearing.raceways.pitch_diameter + (-lever if inner else lever),
+            radius=0.5 * bearing.geometry.pitch_diameter + (-lever if inner else lever),
             half_angle=(1.0 if inner else -1.0) * float(0.5 * np.pi - lean),
             axis_point=body.to_user(back), axis_direction=body.to_user(back + along) - body.to_user(back),
         )  # fmt: skip

@@ -44,36 +44,66 @@ w_r e_r around with w_c requires the gyroscopic moment I w_c w_r about e_t, whic
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.errors import InputError, require_array, require_count, require_number
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.surfaces.form_deviations import Form
 
+SIDES = ("inner", "outer")
 STEEPEST = np.radians(80.0)  # contact angle up to which a groove that is open to the side carries
 LARGEST_OSCULATION = 5.0  # groove radius over ball diameter: a wider one is a length in the place of a ratio
+LARGEST_DEVIATION = 1e-2  # of the diameter: beyond, it is the diameter itself
+OSCULATION = 0.52  # of groove radius over ball diameter, where nothing is given: a deep-groove bearing's
+BALL_WIDTH, ROLLER_OVERHANG = 1.5, 0.4  # of the diameter of an element
+PLAIN = (int, float, tuple, type(None))  # of the values that results need
 
 
-@dataclass(frozen=True)
-class Raceways:
-    """Common base of ball and roller bearings: `count` elements of `diameter` D [m] on a circle of `pitch_diameter`
-    [m], diametral `clearance` s [m].
+def pair(value: Any, name: str) -> tuple[Any, Any]:
+    """(inner, outer), of one value for both sides or of two. Raises `InputError` for another number of them."""
+    both = value if isinstance(value, (tuple, list)) else (value, value)
+    if len(both) != 2:
+        raise InputError(f"{name} is one value, or two, (inner, outer), got {len(both)}")
+    return both[0], both[1]
 
-    Raises `InputError`, naming `label`, for elements that overlap, or that reach to the axis.
-    """
 
-    label: str
-    count: int
-    diameter: float
+class Geometry:
+    """Common base of ball and roller bearings, whose dimensions are fields; see `BallGeometry`."""
+
+    elements: int
     pitch_diameter: float
     clearance: float
+    diameter_deviations: Any
+    width: float | None
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "count", require_count(self.count, f"{self.label}: elements", 2))
-        for name in ("diameter", "pitch_diameter"):
+    @property
+    def label(self) -> str:
+        """For messages."""
+        return type(self).__name__
+
+    @property
+    def diameter(self) -> float:
+        """D [m], of an element."""
+        raise NotImplementedError
+
+    @property
+    def default_width(self) -> float:
+        """Width [m] of rings for which none is given."""
+        raise NotImplementedError
+
+    def _check(self, *lengths: str) -> None:
+        """lengths: names of the fields that are positive."""
+        self._keep("elements", require_count(self.elements, f"{self.label}: elements", 2))
+        for name in (*lengths, "pitch_diameter"):
             self._keep(name, require_number(getattr(self, name), f"{self.label}: {name} [m]", positive=True))
         self._keep("clearance", require_number(self.clearance, f"{self.label}: clearance [m]"))
+        if self.width is not None:
+            self._keep("width", require_number(self.width, f"{self.label}: width [m]", positive=True))
+        if self.diameter_deviations is not None:
+            self._keep("diameter_deviations", self._checked_deviations())
         D, pitch = self.diameter, self.pitch_diameter
         if D >= 0.5 * pitch:
             raise InputError(
@@ -84,52 +114,95 @@ class Raceways:
         if apart < D:
             most = int(np.pi / np.arcsin(D / pitch))
             raise InputError(
-                f"{self.label}: {self.count} elements of diameter {D:g} m overlap on a pitch circle of {pitch:g} m, "
+                f"{self.label}: {self.elements} elements of diameter {D:g} m overlap on a pitch circle of {pitch:g} m, "
                 f"where their centres are {apart:.4g} m apart; use at most {most} elements, smaller ones, or a larger "
-                f"pitch diameter, {D / np.sin(np.pi / self.count):.4g} m or more"
+                f"pitch diameter, {D / np.sin(np.pi / self.elements):.4g} m or more"
             )
+
+    def _checked_deviations(self) -> tuple[float, ...]:
+        found = require_array(self.diameter_deviations, f"{self.label}: diameter_deviations [m]", (self.elements,))
+        most = LARGEST_DEVIATION * self.diameter
+        if np.max(np.abs(found)) > most:
+            raise InputError(
+                f"{self.label}: diameter_deviations are what the elements differ by from their diameter, some "
+                f"micrometres, got {found[np.argmax(np.abs(found))]:g} m, more than {most:.3g} m"
+            )
+        return tuple(found.tolist())
+
+    @property
+    def diameters(self) -> np.ndarray:
+        """(elements,) m, of the elements with their deviations."""
+        excess = np.zeros(self.elements) if self.diameter_deviations is None else np.array(self.diameter_deviations)
+        return self.diameter + excess
 
     @property
     def angles(self) -> np.ndarray:
-        """(count,) rad, of the elements about the axis, from the first one."""
-        return 2.0 * np.pi * np.arange(self.count) / self.count
+        """(elements,) rad, of the elements about the axis, from the first one."""
+        return 2.0 * np.pi * np.arange(self.elements) / self.elements
 
     @property
     def apart(self) -> float:
         """Distance [m] of the centres of neighbours."""
-        return self.pitch_diameter * float(np.sin(np.pi / self.count))
+        return self.pitch_diameter * float(np.sin(np.pi / self.elements))
 
     def describe(self) -> dict[str, Any]:
-        """Plain data, to be made again of by `from_description`."""
-        return {"type": type(self).__name__, **asdict(self)}
+        """Plain data, to be made again of by `from_description`; without form deviations and profiles."""
+        plain = {name: value for name, value in vars(self).items() if isinstance(value, PLAIN) and name != "profile"}
+        return {"type": type(self).__name__, **plain}
 
     def _keep(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
 
 
-@dataclass(frozen=True)
-class BallRaceways(Raceways):
-    """Of a ball bearing: groove radii r_i, r_e [m] and free contact angle alpha_0 [rad], see the module.
+@named_arguments
+@dataclass(frozen=True, kw_only=True)
+class BallGeometry(Geometry):
+    """Geometry of a ball bearing, see the module.
 
-    Raises `InputError` for grooves as narrow as the balls, contact angles that a groove cannot carry at, a clearance
-    beyond what grooves and balls leave, and where both angle and clearance are given.
+    elements: number of balls; ball_diameter, pitch_diameter [m]. osculation: groove radius over ball diameter, above
+    0.5, one number or (inner, outer). contact_angle [rad], at which the balls just touch both rings, positive where
+    thrust on the inner ring along the axis presses the bearing together; or clearance [m], diametral, negative for an
+    interference, a radial preload. shoulders [m]: height over the bottom of the groove, one or (inner, outer), from
+    which results compute the truncated fraction of a patch.
+
+    inner_form, outer_form: form deviation of a rigid raceway around its axis, of `warpffrf.films`, positive where
+    material is missing, angles from the first ball: films.LobedForm(5e-6, 2) is oval. diameter_deviations (elements,)
+    [m]: excess diameter of each ball. width, bore, outside_diameter [m]: boundary dimensions, for the masses of rings
+    that the builder makes; None: those of the medium series.
+
+    Raises `InputError` for elements that overlap or that reach to the axis, grooves as narrow as the balls, contact
+    angles that a groove cannot carry at, a clearance beyond what grooves and balls leave, and where both angle and
+    clearance are given.
     """
 
-    inner_groove: float
-    outer_groove: float
-    contact_angle: float
+    elements: int
+    ball_diameter: float
+    pitch_diameter: float
+    osculation: float | tuple[float, float] = OSCULATION
+    contact_angle: float = 0.0
+    clearance: float = 0.0
+    shoulders: float | tuple[float | None, float | None] | None = None
+    inner_form: Form | None = None
+    outer_form: Form | None = None
+    diameter_deviations: Any = None
+    width: float | None = None
+    bore: float | None = None
+    outside_diameter: float | None = None
 
     def __post_init__(self) -> None:
-        super().__post_init__()
-        for name in ("inner_groove", "outer_groove"):
-            radius = require_number(getattr(self, name), f"{self.label}: {name} [m]", positive=True)
-            self._keep(name, radius)
-            ratio = radius / self.diameter
+        self._check("ball_diameter")
+        given = pair(self.osculation, f"{self.label}: osculation")
+        ratios = tuple(require_number(f, f"{self.label}: osculation", positive=True) for f in given)
+        self._keep("osculation", ratios)
+        for side, ratio in zip(SIDES, ratios, strict=True):
             if not 0.5 < ratio <= LARGEST_OSCULATION:
                 raise InputError(
-                    f"{self.label}: the osculation of the {name.split('_')[0]} ring, groove radius over ball diameter, "
-                    f"must be above 0.5, a groove that is wider than the ball, and is hardly above 0.6, got {ratio:g}"
+                    f"{self.label}: the osculation of the {side} ring, groove radius over ball diameter, must be above "
+                    f"0.5, a groove that is wider than the ball, and is hardly above 0.6, got {ratio:g}"
                 )
+        name = f"{self.label}: shoulders [m]"
+        heights = pair(self.shoulders, name)
+        self._keep("shoulders", tuple(None if h is None else require_number(h, name, positive=True) for h in heights))
         self._keep("contact_angle", require_number(self.contact_angle, f"{self.label}: contact_angle [rad]"))
         if abs(self.contact_angle) > STEEPEST:
             raise InputError(
@@ -152,9 +225,17 @@ class BallRaceways(Raceways):
             raise InputError(f"{self.label}: an interference of {-self.clearance:g} m is more than a whole ball")
 
     @property
+    def diameter(self) -> float:
+        return self.ball_diameter
+
+    @property
+    def default_width(self) -> float:
+        return BALL_WIDTH * self.ball_diameter
+
+    @property
     def reach(self) -> float:
         """A [m]: how far apart the groove centres are where the balls touch both rings."""
-        return self.inner_groove + self.outer_groove - self.diameter
+        return self.groove("inner") + self.groove("outer") - self.diameter
 
     @property
     def free_angle(self) -> float:
@@ -173,16 +254,17 @@ class BallRaceways(Raceways):
 
     def groove(self, side: str) -> float:
         """Groove radius [m], side "inner" or "outer"."""
-        return self.inner_groove if side == "inner" else self.outer_groove
+        return self.osculation[SIDES.index(side)] * self.diameter  # pyright: ignore[reportIndexIssue]
 
     def bottom(self, side: str) -> float:
-        """Radius [m] of the bottom of the groove."""
+        """Radius [m] of the bottom of the groove, side "inner" or "outer"."""
         sign = -1.0 if side == "inner" else 1.0
         return self.centre(side)[0] + sign * self.groove(side)
 
     def curvatures(self, side: str, angle: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Relative curvatures [1/m] of ball and raceway across and along the groove, where they touch at the contact
-        angle [rad]: 2/D - 1/r, and 2/D +- cos(angle)/(R_c -+ r cos(angle)), R_c the radius of the groove centres."""
+        """Relative curvatures (...) [1/m] of ball and raceway, side "inner" or "outer", across and along the groove,
+        where they touch at the contact angle (...) [rad]: 2/D - 1/r, and 2/D +- cos(angle)/(R_c -+ r cos(angle)), R_c
+        the radius of the groove centres."""
         sign = 1.0 if side == "inner" else -1.0
         c = np.cos(np.asarray(angle, dtype=float))
         around = sign * c / (self.centre(side)[0] - sign * self.groove(side) * c)
@@ -190,23 +272,49 @@ class BallRaceways(Raceways):
         return across, 2.0 / self.diameter + around
 
 
-@dataclass(frozen=True)
-class RollerRaceways(Raceways):
-    """Of a cylindrical roller bearing: `length` [m] of a roller.
+@named_arguments
+@dataclass(frozen=True, kw_only=True)
+class RollerGeometry(Geometry):
+    """Geometry of a cylindrical roller bearing.
 
-    Raises `InputError` for a clearance beyond the size of the rollers.
+    elements: number of rollers; roller_diameter, pitch_diameter [m]; roller_length [m]: the effective one. clearance
+    [m]: diametral, negative for an interference. profile: of the rollers in addition to that of the contact law: the
+    crown radius [m], a table (z, drop), two arrays (n,) [m] from the middle, as of `surfaces.ProfiledCylinder`, or None
+    for straight ones. inner_form, outer_form, diameter_deviations (elements,) [m], width, bore and outside_diameter [m]
+    as of `BallGeometry`.
+
+    Raises `InputError` for elements that overlap or that reach to the axis, and a clearance beyond the size of the
+    rollers.
     """
 
-    length: float
+    elements: int
+    roller_diameter: float
+    roller_length: float
+    pitch_diameter: float
+    clearance: float = 0.0
+    profile: float | Any | None = None
+    inner_form: Form | None = None
+    outer_form: Form | None = None
+    diameter_deviations: Any = None
+    width: float | None = None
+    bore: float | None = None
+    outside_diameter: float | None = None
 
     def __post_init__(self) -> None:
-        super().__post_init__()
-        self._keep("length", require_number(self.length, f"{self.label}: roller_length [m]", positive=True))
+        self._check("roller_diameter", "roller_length")
         if abs(self.clearance) >= self.diameter:
             raise InputError(
                 f"{self.label}: a clearance of {self.clearance:g} m is beyond the geometry, whose rollers are "
                 f"{self.diameter:g} m thick; it is the play of a ring across the bearing, some hundredths of a mm"
             )
+
+    @property
+    def diameter(self) -> float:
+        return self.roller_diameter
+
+    @property
+    def default_width(self) -> float:
+        return self.roller_length + ROLLER_OVERHANG * self.roller_diameter
 
     def bottom(self, side: str) -> float:
         """Radius [m] of a raceway, side "inner" or "outer"."""
@@ -214,19 +322,16 @@ class RollerRaceways(Raceways):
         return 0.5 * self.pitch_diameter + sign * (0.5 * self.diameter + 0.25 * self.clearance)
 
     def curvature(self, side: str) -> float:
-        """Relative curvature [1/m] of roller and raceway."""
+        """Relative curvature [1/m] of roller and raceway, side "inner" or "outer"."""
         sign = 1.0 if side == "inner" else -1.0
         return 2.0 / self.diameter + sign / self.bottom(side)
 
 
-def from_description(description: dict[str, Any]) -> BallRaceways | RollerRaceways:
+def from_description(description: dict[str, Any]) -> BallGeometry | RollerGeometry:
     """The geometry from the output of `describe`."""
-    kinds = {kind.__name__: kind for kind in (BallRaceways, RollerRaceways)}
-    numbers = dict(description)
-    return kinds[numbers.pop("type")](**numbers)
-
-
-SIDES = ("inner", "outer")
+    kinds: dict[str, Any] = {kind.__name__: kind for kind in (BallGeometry, RollerGeometry)}
+    fields = dict(description)
+    return kinds[fields.pop("type")](**fields)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,9 @@ d_pw, the diameter D of an element and the width b, what is not given is
 
 the proportions of a deep-groove bearing of the medium series; of rollers the width is their length and 0.4 D.
 
-Preload. Axial preload of ball bearings, which presses the rings against each other in the sense of the contact angle.
+Axial preload of ball bearings: the rings are pressed against each other in the sense of the contact angle. It is the
+preload of ISO 5593, a compressive load of the rolling elements by axial adjustment, positive; the preload of bolts and
+springs in `warpffrf.forces` is a tension.
 
     PreloadForce     a force of given size: a spring between the rings
     PreloadOffset    raceways that stand off on their rings, as those of paired bearings are ground: rings whose faces
@@ -29,6 +31,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from warpffrf.model.bearings.geometry import Geometry
 from warpffrf.model.bodies import Body, Ground, SurfacePort
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number
@@ -39,6 +42,7 @@ from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.moments import RollingResistance
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Shape
 from warpffrf.model.surfaces.fit import reference_direction
 from warpffrf.model.surfaces.form_deviations import Form, RoundForm
@@ -47,9 +51,8 @@ if TYPE_CHECKING:
     from warpffrf.model.bearings.bearing import Bearing
     from warpffrf.model.scene import Scene
 
-SIDES = ("inner", "outer")
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")
-DEEP, SHOULDER, BALL_WIDTH, ROLLER_OVERHANG = 1.6, 0.4, 1.5, 0.4  # of the diameter of an element
+DEEP, SHOULDER = 1.6, 0.4  # of the diameter of an element
 PERPENDICULAR = 1e-6  # cosine of `first` and the axis: six digits typed
 
 
@@ -110,51 +113,39 @@ def hollow_cylinder(
     return mass, across * np.eye(3) + (about - across) * np.outer(axis, axis)
 
 
-@dataclass(frozen=True)
-class RingSize:
-    """Bore, outside diameter and width [m] of a bearing's rings, where these are generated; None as the module says."""
-
-    label: str
-    pitch: float
-    diameter: float
-    bore: float | None
-    outside: float | None
-    width: float
-
-    def mass(self, side: str, material: Material, axis: np.ndarray) -> tuple[float, np.ndarray]:
-        """Of the ring of a side. Raises `InputError` for a bore or an outside diameter beyond the shoulders."""
-        shoulder = self.pitch + (SHOULDER if side == "outer" else -SHOULDER) * self.diameter
-        given, name = (self.bore, "bore") if side == "inner" else (self.outside, "outside_diameter")
-        sign = -1.0 if side == "inner" else 1.0
-        edge = self.pitch + sign * DEEP * self.diameter
-        if given is not None:
-            edge = require_number(given, f"{self.label}: {name} [m]", positive=True)
-            if sign * (edge - self.pitch) <= self.diameter:
-                raise InputError(
-                    f"{self.label}: {name} {edge:g} m leaves no ring under the raceway, which lies "
-                    f"{'above' if side == 'inner' else 'below'} {self.pitch + sign * self.diameter:.4g} m"
-                )
-        edge = max(edge, 0.0)
-        return hollow_cylinder(min(edge, shoulder), max(edge, shoulder), self.width, material, axis)
+def ring_mass(geometry: Geometry, side: str, material: Material, axis: np.ndarray) -> tuple[float, np.ndarray]:
+    """Mass [kg] and inertia (3, 3) [kg m2] of the ring of a side. Raises `InputError` for a bore or an outside diameter
+    beyond the shoulders."""
+    D, pitch = geometry.diameter, geometry.pitch_diameter
+    name, sign = ("bore", -1.0) if side == "inner" else ("outside_diameter", 1.0)
+    shoulder, edge, given = pitch + sign * SHOULDER * D, pitch + sign * DEEP * D, getattr(geometry, name)
+    if given is not None:
+        edge = require_number(given, f"{geometry.label}: {name} [m]", positive=True)
+        if sign * (edge - pitch) <= D:
+            raise InputError(
+                f"{geometry.label}: {name} {edge:g} m leaves no ring under the raceway, which lies "
+                f"{'above' if side == 'inner' else 'below'} {pitch + sign * D:.4g} m"
+            )
+    edge = max(edge, 0.0)
+    width = geometry.default_width if geometry.width is None else geometry.width
+    return hollow_cylinder(min(edge, shoulder), max(edge, shoulder), width, material, axis)
 
 
 def ring_surface(
     scene: Scene,
-    name: str,
     side: str,
     given: Any,
     shape_of: Any,
-    size: RingSize,
-    place: Place,
-    material: Material,
-    form: Form | None,
+    bearing: Bearing,
 ) -> tuple[Body | Ground, SurfacePort]:
     """The body of a ring and its raceway.
 
     given: None for a rigid ring that is generated, a rigid body or the ground, which get the raceway, or a contact
     surface that there is, `body["rim"]`, of a flexible ring. shape_of: the shape of the raceway from its axis in user
-    axes; form: its deviation, which counts angles from the first element. Raises `InputError`.
+    axes. Raises `InputError`.
     """
+    name, place, geometry = bearing.name, bearing.place, bearing.geometry
+    form: Form | None = getattr(geometry, f"{side}_form")
     label = f"bearing {name!r}: {side}"
     if isinstance(given, SurfacePort):
         _refuse_other_raceway(label, given, shape_of(given.body))
@@ -165,7 +156,7 @@ def ring_surface(
             )
         return given.body, given
     if given is None:
-        mass, inertia = size.mass(side, material, place.axis)
+        mass, inertia = ring_mass(geometry, side, bearing.materials[1], place.axis)
         given = scene.add_rigid_body(mass, inertia, name=f"{name} {side} ring", position=place.center)
     if not isinstance(given, (Body, Ground)):
         raise InputError(
@@ -185,33 +176,66 @@ def ring_surface(
     return given, given.surface(shape, name=f"{name} {side} raceway", form=round_form)
 
 
+@named_arguments
 @dataclass(frozen=True)
-class Losses:
-    """Losses in the contacts of elements and raceways: friction, rolling resistance and friction of pivoting, as of
-    `LumpedContact`."""
+class Materials:
+    """Materials of a bearing: `material` of rings and elements, `element_material` of other elements.
 
-    friction: FrictionLike
+    element_body: the reduced body of every element, whose contact is distributed, None for rigid elements
+    (`warpffrf.model.bearings.elements`). Raises `InputError` for what is no material.
+    """
+
+    material: Material = STEEL
+    element_material: Material | None = None
+    element_body: ReducedBody | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("material", "element_material"):
+            value = getattr(self, name)
+            if not isinstance(value, Material) and not (name == "element_material" and value is None):
+                raise InputError(f"Materials: {name} must be a Material, got {value!r}")
+
+    @property
+    def both(self) -> tuple[Material, Material]:
+        """Of the elements and of the rings."""
+        return self.material if self.element_material is None else self.element_material, self.material
+
+
+@named_arguments
+@dataclass(frozen=True)
+class RollingContact:
+    """Contacts of rolling elements and raceways.
+
+    law: a lumped law, or two, (inner, outer), None for laws.HertzPoint of the materials of balls and for
+    laws.IsoLamina(roller_length) of rollers, which has the profile of ISO/TS 16281 unless the geometry has one.
+    friction: as of `LumpedContact`, laws.RegularisedCoulomb for a traction that grows with the slip speed up to its
+    bound. rolling_resistance, spin: of lumped contacts, moments against rolling and pivoting, as of `LumpedContact`;
+    distributed contact has the friction of pivoting in its tractions.
+    """
+
+    law: LumpedLaw | tuple[LumpedLaw, LumpedLaw] | None = None
+    friction: FrictionLike = 0.0
     rolling_resistance: RollingResistance | None = None
     spin: bool = False
 
 
 def contact_of(
-    element: SurfacePort, ring: SurfacePort, law: LumpedLaw, losses: Losses, name: str
+    element: SurfacePort, ring: SurfacePort, law: LumpedLaw, rolling: RollingContact, name: str
 ) -> LumpedContact | Contact:
     """Between an element and a raceway: lumped where both are rigid, else distributed, the flexible one first. Raises
     `InputError` for losses that distributed contact does not have."""
     if element.rigid and ring.rigid:
         return LumpedContact(
-            element, ring, law=law, friction=losses.friction, rolling_resistance=losses.rolling_resistance,
-            spin=losses.spin, name=name,
+            element, ring, law=law, friction=rolling.friction, rolling_resistance=rolling.rolling_resistance,
+            spin=rolling.spin, name=name,
         )  # fmt: skip
     first, second = (element, ring) if ring.rigid else (ring, element)
-    if losses.rolling_resistance is not None:
+    if rolling.rolling_resistance is not None:
         raise InputError(
             f"bearing contact {name!r}: {first.label} is flexible, and distributed contact has no rolling_resistance; "
             "leave it out, or make both rings and the elements rigid"
         )
-    return Contact(first, second, friction=losses.friction, name=name)
+    return Contact(first, second, friction=rolling.friction, name=name)
 
 
 def _refuse_other_raceway(label: str, port: SurfacePort, wanted: Shape) -> None:
@@ -228,8 +252,8 @@ def _refuse_other_raceway(label: str, port: SurfacePort, wanted: Shape) -> None:
 
 
 @dataclass(frozen=True)
-class Preload:
-    """Common base of preloads; see the module."""
+class AxialPreload:
+    """Common base of axial preloads of ball bearings; see the module."""
 
     kind: ClassVar[str] = ""
 
@@ -245,7 +269,7 @@ class Preload:
 
 @named_arguments
 @dataclass(frozen=True)
-class PreloadForce(Preload):
+class PreloadForce(AxialPreload):
     """The rings are pressed against each other along the axis by `force` [N], on each ring along its own axis.
 
     A fixed ring is loaded through its constraint. The forces are `bearing.forces["preload_inner"]` and
@@ -279,7 +303,7 @@ class PreloadForce(Preload):
 
 @named_arguments
 @dataclass(frozen=True)
-class PreloadOffset(Preload):
+class PreloadOffset(AxialPreload):
     """The inner raceway stands off on its ring by `distance` [m], in the sense that presses the bearing together: a
     ring that is held where it would be free presses from the start. Raises `InputError`."""
 
@@ -290,13 +314,13 @@ class PreloadOffset(Preload):
         return require_number(self.distance, f"{label}: PreloadOffset: distance [m]", positive=True)
 
 
-def checked_preload(label: str, preload: Preload | None) -> Preload:
+def checked_preload(label: str, preload: AxialPreload | None) -> AxialPreload:
     """Raises `InputError` for an object that is not a preload."""
     if preload is None:
-        return Preload()
-    if not isinstance(preload, Preload):
+        return AxialPreload()
+    if not isinstance(preload, AxialPreload):
         raise InputError(
-            f"{label}: preload must be bearings.PreloadForce(newtons) or bearings.PreloadOffset(metres), got "
+            f"{label}: axial_preload must be bearings.PreloadForce(newtons) or bearings.PreloadOffset(metres), got "
             f"{preload!r}; a radial one is a negative clearance"
         )
     return preload

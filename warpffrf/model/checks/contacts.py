@@ -104,7 +104,7 @@ def _refuse_beside_film(one: Any, other: Any) -> None:
             raise InputError(
                 f"contact {contact.name!r} and {film.label} act on the same two surfaces, {film.a.label} and "
                 f"{film.b.label}; give the film a law for asperities instead of an additional contact: Film(..., "
-                "asperities=...)"
+                "mixed=films.MixedLubrication(asperities=...))"
             )
 
 

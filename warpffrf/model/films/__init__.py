@@ -4,7 +4,7 @@
     feeds           AxialGroove, CircumferentialGroove, SupplyHole, `feeds`
     forms           LobedForm, BarrelForm, WornForm, MeasuredForm, deviations from the true shape that add up,
                     `warpffrf.model.surfaces.form_deviations`
-    Roughness       of a wall, with flow factors, `roughness`
+    roughness       Roughness of a wall, with flow factors; MixedLubrication, asperities in addition, `roughness`
     CAVITATIONS     what becomes of pressures below that of cavitation, `cavitation`
 
 The oils are in `warpffrf.model.oils`.
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from warpffrf.model.errors import no_attribute
 from warpffrf.model.films.feeds import FEEDS, AxialGroove, CircumferentialGroove, Feed, SupplyHole
 from warpffrf.model.films.film import CAVITATIONS, EVALUATIONS, Film
-from warpffrf.model.films.roughness import ROUGHNESSES, Roughness
+from warpffrf.model.films.roughness import ROUGHNESSES, MixedLubrication, Roughness
 from warpffrf.model.surfaces.form_deviations import (
     FORMS,
     BarrelForm,
@@ -31,7 +31,7 @@ from warpffrf.model.surfaces.form_deviations import (
 __all__ = [
     "CAVITATIONS", "EVALUATIONS", "FEEDS", "FORMS", "ROUGHNESSES", "BarrelForm", "Feed", "Film", "Form",
     "AxialGroove", "SupplyHole",
-    "LobedForm", "MeasuredForm", "CircumferentialGroove", "Roughness", "CompositeForm", "WornForm",
+    "LobedForm", "MeasuredForm", "MixedLubrication", "CircumferentialGroove", "Roughness", "CompositeForm", "WornForm",
 ]  # fmt: skip
 
 

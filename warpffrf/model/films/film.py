@@ -19,8 +19,7 @@ import numpy as np
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_number, unknown_name
 from warpffrf.model.films.feeds import FEEDS, Feed
-from warpffrf.model.films.roughness import Roughness, as_roughness, summed_deviation
-from warpffrf.model.laws import Law, as_law
+from warpffrf.model.films.roughness import MixedLubrication
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.oils import Oil, as_oil
@@ -44,13 +43,10 @@ class Film(reprs.Item):
 
     Forces are reported on the first body. oil: one of `warpffrf.oils`. feeds: grooves and holes that supply oil
     (`warpffrf.films`). cavitation: one of `films.CAVITATIONS`. ambient_pressure [Pa]: at the ends of the film, above
-    the cavitation pressure. asperities: a contact law whose pressure begins before the surfaces touch, such as
-    `laws.ExponentialAsperities` or `laws.GreenwoodTripp`; its pressure adds to that of the film; None for smooth walls.
-    boundary_friction: the friction coefficient of the asperities, in addition to the drag of the oil. form_a, form_b:
-    form deviations of the two surfaces (`warpffrf.films`). roughness_a, roughness_b: `films.Roughness` of the two
-    walls, with the flow factors of Patir and Cheng; None for smooth walls. evaluation: "semi", all nodes of the contact
-    grid with full quadrature, or "hyper", in each column a few axial profiles (1 - zeta^2) zeta^m with m of
-    `axial_degrees`, 0 first, at few points. name: default "<first body>-<second body>". Raises `InputError`.
+    the cavitation pressure. mixed: `films.MixedLubrication(...)`, asperities and roughness of the walls; None for
+    smooth walls. form_a, form_b: form deviations of the two surfaces (`warpffrf.films`). evaluation: "semi", all nodes
+    of the contact grid with full quadrature, or "hyper", in each column a few axial profiles (1 - zeta^2) zeta^m with m
+    of `axial_degrees`, 0 first, at few points. name: default "<first body>-<second body>". Raises `InputError`.
     """
 
     scene_list = "films"
@@ -65,12 +61,9 @@ class Film(reprs.Item):
         feeds: Sequence[Feed] = (),
         cavitation: str = "jfo",
         ambient_pressure: float = 0.0,
-        asperities: Law | None = None,
-        boundary_friction: float = 0.0,
+        mixed: MixedLubrication | None = None,
         form_a: Form | None = None,
         form_b: Form | None = None,
-        roughness_a: Roughness | None = None,
-        roughness_b: Roughness | None = None,
         evaluation: str = "semi",
         axial_degrees: Sequence[int] = PROFILES,
         name: str | None = None,
@@ -89,19 +82,13 @@ class Film(reprs.Item):
         self.cavitation = str(cavitation)
         self.evaluation = str(evaluation)
         self.oil: Oil = as_oil(oil, label)
-        self.asperities: Law | None = None if asperities is None else _asperities(asperities, label)
-        self.boundary_friction = require_number(boundary_friction, f"{label}: boundary_friction", non_negative=True)
-        if self.boundary_friction > 0.0 and self.asperities is None:
-            raise InputError(
-                f"{label}: boundary_friction is that of asperities, and none are given; the oil drags without it: "
-                "give asperities=laws.ExponentialAsperities(...), or leave boundary_friction out"
-            )
+        self.mixed: MixedLubrication = MixedLubrication() if mixed is None else mixed
+        if not isinstance(self.mixed, MixedLubrication):
+            raise InputError(f"{label}: mixed must be films.MixedLubrication(...) or None, got {mixed!r}")
         self.ambient_pressure = require_number(ambient_pressure, f"{label}: ambient_pressure [Pa]", non_negative=True)
         self.feeds: tuple[Feed, ...] = _feeds(feeds, label)
         self.form_a: Form | None = self._as_form(form_a, "form_a", a)
         self.form_b: Form | None = self._as_form(form_b, "form_b", b)
-        self.roughness_a: Roughness | None = as_roughness(roughness_a, f"{label}: roughness_a")
-        self.roughness_b: Roughness | None = as_roughness(roughness_b, f"{label}: roughness_b")
         self._require_gap()
         self._require_grid()
         held, _, _ = self._held()
@@ -133,11 +120,6 @@ class Film(reprs.Item):
         """Coordinates of the columns (columns,) [rad, of a plane m] in the chart of the first shape: those of the grid
         are measured from its own direction e_0."""
         return places_around(self.a.surface)
-
-    @property
-    def deviation(self) -> float:
-        """Standard deviation [m] of the summed heights of both rough walls; 0 for smooth walls."""
-        return summed_deviation(self.roughness_a, self.roughness_b)
 
     @property
     def notes(self) -> list[str]:
@@ -183,26 +165,22 @@ class Film(reprs.Item):
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
         surfaces = {"a": [self.a.body.name, self.a.name], "b": [self.b.body.name, self.b.name]}
-        parts = {"oil": self.oil, "asperities": self.asperities, "form_a": self.form_a, "form_b": self.form_b}
+        parts = {"oil": self.oil, "form_a": self.form_a, "form_b": self.form_b}
         return {
             "name": self.name,
             **surfaces,
             **{name: None if part is None else part.describe() for name, part in parts.items()},
             "feeds": [feed.describe() for feed in self.feeds],
             "cavitation": self.cavitation,
-            "boundary_friction": self.boundary_friction,
             "ambient_pressure": self.ambient_pressure,
             "evaluation": self.evaluation,
             "axial_degrees": list(self.axial_degrees) if self.evaluation == "hyper" else None,
-            **{n: wall.describe() for n, wall in self._walls.items() if wall is not None},
+            **self.mixed.describe(),
         }
 
-    @property
-    def _walls(self) -> dict[str, Roughness | None]:
-        return {"roughness_a": self.roughness_a, "roughness_b": self.roughness_b}
-
     def _rough_notes(self) -> list[str]:
-        told, s = getattr(self.asperities, "deviation", self.deviation), self.deviation
+        s = self.mixed.deviation
+        told = getattr(self.mixed.asperities, "deviation", s)
         if not s or abs(told - s) <= SAME * s:
             return []
         return [
@@ -233,7 +211,7 @@ class Film(reprs.Item):
             raise InputError(
                 f"{self.label}: cavitation 'half_sommerfeld' cuts pressures at zero, which profiles do not do; {cure}"
             )
-        if self.asperities is not None:
+        if self.mixed.asperities is not None:
             raise InputError(f"{self.label}: asperities stand at hats, which evaluation 'hyper' does not have; {cure}")
         partly = self._held()[0][:, 1:-1]
         if np.any(partly.any(axis=1) != partly.all(axis=1)):
@@ -399,24 +377,6 @@ def _require_surface(port: Any, place: str) -> None:
             "reduce(contact=...) or in add_rigid_body(surfaces=...), got "
             f"{getattr(port, 'label', None) or repr(getattr(port, 'name', port))}"
         )
-
-
-def _asperities(value: Any, label: str) -> Law:
-    """An asperity law whose pressure begins before the surfaces touch, while a film still exists."""
-    law = as_law(value, label, "asperities")
-    cure = (
-        "use laws.ExponentialAsperities, laws.GreenwoodTripp, or laws.TabulatedLayer with gaps above 0, or leave "
-        "asperities out"
-    )
-    if law.curve is None:
-        raise InputError(f"{label}: the law {law.kind} has no pressure to a gap, and a film has a gap; {cure}")
-    if law.curve.begins >= 0.0:
-        raise InputError(
-            f"{label}: the law {law.kind} begins where the surfaces touch, and no film is left there; {cure}"
-        )
-    if law.chi:
-        raise InputError(f"{label}: the law {law.kind} is damped, which the film is already; leave out its damping")
-    return law
 
 
 def _feeds(value: Any, label: str) -> tuple[Feed, ...]:

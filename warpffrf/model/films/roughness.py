@@ -47,6 +47,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.laws import Law, as_law
 from warpffrf.model.messages.named_arguments import named_arguments
 
 Array = np.ndarray
@@ -101,6 +102,71 @@ class Roughness:
 ROUGHNESSES = {Roughness.kind: Roughness}
 
 
+@named_arguments
+@dataclass(frozen=True)
+class MixedLubrication:
+    """Rough walls of a film: contact of their asperities, and their influence on the flow of the oil.
+
+    asperities: a contact law whose pressure begins before the surfaces touch, such as `laws.ExponentialAsperities` or
+    `laws.GreenwoodTripp`; its pressure adds to that of the film. boundary_friction: the friction coefficient of the
+    asperities, in addition to the drag of the oil. roughness_a, roughness_b: `films.Roughness` of the two walls, with
+    the flow factors of Patir and Cheng; None for smooth walls. Raises `InputError`.
+    """
+
+    asperities: Law | None = None
+    boundary_friction: float = 0.0
+    roughness_a: Roughness | None = None
+    roughness_b: Roughness | None = None
+
+    def __post_init__(self) -> None:
+        label = "films.MixedLubrication"
+        if self.asperities is not None:
+            object.__setattr__(self, "asperities", _asperities(self.asperities))
+        mu = require_number(self.boundary_friction, f"{label}: boundary_friction", non_negative=True)
+        object.__setattr__(self, "boundary_friction", mu)
+        if mu > 0.0 and self.asperities is None:
+            raise InputError(
+                f"{label}: boundary_friction is that of asperities, and none are given; the oil drags without it: "
+                "give asperities=laws.ExponentialAsperities(...), or leave boundary_friction out"
+            )
+        for name, wall in (("roughness_a", self.roughness_a), ("roughness_b", self.roughness_b)):
+            if wall is not None and not isinstance(wall, Roughness):
+                raise InputError(f"{label}: {name} must be films.Roughness(deviation, pattern), got {wall!r}")
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation [m] of the summed heights of both walls; 0 for smooth walls."""
+        return summed_deviation(self.roughness_a, self.roughness_b)
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        walls = {"roughness_a": self.roughness_a, "roughness_b": self.roughness_b}
+        return {
+            "asperities": None if self.asperities is None else self.asperities.describe(),
+            "boundary_friction": self.boundary_friction,
+            **{name: wall.describe() for name, wall in walls.items() if wall is not None},
+        }
+
+
+def _asperities(value: Any) -> Law:
+    """An asperity law whose pressure begins before the surfaces touch, while a film still exists."""
+    label = "films.MixedLubrication"
+    law = as_law(value, label, "asperities")
+    cure = (
+        "take laws.ExponentialAsperities, laws.GreenwoodTripp, or laws.TabulatedLayer with gaps above 0, or leave "
+        "asperities out"
+    )
+    if law.curve is None:
+        raise InputError(f"{label}: the law {law.kind} has no pressure to a gap, and a film keeps a gap; {cure}")
+    if law.curve.begins >= 0.0:
+        raise InputError(
+            f"{label}: the law {law.kind} begins where the surfaces touch, and no film is left there; {cure}"
+        )
+    if law.chi:
+        raise InputError(f"{label}: the law {law.kind} is damped, which the film is already; leave out its damping")
+    return law
+
+
 @dataclass(frozen=True)
 class FlowFactors:
     """Flow factors of two walls at gaps h (n,), each (n, 2), around and along: `flow` phi_p, `lag` l [m], `drag`
@@ -109,13 +175,6 @@ class FlowFactors:
     flow: Array
     lag: Array
     drag: Array
-
-
-def as_roughness(value: Any, label: str) -> Roughness | None:
-    """`value` if it is a roughness or None; raises `InputError` naming `label`."""
-    if value is not None and not isinstance(value, Roughness):
-        raise InputError(f"{label} must be films.Roughness(deviation, pattern), got {value!r}")
-    return value
 
 
 def summed_deviation(first: Roughness | None, second: Roughness | None) -> float:

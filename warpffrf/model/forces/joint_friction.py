@@ -4,8 +4,8 @@ A pin in its bush, a slide in its guide are pressed together by the reactions of
 depends on them (formula in `laws.SlipLaw`). Rows of a joint that are omitted as redundant contribute no normal load.
 
 The terms are those of the joint friction of other multibody programs (radial, axial and bending reactions with an arm
-each, and a preload), but for the bending: the pin is supported at two points, whose loads enter separately, not as |R|
-+ 2 |M|/L, which they never exceed.
+each, and a load-independent part), but for the bending: the pin is supported at two points, whose loads enter
+separately, not as |R| + 2 |M|/L, which they never exceed.
 
 Cylindrical friction. Friction of a cylindrical joint: a pin that rotates and slides in its bush.
 
@@ -78,14 +78,14 @@ class JointFriction(Force):
         return None if value is None else self._number(value, name, positive=True)
 
     def _law(
-        self, coordinates: dict[str, float], *, radial: float, preload: float, axial: float = 0.0, spin: float = 0.0,
-        bearing_length: float | None = None,
+        self, coordinates: dict[str, float], *, radial: float, load_independent: float, axial: float = 0.0,
+        spin: float = 0.0, bearing_length: float | None = None,
     ) -> SlipLaw:  # fmt: skip
         """`coordinates`: the joint's, by name, with their weights."""
         rows = [self.joint.coordinates[name] for name in coordinates]
         return SlipLaw(
             self.joint, self.friction, tuple(Coordinate(row.kind, row.i, row.j) for row in rows),
-            tuple(coordinates.values()), radial, axial, spin, preload, bearing_length,
+            tuple(coordinates.values()), radial, axial, spin, load_independent, bearing_length,
         )  # fmt: skip
 
 
@@ -95,14 +95,14 @@ class CylindricalFriction(JointFriction):
 
     friction: a coefficient, or a law (`Coulomb`, `RegularisedCoulomb`). pin_radius [m]: of the sliding surface.
     bearing_length [m]: distance of the two supports of the pin, on either side of the second body's port, with which
-    they move; a bending moment M presses with M/bearing_length on each; None: bending moments do not rub. preload [N]:
-    friction force on the pin's surface that is there without any reaction, it does not depend on the coefficient.
-    Raises `InputError`.
+    they move; a bending moment M presses with M/bearing_length on each; None: bending moments do not rub.
+    load_independent [N]: friction force on the pin's surface without any reaction; it does not depend on the
+    coefficient. Raises `InputError`.
     """
 
     kind = "cylindrical_friction"
     joint_kind = "cylindrical"
-    numbers = ("pin_radius", "bearing_length", "preload")
+    numbers = ("pin_radius", "bearing_length", "load_independent")
 
     def __init__(
         self,
@@ -111,18 +111,18 @@ class CylindricalFriction(JointFriction):
         *,
         pin_radius: float,
         bearing_length: float | None = None,
-        preload: float = 0.0,
+        load_independent: float = 0.0,
         name: str | None = None,
     ) -> None:
         super().__init__(joint, friction, name)
         self.pin_radius = self._number(pin_radius, "pin_radius", positive=True)
         self.bearing_length = self._length(bearing_length, "bearing_length")
-        self.preload = self._number(preload, "preload", non_negative=True)
+        self.load_independent = self._number(load_independent, "load_independent", non_negative=True)
 
     def slip(self) -> SlipLaw:
         """The sliding coordinates and the normal loads."""
         return self._law(
-            {"translation": 1.0, "rotation": self.pin_radius}, radial=1.0, preload=self.preload,
+            {"translation": 1.0, "rotation": self.pin_radius}, radial=1.0, load_independent=self.load_independent,
             bearing_length=self.bearing_length,
         )  # fmt: skip
 
@@ -134,13 +134,13 @@ class PrismaticFriction(JointFriction):
     friction: a coefficient, or a law (`Coulomb`, `RegularisedCoulomb`). bearing_length [m]: distance of the two places
     at which the guide carries, on either side of the second body's port, with which they move; a bending moment M
     presses with M/bearing_length on each; None: bending moments do not rub. flank_radius [m]: distance of the flanks
-    that carry a moment about the axis; None: such moments do not rub. preload [N]: friction force that is there without
-    any reaction (a gland, a clamp), it does not depend on the coefficient. Raises `InputError`.
+    that carry a moment about the axis; None: such moments do not rub. load_independent [N]: friction force
+    without any reaction (a gland, a clamp); it does not depend on the coefficient. Raises `InputError`.
     """
 
     kind = "prismatic_friction"
     joint_kind = "prismatic"
-    numbers = ("bearing_length", "flank_radius", "preload")
+    numbers = ("bearing_length", "flank_radius", "load_independent")
 
     def __init__(
         self,
@@ -149,20 +149,21 @@ class PrismaticFriction(JointFriction):
         *,
         bearing_length: float | None = None,
         flank_radius: float | None = None,
-        preload: float = 0.0,
+        load_independent: float = 0.0,
         name: str | None = None,
     ) -> None:
         super().__init__(joint, friction, name)
         self.bearing_length = self._length(bearing_length, "bearing_length")
         self.flank_radius = self._length(flank_radius, "flank_radius")
-        self.preload = self._number(preload, "preload", non_negative=True)
+        self.load_independent = self._number(load_independent, "load_independent", non_negative=True)
 
     def slip(self) -> SlipLaw:
         """What slides, and what presses."""
         spin = 0.0 if self.flank_radius is None else 1.0 / self.flank_radius
         return self._law(
-            {"translation": 1.0}, radial=1.0, spin=spin, preload=self.preload, bearing_length=self.bearing_length
-        )
+            {"translation": 1.0}, radial=1.0, spin=spin, load_independent=self.load_independent,
+            bearing_length=self.bearing_length,
+        )  # fmt: skip
 
 
 @named_arguments
@@ -172,13 +173,14 @@ class RevoluteFriction(JointFriction):
     friction: a coefficient, or a law (`Coulomb`, `RegularisedCoulomb`: of the velocity at the pin's surface).
     pin_radius [m]: arm of the friction by forces across the axis. thrust_radius [m]: arm of that by the force along it.
     bearing_length [m]: distance of the two places that carry the pin, in the middle of which the joint's point lies; a
-    bending moment M presses with M/bearing_length on each; None: bending moments do not rub. preload [N m]: torque that
-    is there without any reaction (a seal, a press fit), it does not depend on the coefficient. Raises `InputError`.
+    bending moment M presses with M/bearing_length on each; None: bending moments do not rub. load_independent
+    [N m]: friction torque without any reaction (a seal, a press fit); it does not depend on the coefficient. Raises
+    `InputError`.
     """
 
     kind = "revolute_friction"
     joint_kind = "revolute"
-    numbers = ("pin_radius", "thrust_radius", "bearing_length", "preload")
+    numbers = ("pin_radius", "thrust_radius", "bearing_length", "load_independent")
 
     def __init__(
         self,
@@ -188,16 +190,18 @@ class RevoluteFriction(JointFriction):
         pin_radius: float = 0.0,
         thrust_radius: float = 0.0,
         bearing_length: float | None = None,
-        preload: float = 0.0,
+        load_independent: float = 0.0,
         name: str | None = None,
     ) -> None:
         super().__init__(joint, friction, name)
         self.pin_radius = self._number(pin_radius, "pin_radius", non_negative=True)
         self.thrust_radius = self._number(thrust_radius, "thrust_radius", non_negative=True)
         self.bearing_length = self._length(bearing_length, "bearing_length")
-        self.preload = self._number(preload, "preload", non_negative=True)
-        if not (self.pin_radius or self.thrust_radius or self.preload):
-            raise InputError(f"{self.label}: it has no friction; give it a pin_radius, a thrust_radius or a preload")
+        self.load_independent = self._number(load_independent, "load_independent", non_negative=True)
+        if not (self.pin_radius or self.thrust_radius or self.load_independent):
+            raise InputError(
+                f"{self.label}: it has no friction; give it a pin_radius, a thrust_radius or load_independent friction"
+            )
         if self.friction.creep_limit > 0.0 and not (self.pin_radius or self.thrust_radius):
             raise InputError(
                 f"{self.label}: the law depends on the velocity of the surfaces, in m/s; give it the pin_radius"
@@ -205,8 +209,10 @@ class RevoluteFriction(JointFriction):
 
     def slip(self) -> SlipLaw:
         """What slides, and what presses."""
-        arm = self.pin_radius or self.thrust_radius or 1.0  # m; a preload alone is a torque at the arm of 1 m
+        arm = (
+            self.pin_radius or self.thrust_radius or 1.0
+        )  # m; load-independent friction alone: a torque at the arm of 1 m
         return self._law(
-            {"rotation": arm}, radial=self.pin_radius / arm, axial=self.thrust_radius / arm, preload=self.preload / arm,
-            bearing_length=self.bearing_length,
+            {"rotation": arm}, radial=self.pin_radius / arm, axial=self.thrust_radius / arm,
+            load_independent=self.load_independent / arm, bearing_length=self.bearing_length,
         )  # fmt: skip

@@ -113,12 +113,12 @@ class SlipLaw:
     With s the one or two `coordinates` and W = diag(`weights`) the sides slide with the velocity v = W ds/dt [m/s], and
     the force -W f on the coordinates brakes them, |f| at most
 
-        bound = mu (radial (|N_1| + |N_2|) + axial |R_z| + spin |M_z|) + preload,     mu and the law of v: `friction`.
+        bound = mu (radial (|N_1| + |N_2|) + axial |R_z| + spin |M_z|) + load_independent,
 
-    R and M, about the joint's point, are what its rows exert on the second body, drives left out. With `bearing_length`
-    L the part of them across the axis e_z is carried at two points at +-L/2 along it, N = R/2 +- e_z x M/L; with None
-    at one, N = R/2, and M across the axis causes no friction. radial [-], axial [-] and spin [1/m] multiply, preload
-    [N] adds.
+    mu and the law of v those of `friction`. R and M, about the joint's point, are what its rows exert on the second
+    body, drives left out. With `bearing_length` L the part of them across the axis e_z is carried at two points at
+    +-L/2 along it, N = R/2 +- e_z x M/L; with None at one, N = R/2, and M across the axis causes no friction. radial
+    [-], axial [-] and spin [1/m] multiply, load_independent [N] adds.
     """
 
     joint: Any
@@ -128,7 +128,7 @@ class SlipLaw:
     radial: float
     axial: float
     spin: float
-    preload: float
+    load_independent: float
     bearing_length: float | None
 
     @property
@@ -142,7 +142,7 @@ class SlipLaw:
         couple = np.cross(axis, M) / self.bearing_length if self.bearing_length else np.zeros(3)
         load = self.radial * (np.linalg.norm(across + couple) + np.linalg.norm(across - couple))
         load += self.axial * abs(R @ axis) + self.spin * abs(M @ axis)
-        return float(self.preload + self.friction.static_coefficient * load)
+        return float(self.load_independent + self.friction.static_coefficient * load)
 
 
 @dataclass(frozen=True, eq=False)

@@ -318,12 +318,12 @@ def _resultant(surface: Any, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 class Pretension(Force):
     """Pulls the two sides of a joint together with a force, and later locks the length between them.
 
-    joint: leaves a translation or a distance free, such as a `Prismatic` joint between the faces of `Mesh.cut`. force:
-    a number or a signal [N], positive: tension, b is drawn towards a. lock_at [s]: from the end of the first step at or
-    after this time on the coordinate is constant; 0 locks the start state of a run, "equilibrium" for one; None: the
-    force acts throughout. coordinate: the joint's, or None where it has one only. A static state has the force unless
-    its time is beyond lock_at, or it goes on from a run that has locked. Once locked it stays so, in later stages and
-    in runs that go on from a checkpoint.
+    joint: leaves a translation or a distance free, such as a `Prismatic` joint between the faces of `Mesh.cut`.
+    preload: a number or a signal [N], positive: tension, b is drawn towards a. lock_at [s]: from the end of the first
+    step at or after this time on the coordinate is constant; 0 locks the start state of a run, "equilibrium" for one;
+    None: the preload acts throughout. coordinate: the joint's, or None where it has one only. A static state has the
+    preload unless its time is beyond lock_at, or it goes on from a run that has locked. Once locked it stays so, in
+    later stages and in runs that go on from a checkpoint.
 
     The force in the results is that on the second body, the deformation the coordinate [m]. Raises `InputError` for a
     coordinate that is no length, or that the joint holds.
@@ -334,7 +334,7 @@ class Pretension(Force):
     def __init__(
         self,
         joint: Joint,
-        force: SignalLike,
+        preload: SignalLike,
         *,
         lock_at: float | None = None,
         coordinate: str | None = None,
@@ -354,7 +354,7 @@ class Pretension(Force):
             raise InputError(f"{label}: pulls along a length that {joint.label} leaves free, {known}")
         self.name = name
         self.joint = joint
-        self.force = as_signal(force, f"{label}: force")
+        self.preload = as_signal(preload, f"{label}: preload")
         self.lock_at = None if lock_at is None else require_number(lock_at, f"{label}: lock_at", non_negative=True)
 
     @property
@@ -365,9 +365,9 @@ class Pretension(Force):
         """What the simulation applies."""
         row = self.joint.coordinates[self.coordinate]
         lock_at = np.inf if self.lock_at is None else self.lock_at
-        return TensionLaw(self.joint, Coordinate(row.kind, row.i, row.j), self.force, lock_at)
+        return TensionLaw(self.joint, Coordinate(row.kind, row.i, row.j), self.preload, lock_at)
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
         fields = {name: getattr(self, name) for name in ("kind", "name", "coordinate", "lock_at")}
-        return {**fields, "joint": self.joint.name, "force": self.force.describe()}
+        return {**fields, "joint": self.joint.name, "preload": self.preload.describe()}

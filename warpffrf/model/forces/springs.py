@@ -190,12 +190,12 @@ class TwoPorts(Force):
 class Bushing(TwoPorts):
     """Resists relative displacement and rotation of two ports a and b by 6 x 6 matrices; unloaded at the initial pose.
 
-    stiffness, damping: (6, 6), or (6,) for a diagonal, on (d_x, d_y, d_z [m], phi_x, phi_y, phi_z [rad]): N/m, N/rad,
-    N m/rad and the same times s. axes: (3, 3), columns are the axes of the law in the world at the initial pose, from
+    stiffness, damping: (6, 6), or (6,) for a diagonal, on (d_x, d_y, d_z [m], phi_x, phi_y, phi_z [rad]): N/m, N/rad, N
+    m/rad and the same times s. axes: (3, 3), columns are the axes of the law in the world at the initial pose, from
     where they move with the first port. point: (3,) [m], world, at the initial pose; None takes the position of the
-    ports, which must then coincide. preload (6,) [N, N m]: value of the law at the initial pose; the force on the
-    second body is minus the law. The relative rotation must stay below half a revolution. Raises `InputError` for a
-    matrix whose symmetric part is negative in some direction.
+    ports, which must then coincide. preload (6,) [N, N m]: value of the law at the initial pose, positive for tension:
+    the force on the second body is minus the law. The relative rotation must stay below half a revolution. Raises
+    `InputError` for a matrix whose symmetric part is negative in some direction.
     """
 
     kind = "bushing"
@@ -382,18 +382,18 @@ ROTATION = "rotation"
 class JointSpringDamper(Force):
     """A spring and damper on a coordinate s of a joint: a free displacement or angle.
 
-    The force [N] along (torque [N m] about) the axis on the second body is preload - stiffness (s - reference) -
-    damping ds/dt, its opposite acts on the first. stiffness [N/m or N m/rad], damping [N s/m or N m s/rad], reference
-    [m or rad], preload [N or N m], a number or a signal of time, which loads softly. coordinate: the name of the
-    joint's coordinate ("translation", "rotation", ...), or None where it has only one. Angles are not limited to one
-    revolution, so a spiral spring winds up over any number of them. A characteristic (`characteristics`) instead of
-    stiffness or damping is the force over s - reference, or over ds/dt. Between interfaces under head and nut, a joint
-    that leaves their axis free and a negative preload make a bolt of it, whose tension is -preload before any
-    deformation. Raises `InputError`.
+    The tension [N or N m] preload + stiffness (s - reference) + damping ds/dt acts against the axis on the second body
+    and along it on the first. stiffness [N/m or N m/rad], damping [N s/m or N m s/rad], reference [m or rad]. preload
+    [N or N m]: the tension at s = reference and at rest, positive where it draws the second body back towards the
+    first; a number, or a signal of time for a gradual load. coordinate: the name of the joint's coordinate
+    ("translation", "rotation", ...), or None where it has only one. Angles are not limited to one revolution, so a
+    spiral spring winds up over any number of them. A characteristic (`characteristics`) instead of stiffness or damping
+    is the force over s - reference, or over ds/dt. Between interfaces under head and nut, on a joint that leaves their
+    axis free, it is a bolt with this preload. Raises `InputError`.
 
-    Softly pressed, with `guide` as in `joints.Prismatic`:
+    A gradual load, with `guide` as in `joints.Prismatic`:
 
-    >>> load = wf.signals.SmoothStep(-100.0, -1000.0, duration=1e-3)  # N
+    >>> load = wf.signals.SmoothStep(100.0, 1000.0, duration=1e-3)  # N
     >>> press = scene.add(wf.forces.JointSpringDamper(guide, stiffness=1e5, damping=100.0, preload=load, name="press"))
     """
 
@@ -441,16 +441,16 @@ class JointSpringDamper(Force):
             raise InputError(
                 f"joint spring {self.name!r}: stiffness and damping are both zero; use a PointForce or PointTorque"
             )
-        constant = 0.0 if isinstance(self.preload, Signal) else -self.preload
+        constant = 0.0 if isinstance(self.preload, Signal) else self.preload
         return scalar_law(
             self._row(), self.stiffness, self.damping, self.reference, constant, ports=self.ports, joint=self.joint
         )
 
     def tension(self) -> TensionLaw | None:
-        """The preload that changes with time, a pull of its own beside the law; None of a constant one."""
+        """The preload that changes with time, in addition to the law; None of a constant one."""
         if not isinstance(self.preload, Signal):
             return None
-        return TensionLaw(self.joint, self._row(), self.preload.scaled(-1.0), np.inf)
+        return TensionLaw(self.joint, self._row(), self.preload, np.inf)
 
     def _row(self) -> Coordinate:
         row = self.joint.coordinates[self.coordinate]

@@ -56,6 +56,6 @@ def fill_joint_friction(collector: Collector, table: SlipTable) -> None:
         slip_velocity=[law.friction.creep_limit for law in laws], radial=[law.radial for law in laws],
         axial=[law.axial for law in laws], spin=[law.spin for law in laws],
         bending=[1.0 / law.bearing_length if law.bearing_length else 0.0 for law in laws],
-        preload=[law.preload for law in laws], held_start=np.cumsum([0] + [len(rows) for rows in held]),
+        preload=[law.load_independent for law in laws], held_start=np.cumsum([0] + [len(rows) for rows in held]),
         held=[row for rows in held for row in rows],
     )  # fmt: skip

@@ -82,10 +82,10 @@ def film_notes(scene: Scene, history: History) -> list[str]:
 
 
 def _thinner_than_known(film: Film, thinnest: float) -> list[str]:
-    known = least_gap(film.roughness_a, film.roughness_b)
+    known = least_gap(film.mixed.roughness_a, film.mixed.roughness_b)
     if known <= 0.0 or thinnest >= known:
         return []
-    s = film.deviation
+    s = film.mixed.deviation
     return [
         f"{film.label}: its smallest film, {thinnest:.3g} m, is {thinnest / s:.2g} deviations of its rough walls, and "
         f"flow factors are known from {known / s:.2g} on: below, those of the flow by pressure keep their values"
@@ -103,7 +103,7 @@ def _overlapping(film: Film, gap: np.ndarray) -> list[str]:
         f"{film.label}: its walls overlap by up to {-least:.3g} m at theta = {film.theta[j]:.4g}, z = "
         f"{film.grid.z[k]:.4g} m, where the pressure is given and nothing keeps them apart: the adjacent film is "
         "squeezed by a nonphysical shape; give the first surface a form with relieved ends "
-        "(films.BarrelForm), or asperities (asperities=)"
+        "(films.BarrelForm), or asperities (mixed=)"
     ]
 
 
@@ -162,7 +162,7 @@ def squeezed_out(engine: Engine, still: Sequence[Film] = ()) -> str:
                 why, cure = "nothing slides and it carries no load at rest", "one of its bodies a velocity"
             return (
                 f"{film.label} is squeezed to {least:.2g} m, {least / thick:.1g} of its clearance, where {why}; give "
-                f"{cure}, or asperities=laws.ExponentialAsperities(...)"
+                f"{cure}, or mixed=films.MixedLubrication(laws.ExponentialAsperities(...))"
             )
     return ""
 
@@ -336,7 +336,7 @@ def _beyond(film: Film) -> str:
     """Why a film is not compared with all nodes, "" where it is."""
     if not film.b.rigid:
         return "its second surface is compliant"
-    return "its walls are rough" if film.deviation > 0.0 else ""
+    return "its walls are rough" if film.mixed.deviation > 0.0 else ""
 
 
 def _seen(engine: Engine, i: int) -> _Seen:

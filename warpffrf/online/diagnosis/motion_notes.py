@@ -239,4 +239,7 @@ def pulled_apart(scene: Scene) -> str:
         return ""
     sizes = ["a signal" if isinstance(f.preload, Signal) else f"{f.preload:+g} N" for f in loaded]
     signs = ", ".join(f"{f.name!r} ({size})" for f, size in zip(loaded, sizes, strict=True))
-    return f" and the sign of the preload of {signs}: a positive one pushes the second body along the axis of the joint"
+    return (
+        f" and the sign of the preload of {signs}: a positive one is a tension, which draws the second body against "
+        "the axis of the joint"
+    )

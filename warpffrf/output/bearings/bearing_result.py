@@ -3,7 +3,7 @@ r"""One bearing of a run: one column per rolling element, and quantities of the 
 Patches. Hertz patches of elements on raceways, from their loads, and truncation of an ellipse by a shoulder.
 
 A ball's patch is an ellipse across the groove, whose half-axes a >= b follow from the load, from the relative
-curvatures at the contact angle (`BallRaceways.curvatures`) and from E*. A roller has a line contact in every lamina:
+curvatures at the contact angle (`BallGeometry.curvatures`) and from E*. A roller has a line contact in every lamina:
 with the load Q and width w of a lamina, p0 = sqrt(Q E*/(pi R w)), R the relative radius; the largest is used.
 
 **Shoulder.** The groove of radius r ends at the height h over its bottom, at the angle arccos(1 - h/r) from there. The
@@ -29,8 +29,7 @@ from scipy.spatial.transform import Rotation
 from warpffrf.model import rotation as rot
 from warpffrf.model.bearings.bearing import BasicLife, ReferenceLife, basic_life, reference_life
 from warpffrf.model.bearings.flanges import ENDS
-from warpffrf.model.bearings.geometry import BallRaceways, RollerRaceways, from_description
-from warpffrf.model.bearings.parts import SIDES
+from warpffrf.model.bearings.geometry import SIDES, BallGeometry, RollerGeometry, from_description
 from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
 from warpffrf.online.history.history import BodyHistory, History
@@ -58,7 +57,7 @@ class BearingResult(reprs.Shown):
     def __init__(self, history: History, description: Mapping[str, Any]) -> None:
         self.history, self.description = history, description
         self.name, self.kind = str(description["name"]), str(description["kind"])
-        self.raceways = from_description(description["raceways"])
+        self.geometry = from_description(description["geometry"])
         self.time = history.time  # (T,) s
         self.elements = list(description["elements"])
 
@@ -219,11 +218,13 @@ class BearingResult(reprs.Shown):
     def cut_off(self) -> dict[str, np.ndarray]:
         """ "inner" and "outer" -> (T, Z) -, fraction of the ellipse beyond the ring's shoulder, if known, for sides in
         lumped contact."""
-        found = {}
-        for side, height in zip(SIDES, self.description["shoulders"], strict=True):
-            if height is not None and isinstance(self.raceways, BallRaceways) and self._lumped(side):
+        found: dict[str, np.ndarray] = {}
+        if not isinstance(self.geometry, BallGeometry):
+            return found
+        for side, height in zip(SIDES, self.geometry.shoulders, strict=True):  # pyright: ignore[reportArgumentType]
+            if height is not None and self._lumped(side):
                 angle = np.nan_to_num(self._angles(side))
-                found[side] = cut_off(self.raceways, side, self._patches(side), angle, height)
+                found[side] = cut_off(self.geometry, side, self._patches(side), angle, height)
         return found
 
     # --- rings
@@ -311,12 +312,12 @@ class BearingResult(reprs.Shown):
 
     def reference_life(self, capacity: float, row: int = -1, *, turning: str = "inner") -> ReferenceLife:
         """Reference rating life of ISO/TS 16281 from the loads of the balls, or of the rollers' laminae, at a saved
-        step (`model.bearings.rating`); capacity [N], turning: the ring that rotates relative to the load. Raises
+        step (`model.bearings.bearing`); capacity [N], turning: the ring that rotates relative to the load. Raises
         `InputError` for rollers in distributed contact, which have no laminae."""
-        if isinstance(self.raceways, BallRaceways):
-            return reference_life(self.raceways, capacity, self.inner_load[row], self.outer_load[row], turning=turning)
+        if isinstance(self.geometry, BallGeometry):
+            return reference_life(self.geometry, capacity, self.inner_load[row], self.outer_load[row], turning=turning)
         inner, outer = (self._laminae(side)[row] for side in SIDES)
-        return reference_life(self.raceways, capacity, inner, outer, turning=turning)
+        return reference_life(self.geometry, capacity, inner, outer, turning=turning)
 
     def table(self, row: int = -1) -> dict[str, np.ndarray]:
         """Values of every element at a saved step: column name with unit -> (Z,)."""
@@ -368,7 +369,7 @@ class BearingResult(reprs.Shown):
         """Warnings about a bearing without load, or loaded on flanks that are not designed for it."""
         if not loaded:
             return ["no element is loaded: the inner ring is free within the play, or the load unloads all elements"]
-        nominal = getattr(self.raceways, "contact_angle", 0.0)
+        nominal = getattr(self.geometry, "contact_angle", 0.0)
         turned = np.count_nonzero(np.nan_to_num(self.inner_angle[row]) * nominal < 0.0)
         if not turned:
             return []
@@ -432,10 +433,10 @@ class BearingResult(reprs.Shown):
                 f"bearing {self.name!r}: patches of distributed contact are those of the pairs, result.contact(name)"
             )
         modulus = 1.0 / sum(1.0 / E for E in self.description["moduli"])
-        if isinstance(self.raceways, BallRaceways):
+        if isinstance(self.geometry, BallGeometry):
             load = np.where(np.isnan(self._angles(side)), 0.0, self._loads(side))
-            return ball_patches(self.raceways, side, load, np.nan_to_num(self._angles(side)), modulus)
-        return roller_patches(self.raceways, side, self._laminae(side), modulus)
+            return ball_patches(self.geometry, side, load, np.nan_to_num(self._angles(side)), modulus)
+        return roller_patches(self.geometry, side, self._laminae(side), modulus)
 
     def _laminae(self, side: str) -> np.ndarray:
         """(T, Z, n) N, loads of the rollers' laminae."""
@@ -491,30 +492,30 @@ class Patches:
     peak_pressure: np.ndarray
 
 
-def ball_patches(raceways: BallRaceways, side: str, load: np.ndarray, angle: np.ndarray, modulus: float) -> Patches:
+def ball_patches(geometry: BallGeometry, side: str, load: np.ndarray, angle: np.ndarray, modulus: float) -> Patches:
     """Patches for loads [N] and contact angles [rad] (T, Z); modulus E* [Pa]."""
     across, around, peak = (np.zeros(load.shape) for _ in range(3))
     for at in np.argwhere(load > 0.0):
         i = tuple(at)
-        curvatures = raceways.curvatures(side, angle[i])
+        curvatures = geometry.curvatures(side, angle[i])
         found = hertz_point(float(load[i]), np.diag([float(c) for c in curvatures]), modulus)
         across[i], around[i] = found.half_width, found.half_width_along
         peak[i] = found.peak_pressure
     return Patches(across, around, peak)
 
 
-def roller_patches(raceways: RollerRaceways, side: str, laminae: np.ndarray, modulus: float) -> Patches:
+def roller_patches(geometry: RollerGeometry, side: str, laminae: np.ndarray, modulus: float) -> Patches:
     """Patches for loads of laminae (T, Z, m) [N]; modulus E* [Pa]."""
-    line = laminae.max(axis=-1) / (raceways.length / laminae.shape[-1])
-    curvature = raceways.curvature(side)
+    line = laminae.max(axis=-1) / (geometry.roller_length / laminae.shape[-1])
+    curvature = geometry.curvature(side)
     peak = np.sqrt(line * modulus * curvature / np.pi)
     half = np.sqrt(4.0 * line / (curvature * np.pi * modulus))
     return Patches(np.full(half.shape, np.nan), half, peak)
 
 
-def cut_off(raceways: BallRaceways, side: str, patches: Patches, angle: np.ndarray, shoulder: float) -> np.ndarray:
+def cut_off(geometry: BallGeometry, side: str, patches: Patches, angle: np.ndarray, shoulder: float) -> np.ndarray:
     """Fraction (T, Z) of the ellipse's force beyond a shoulder of the height [m]; see the module."""
-    r = raceways.groove(side)
+    r = geometry.groove(side)
     room = r * (np.arccos(np.clip(1.0 - shoulder / r, -1.0, 1.0)) - np.abs(angle))
     a = patches.half_axis_across
     s = np.clip(np.divide(room, a, out=np.ones_like(a), where=a > 0.0), -1.0, 1.0)

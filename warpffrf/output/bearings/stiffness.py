@@ -66,7 +66,7 @@ def bearing_stiffness(scene: Scene, name: str, history: History, row: int = -1) 
     if approach <= 0.0:
         return _unknown("no element is loaded, so the stiffness is zero; load the bearing first")
     h = max(MOVE * approach, LEAST)
-    arm = 0.5 * bearing.raceways.pitch_diameter
+    arm = 0.5 * bearing.geometry.pitch_diameter
     steps = np.array([h] * 3 + [h / arm] * 3)
     columns = []
     for j, step in enumerate(steps):

@@ -138,14 +138,15 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     table, ranges = _second_form(film)
     travels = film.cavitation in ("jfo", "reynolds")
     law, law_numbers, law_table = _asperities(film)
-    rough = hats if film.asperities is not None else 0
-    factors = factor_table(film.roughness_a, film.roughness_b) if film.deviation else np.zeros((0, 13))
+    rough = hats if film.mixed.asperities is not None else 0
+    mixed = film.mixed
+    factors = factor_table(mixed.roughness_a, mixed.roughness_b) if mixed.deviation else np.zeros((0, 13))
     lift, voids = of_functions @ basis.given, (basis.voids & travels).astype(int)
     tables.one(
         first=collector.film_sides[2 * number], second=collector.film_sides[2 * number + 1], modes=shape.shape[1],
         rule=int(RULES[film.cavitation]), oil_kind=kind, oil=numbers, unknowns=len(free),
         thickness=film.clearance() or float(np.median(film.initial_gap())), second_range=ranges,
-        rough=rough, asperity_kind=law, asperity=law_numbers, asperity_friction=film.boundary_friction,
+        rough=rough, asperity_kind=law, asperity=law_numbers, asperity_friction=film.mixed.boundary_friction,
         table_count=len(law_table), factor_count=len(factors), second_counts=table.shape,
         second_start=tables.length("second_form") if table.size else -1,
     )  # fmt: skip
@@ -180,8 +181,8 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
             "oil: "
             "the ledger does not close, and created energy is not detected"
         )
-    if film.asperities is not None and film.asperities.remark:
-        collector.notes.append(f"{film.label}: {film.asperities.remark}")
+    if film.mixed.asperities is not None and film.mixed.asperities.remark:
+        collector.notes.append(f"{film.label}: {film.mixed.asperities.remark}")
     if film.evaluation == "hyper":
         collector.notes.append(
             f"{film.label}: its pressure consists of {len(free)} profiles in place of {hats} nodes, which balance "
@@ -282,9 +283,9 @@ def _oil(oil: Oil) -> tuple[int, list[float]]:
 
 def _asperities(film: Film) -> tuple[int, list[float], Array]:
     """Kind, numbers and table of the law of asperities."""
-    if film.asperities is None:
+    if film.mixed.asperities is None:
         return int(asperity_kernels.SMOOTH), [0.0] * 4, np.zeros((0, 3))
-    curve: Any = film.asperities.curve
+    curve: Any = film.mixed.asperities.curve
     if curve.form == "exponential":
         return int(asperity_kernels.EXPONENTIAL), list(curve.numbers), np.zeros((0, 3))
     return int(asperity_kernels.TABLE), [0.0] * 4, curve.table
