@@ -31,8 +31,8 @@ from references.closed_forms.films import (
     squeezed_plate,
 )
 from references.films.grid import FilmGrid
-from studies.films.elastic_film import ASPERITIES, HEAVY
-from studies.films.film_engine import (
+from scenes.elastic_journal import ASPERITIES, HEAVY
+from scenes.film_bearing import (
     CLEARANCE,
     GROOVE,
     LENGTH,
@@ -433,8 +433,8 @@ def page() -> str:
 
 {MADE}
 Closed forms, quadrature and dry contact beside scenes that `find_equilibrium` and `run` solve; the law by itself beside
-the same is in [oil_film.md](oil_film.md), more of the engine in [film_engine.md](film_engine.md). The body under the
-film is {RIGID:g} times as stiff as steel, but for the asperities, which stand in a steel bore. Radius
+the same is in [oil_film.md](oil_film.md). The body under the film is {RIGID:g} times as stiff as steel, but for the
+asperities, which stand in a steel bore. Radius
 {1e3 * RADIUS:g} mm, clearance {1e6 * CLEARANCE:g} µm, {VISCOSITY:g} Pa s, {SPEED:g} rad/s where nothing else is said.
 
 A film of the engine ends on all sides, so that pads and long bearings are looked at in their middle row. Rows stand

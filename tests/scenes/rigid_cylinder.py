@@ -1,16 +1,13 @@
-"""Friction with the law at nodes beside cells and closed forms.
-
-`python -m studies.rolling.full_friction [FOLDER]` writes docs/studies/full_friction.md, in some minutes. A rigid
-cylinder on an exact elastic half-plane with a stiff layer between them, "full" (law at nodes, `references.monolithic`)
-and "semi" (hats and cells, the engine) with the same bodies, layer and steps: shifted to and fro (Cattaneo and
+"""A rigid cylinder on an exact elastic half-plane with a stiff layer and friction: shifted to and fro (Cattaneo and
 Mindlin), and rolled along (Carter).
+
+"full" has the law of the layer at nodes (`references.monolithic`), "semi" nodes of the contact grid and cells (the
+engine), with the same bodies, layer and steps.
 """
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -29,18 +26,16 @@ from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
-from warpffrf.study.markdown import table
 
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")
 PAIR = "pair"
 FRICTION, WIDTH, HALF_WIDTH = 0.3, 0.01, 1.5e-3  # -, m, m
-RADIUS, FLAT_RADIUS = 0.05, 5.0  # m, shifted and rolled: in the second the surface bends little (test of "semi")
+RADIUS, FLAT_RADIUS = 0.05, 5.0  # m, shifted and rolled: in the second the surface bends little
 MASS, INERTIA = 0.1, (1e-4, 1e-4, 1e-4)  # kg, kg m2: small, and the runs are slow
 STEP, QUARTER = 1e-3, 4  # s, and steps to the peak of the shift
 SHARE = 0.5  # of mu P that the shift, or the creepage, asks for
 SPEED = 1.0  # m/s
 ACROSS = (0.0, 1.0, 0.0)
-MADE = "Made by `python -m studies.rolling.full_friction`; do not edit.\n"
 
 
 def with_nodes(body: ReducedBody) -> ReducedBody:
@@ -183,53 +178,3 @@ def _run(
     if result.status != "completed":
         raise RuntimeError(f"{evaluation}: {result.status}: {result.message}")
     return result
-
-
-def page() -> str:
-    """The page."""
-    rows, sticks, rolls = [], [], []
-    for cells in (8, 16, 32):
-        for evaluation in ("semi", "full"):
-            s = shifted(cells, evaluation)
-            rows.append([str(cells), evaluation, f"{s.displacement:+.2%}", f"{s.stick:+.2f}", f"{s.loss:+.2%}"])
-    for stick in (0.1, 1.0, 10.0, 100.0):
-        s = shifted(16, "full", stick=stick)
-        iterations = f"{s.result.history.iterations[1:].mean():.1f}"
-        sticks.append([f"{stick:g}", f"{s.displacement:+.2%}", f"{s.stick:+.2f}", f"{s.loss:+.2%}", iterations])
-    for cells in (8, 16):
-        for evaluation in ("semi", "full"):
-            error, creep, _ = rolled(cells, evaluation)
-            rolls.append([str(cells), evaluation, f"{error:+.2%}", f"{creep:.4f}"])
-    head = ["displacement", "stick zone [spacings]", "loss of a cycle"]
-    return f"""# Friction with the law at nodes
-
-{MADE}
-A rigid cylinder on an exact elastic half-plane (steel, half-width a = 1.5 mm, μ = 0.3) with a layer that yields by
-1/300 of what a hat yields. *semi*: hats and cells, friction solved for as a set-valued law; *full*: law and return
-mapping at every node, all coordinates in one Newton system.
-
-## Shifted aside and once to and fro
-
-Q = 0.5 μP, errors against Cattaneo and Mindlin at the first peak, and of the work of the cycle. Cells per half-width.
-
-{table(["cells", "evaluation", *head], rows)}
-*full*, 16 cells, by the stick stiffness over that of the layer (the default is 0.82 of it); Newton iterations a step.
-
-{table(["stick stiffness", *head, "iterations"], sticks)}
-## Rolled along
-
-A cell a step, ten crossings, the creepage of Q = 0.5 μP: error of Q against Carter at the creepage found, and that
-over the one asked for. `full` is of first order in cell and step; cells of `semi` that the patch reaches during a step
-resist what is left of it (see [carter](carter.md)).
-
-{table(["cells", "evaluation", "Q", "creepage"], rolls)}"""
-
-
-def main(folder: str = "docs/studies") -> None:
-    """Write the page."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    (Path(folder) / "full_friction.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])
