@@ -63,8 +63,8 @@ bench-store: $(STAMP)
 
 # docs/speed_error.md with a page a study, docs/stability: half an hour, on a quiet machine.
 study: $(STAMP)
-	$(BIN)/python -m studies.speed_error_pages docs
-	$(BIN)/python -m studies.hard_cases --overwrite
+	$(BIN)/python -m studies speed_error
+	$(BIN)/python -m studies stability
 
 # The working tree beside another commit: make bench-compare BASE=commit
 BASE ?= HEAD

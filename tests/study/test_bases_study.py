@@ -35,5 +35,5 @@ def test_errors_fall_with_size_and_the_page_shows_them(body):
         errors = [entry.error for row in rows for entry in row if entry.name == name]
         assert errors[2] < errors[1] < errors[0]
     assert {entry.name for entry in rows[1]} > {"Krylov, points", "Krylov, moments"}
-    text = page(body, rows, [(1.5, [Entry("free-free", 20, 1e-3, 1e-9, 0.1)])])
+    text = page((body, rows, [(1.5, [Entry("free-free", 20, 1e-3, 1e-9, 0.1)])]))
     assert f"{rows[1][0].error:.1e}" in text and "20: 1.0e-03" in text

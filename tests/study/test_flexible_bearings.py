@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from studies.bodies.flexible_bearings import CASES, HEAD, main, page, row
+from studies.bodies.flexible_bearings import CASES, HEAD, page, row
+from studies.page import make
 from warpffrf.model.errors import InputError
 
 
-def test_rigid_cases_are_the_published_ones(capsys: pytest.CaptureFixture[str]) -> None:
-    main(["p10"])
+def test_rigid_cases_are_the_published_ones(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert make("flexible_bearings", tmp_path, ["p10"]) == []  # a part of the page is printed, not written
     assert "P10 | rigid | 1,965 | 1,379" in capsys.readouterr().out
     found = row(CASES["p9"])
     assert len(found) == len(HEAD)
@@ -18,6 +21,6 @@ def test_rigid_cases_are_the_published_ones(capsys: pytest.CaptureFixture[str]) 
     assert "| P9 | rigid |" in page([found])
 
 
-def test_a_case_that_there_is_not_is_named() -> None:
+def test_a_case_that_does_not_exist_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="there is no case 'p11'; choose from p7, p7-balls"):
-        main(["p11"])
+        make("flexible_bearings", tmp_path, ["p11"])

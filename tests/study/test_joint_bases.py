@@ -60,7 +60,7 @@ def test_page_has_the_figures(joint):
     entry = study.measure(found[0], study.load_path(60.0), results[0].reference)
     assert entry is not None
     both = [joint_engine.Both("partial slip", entry, entry)]
-    text = joint_bases.page(joint, found, results, both)
+    text = joint_bases.page((joint, found, results, both))
     exact, statics, *_ = results[0].entries
     assert exact is not None and exact.pressure == 0.0 and exact.loss == 0.0
     assert statics is not None and statics.pressure > 0.01 and f"{statics.pressure:.1%}" in text

@@ -1,5 +1,4 @@
-"""The errors that a run states of itself beside those that it has, of its step and of the figures of its report:
-`python -m studies.accuracy.budget_check [FOLDER]`, some minutes.
+"""Errors that a run states compared with true ones, of its step and of the figures of its report.
 
 Machines of every kind of motion, free, driven and damped, in contact and in impact, each with a coarse and a fine step.
 True errors are those beside a run with a step `FINER` times smaller, whose own is 1/256 of them; both are root mean
@@ -9,14 +8,12 @@ squares over the run, over the size of the quantity (`warpffrf.output.budget.qua
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from studies.accuracy.figure_errors import FACTOR, SCENES
+from studies.accuracy.figure_errors import FACTOR, SCENES, Stated
 from studies.accuracy.figure_errors import rows as rows_of_figures
 from studies.contact import colliding_bars as bars
 from studies.speed.step_time import swinging_pair, tread_body
@@ -31,7 +28,6 @@ from warpffrf.study.markdown import table
 
 FINER = 16
 ROUND_OFF = 1e-9  # errors below it are those of numbers, not of steps
-MADE = "Made by `python -m studies.accuracy.budget_check`; do not edit.\n"
 
 
 @dataclass(frozen=True)
@@ -108,9 +104,15 @@ def compare(machine: str) -> list[Compared]:
     return found
 
 
-def page() -> str:
-    """Stated beside true errors."""
+def compute() -> tuple[list[Compared], list[Stated]]:
+    """Errors of the step of all machines, and of the figures of all scenes."""
     found = [row for machine in MACHINES for row in compare(machine)]
+    return found, [stated for scene in SCENES.values() for stated in scene()]
+
+
+def page(figures: tuple[list[Compared], list[Stated]]) -> str:
+    """Stated beside true errors."""
+    found, stated = figures
     rows = [
         [r.machine, f"{r.step:.2g}", str(r.steps), r.quantity, f"{r.true:.1e}", f"{r.stated:.1e}", f"{r.ratio:.2f}"]
         for r in found
@@ -120,7 +122,6 @@ def page() -> str:
     head = ["machine", "step [s]", "steps", "quantity", "true", "stated", "stated / true"]
     return f"""# What runs say of the error of their step
 
-{MADE}
 Root mean square errors over the size of the quantity, beside a run with a step {FINER} times smaller, and as the error
 budget of the run itself states them: by the whole run once more with twice the step, of runs of more than 4,000 steps
 by six windows of a hundredth, and by the beginning and the busiest part with a quarter of the step.
@@ -131,12 +132,11 @@ with twice the step alike. They are seen where the quarter of the step resolves 
 accelerations change most; the report says from which frequency on they may be missed elsewhere.
 
 {table(head, rows)}
-{figures_section()}"""
+{figures_section(stated)}"""
 
 
-def figures_section() -> str:
+def figures_section(found: list[Stated]) -> str:
     """What reports state of their figures."""
-    found = [stated for scene in SCENES.values() for stated in scene()]
     known = [s for s in found if np.isfinite(s.stated)]
     right, told = sum(s.right for s in known), sum(s.told for s in found)
     scenes = len({s.scene for s in found})
@@ -148,13 +148,3 @@ figures are right within a factor of {FACTOR:g}, or are below {FLOOR:.1%} and st
 Of {told} a report says that they are not estimated and why; {len(found) - len(known) - told} are silent.
 
 {table(head, rows_of_figures(found))}"""
-
-
-def main(folder: str = "docs/studies") -> None:
-    """Write the page."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    (Path(folder) / "error_budget.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])

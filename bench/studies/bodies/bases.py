@@ -1,4 +1,4 @@
-"""Writes docs/studies/bases.md and its picture: `python -m studies.bodies.bases [FOLDER]`. Under a minute on one core.
+"""Bases of global modes: error of the interface receptance against the size; under a minute.
 
 One body, all bases: error of the interface receptance over a band of frequencies against the size of the basis, and
 what the basis costs.
@@ -6,13 +6,11 @@ what the basis costs.
 
 from __future__ import annotations
 
-import sys
 import textwrap
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -167,8 +165,19 @@ def _shown(error: float) -> str:
     return f"{error:.1e}"
 
 
-def page(body: Body, rows: list[list[Entry]], rule: list[tuple[float, list[Entry]]]) -> str:
+Figures = tuple[Body, list[list[Entry]], list[tuple[float, list[Entry]]]]
+
+
+def compute() -> Figures:
+    """The full body, entries by size, and entries by the highest frequency over the band."""
+    with one_thread():
+        body = full_body()
+        return body, by_size(body), by_rule(body)
+
+
+def page(figures: Figures) -> str:
     """The Markdown page."""
+    body, rows, rule = figures
     names = list(dict.fromkeys(entry.name for row in rows for entry in row))
     errors, costs = [], []
     for row in rows:
@@ -187,8 +196,6 @@ face and an averaging one on the other: 12 loads, each scaled to unit static ene
 damping 2 x {DAMPING:.0%} in both models; H by one complex factorisation of the full model a frequency. Every basis has
 the 12 attachment modes of the interfaces, so that all are exact at rest; size counts them."""
     return f"""# Bases of global modes side by side
-
-Made by `python -m studies.bodies.bases`; do not edit.
 
 {textwrap.fill(what, 120)}
 
@@ -254,10 +261,11 @@ def _reading(rows: list[list[Entry]], rule: list[tuple[float, list[Entry]]]) -> 
     return "\n".join(wrapped) + "\n"
 
 
-def picture(rows: list[list[Entry]], path: Path) -> None:
+def picture(figures: Figures, path: Path) -> None:
     """Error against size."""
     from studies.charts import save_curves
 
+    _, rows, _ = figures
     names = list(dict.fromkeys(entry.name for row in rows for entry in row))
     curves = {}
     for name in names:
@@ -265,19 +273,3 @@ def picture(rows: list[list[Entry]], path: Path) -> None:
         curves[name] = (np.array([e.size for e in entries]), np.array([e.error for e in entries]))
     labels = ("size of the basis", "largest relative error of the receptance")
     save_curves(curves, path, labels=labels, title=f"Interface receptance, 0 to {BAND / 1e3:g} kHz", log_y=True)
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    given: Sequence[Any] = sys.argv[1:] if arguments is None else arguments
-    folder = Path(given[0] if given else "docs/studies")
-    folder.mkdir(parents=True, exist_ok=True)
-    with one_thread():
-        body = full_body()
-        rows, rule = by_size(body), by_rule(body)
-    (folder / "bases.md").write_text(page(body, rows, rule))
-    picture(rows, folder / "bases.png")
-    print(folder / "bases.md")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,5 +1,6 @@
-r"""Hertz's contacts of solid bodies on coarse meshes, with pressures on cells that travel with the patch: cases C1, C2,
-C3 and C7, Poisson's ratios, unlike bodies, tetrahedra, and the stress below.
+r"""Hertz's contacts of solid bodies on meshes coarser than the contact, on contact-fixed cells.
+
+Cases C1, C2, C3 and C7, Poisson's ratios, unlike bodies, tetrahedra, and the stress below.
 
 **Roller.** A solid roller between two rigid planes, loaded at both ends of a diameter. With nu = 0 it is in plane
 strain at any width. Else it is long and has free ends: far from these the axial force over a section is zero. By the
@@ -18,10 +19,8 @@ quadratic tetrahedra of 1 mm, the ball in the middle.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -549,11 +548,23 @@ def stress_table() -> str:
     return table(["body", "nu", "cells", "on the radius", "value", "depth"], rows)
 
 
-def page() -> str:
+def compute() -> dict[str, str]:
+    """The figures of the page."""
+    return {
+        "rollers": rollers_table(),
+        "balls": balls_table(),
+        "impact": impact_table(),
+        "block": block_table(),
+        "ratios": ratios_table(),
+        "pairs": pairs_table(),
+        "stress": stress_table(),
+        "trouble": table(["what", "what is said"], [list(row) for row in trouble()]),
+    }
+
+
+def page(found: dict[str, str]) -> str:
     """The whole page."""
     return rf"""# Hertz's contacts of solid bodies on coarse meshes
-
-Made by `python -m studies.contact.coarse_points`; do not edit.
 
 Pressures on cells that travel with the patch (`Contact(grid="contact_fixed")`). *On the radius*: elements along the
 surface in a radius; the contacts are 0.003 to 0.05 radii wide. Errors are relative: approach against the closed form
@@ -576,50 +587,40 @@ R = {ROLLER_RADIUS * 1e3:g} mm, {LINE_LOAD / 1e3:g} N/mm, between rigid planes. 
 {THIN * 1e3:g} mm wide ({ROLLER_RADIUS * 1e3:g} mm with one and two elements on the radius), and in plane strain; with
 nu = 0.3 it is {LONG * 1e3:g} mm wide, has free ends, and is looked at in its middle.
 
-{rollers_table()}
+{found["rollers"]}
 ## A solid ball on a rigid plane (C3)
 
 R = {BALL_RADIUS * 1e3:g} mm, {LOAD:g} N. Approach against Hertz and what a ball yields less than a half-space
 (`elastic_sphere`). *Asymmetry*: of the half-space on the ball's mesh.
 
-{balls_table()}
+{found["balls"]}
 ## A ball strikes a half-space (C7)
 
 {SPEED:g} m/s, {STEPS} steps in the time of contact. Against Hertz's impact of half-spaces; a ball yields less, which
 makes the force 0.5 % larger.
 
-{impact_table()}
+{found["impact"]}
 ## A rigid ball on a block of tetrahedra
 
 R = {BALL_RADIUS * 1e3:g} mm, {APPROACH * 1e6:g} um deep, on {BLOCK[0] * 1e3:g} x {BLOCK[0] * 1e3:g} x
 {BLOCK[1] * 1e3:g} mm of steel. *Error*: in the middle, against tet10 of 1 mm. *Ripple*: of the force at nine places
 over a quarter of an element of 4 mm, without the parabola that the block itself makes.
 
-{block_table()}
+{found["block"]}
 ## Poisson's ratio
 
-{ratios_table()}
+{found["ratios"]}
 ## Unlike bodies
 
 Rollers between planes, the squeeze of both; balls in free flight, at the largest force. Rubber: E = 5 MPa, nu = 0.49.
 Each roller has two patches, which feel each other through it.
 
-{pairs_table()}
+{found["pairs"]}
 ## Von Mises stress below the patch
 
 The largest at 0.3 to 1.3 half-widths below the middle, and its depth, against Hertz at the load found.
 
-{stress_table()}
+{found["stress"]}
 ## Situations that ask for trouble
 
-{table(["what", "what is said"], [list(row) for row in trouble()])}"""
-
-
-def main(folder: str = "docs/studies") -> None:
-    """Write the page."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    (Path(folder) / "coarse_points.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])
+{found["trouble"]}"""

@@ -1,6 +1,4 @@
-r"""Which of "semi" and "full" is wrong where a patch ends: both beside the law itself, and cells that travel.
-
-`python -m studies.contact.pressure_ends` writes docs/studies/pressure_ends.md. Ten minutes.
+r"""Errors at the edge of a patch, of nodes, shape functions and contact-fixed cells; ten minutes.
 
 Two equal treads (`evaluations.tread`) are pressed together by a given force with a layer between them, in the ways of
 `pressing`: at *nodes* ("full"), by *hats* ("semi"), by pressures constant in *cells*, at *points*; and by the program
@@ -17,7 +15,6 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -29,7 +26,6 @@ from warpffrf.model.contact import CELL_ERROR
 from warpffrf.model.reduced.far_field import LONGEST
 from warpffrf.study.markdown import table
 
-MADE = "Made by `python -m studies.contact.pressure_ends`; do not edit.\n"
 REFINED = 4  # times as many sectors of the reference: with errors of the order 3/2 it errs by an eighth
 GRADED = 5  # layers more, so that its outermost cells are square too: 1.3^5 is about 4
 PHASES = np.linspace(0.0, 0.5, 5)  # of a column: line of centres on a node, and half way between two
@@ -104,7 +100,7 @@ def pressing(sectors: int, layers: int, approach: float, finer: int = 1) -> Pres
     return Pressing(body, columns)
 
 
-def study() -> list[tuple[int, float, float, Ends]]:
+def compute() -> list[tuple[int, float, float, Ends]]:
     """Sectors, approach [m], layer over a hat, and what was found."""
     rows = []
     for sectors, layers in MESHES:
@@ -141,7 +137,6 @@ def page(rows: list[tuple[int, float, float, Ends]]) -> str:
     ]  # fmt: skip
     return f"""# Where a patch ends: "semi" and "full" beside the law itself
 
-{MADE}
 Two equal steel rollers, R = {RADIUS * 1e3:.0f} mm, linear cells, pressed together by the force that "full" has
 at the approach, with a layer so many times as stiff as the surface under a hat. *Columns* of the grid, which is the
 mesh, in a half-width. The law of the layer is met at the *nodes* ("full"), by pressures in *hats* ("semi"), by
@@ -213,13 +208,3 @@ times on `Contact` takes no cells that travel. Without that bound they err by up
 positive definite. It is not their far field, which is that of {MESHES[0][0]} sectors to 1e-4 of the whole, nor that the
 arcs are narrow: why is not found out here. The cure is a mesh with squarer cells at the surface.
 """
-
-
-def main(folder: Path) -> None:
-    """Writes the page to `folder`."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "pressure_ends.md").write_text(page(study()), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path("docs/studies"))

@@ -1,9 +1,7 @@
-"""Oil films of the engine beside closed forms, quadrature and dry contact: what films are accepted by.
+"""Oil films of the engine compared with closed forms, quadrature and dry contact; a few minutes.
 
-`python -m studies.films.film_acceptance [FOLDER]` writes docs/studies/film_acceptance.md. A few minutes.
-
-The same cases as of `studies.films.oil_film`, which has the law by itself; here they are scenes, which `run`
-and `find_equilibrium` solve. The film stands on a flexible body, so that is one of `RIGID` times the modulus of steel,
+The same cases as of `studies.films.oil_film`, which has the law by itself; here they are scenes, which `run` and
+`find_equilibrium` solve. The film stands on a flexible body, so that is one of `RIGID` times the modulus of steel,
 and what it still yields is within the figures. A film of the engine ends on all sides: what is wide in a closed form is
 looked at in the middle row. Rows of hats stand `BESIDE` of the length L apart there: of a pressure sin(pi x/L) an end
 is felt by none but the first row then, as hats d apart along couple with d^2 pi^2/L^2 - 6, and other ones fall to a
@@ -12,11 +10,9 @@ fifth or less from row to row. Forces are those of pressures alone, as the close
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -59,7 +55,6 @@ from warpffrf.online import History, run
 from warpffrf.online.run import find_equilibrium
 from warpffrf.study.markdown import table
 
-MADE = "Made by `python -m studies.films.film_acceptance`; do not edit.\n"
 BESIDE = float(np.sqrt(6.0)) / np.pi  # of the length of the pressure, between rows
 ACROSS = 8  # cells from end to end, of pads
 THICK = 0.3  # of the length of a pad
@@ -425,13 +420,16 @@ CASES: dict[str, Callable[[], list[Row]]] = {
 }  # fmt: skip
 
 
-def page() -> str:
+def compute() -> list[Row]:
+    """Rows of all cases."""
+    return [row for case in CASES.values() for row in case()]
+
+
+def page(found: list[Row]) -> str:
     """Markdown."""
-    found = [row for case in CASES.values() for row in case()]
     missed = [row for row in found if not row.reached]
     return f"""# Oil films of the engine by their acceptance
 
-{MADE}
 Closed forms, quadrature and dry contact beside scenes that `find_equilibrium` and `run` solve; the law by itself beside
 the same is in [oil_film.md](oil_film.md). The body under the film is {RIGID:g} times as stiff as steel, but for the
 asperities, which stand in a steel bore. Radius
@@ -457,13 +455,3 @@ steps of a tenth of the whole time. The first of them are taken again in halves:
 0.15 %, accelerates a plate this light by far more than the film then lets it move, and throws it out of its place from
 step to step. What that leaves of 1/h² goes up and down with the number of steps.
 """
-
-
-def main(folder: Path) -> None:
-    """Writes the page to `folder`."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "film_acceptance.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path("docs/studies"))

@@ -408,16 +408,27 @@ def change_rows() -> list[list[str]]:
     return rows
 
 
-def section() -> str:
+def compute() -> dict[str, Any]:
+    """The figures of the section."""
+    return {
+        "locked": locked(),
+        "cattaneo": cattaneo_rows(),
+        "work": work_rows(),
+        "change": change_rows(),
+        "split": split_rows(),
+    }
+
+
+def section(figures: dict[str, Any]) -> str:
     """What the page says on histories."""
-    found = locked()
+    found = figures["locked"]
     return f"""## Cattaneo and Mindlin
 
 Shifted to Q = {SHARE:g} mu P and back and forth twice: errors of the way at the first end (both without the rest of the
 bodies, see the module), of the loss in the second cycle; stick zone's c/a less the closed form's, and a cell over a.
 Points: rollers with a crown of their own radius.
 
-{table(["contact", "strips", "way", "loss", "c/a", "cell"], cattaneo_rows())}
+{table(["contact", "strips", "way", "loss", "c/a", "cell"], figures["cattaneo"])}
 ## Work
 
 Much friction, a traction locked in while both stand ({1e3 * found.stored:.3f} mJ), then a revolution at equal speeds.
@@ -428,7 +439,7 @@ step (largest change {found.gained:.1e} J), and {found.share:.1e} of the force i
 One roller drives the other at a creepage of {DRIVEN:g} (0.41 mu N): contact grid and numerical lines of the ledger over
 the work of the drives, in percent.
 
-{table(["strips", "strips a step", "revolutions", "ledger"], work_rows())}
+{table(["strips", "strips a step", "revolutions", "ledger"], figures["work"])}
 ## Patches that change
 
 Off the end, a point contact loses load in steps, a row of cells at a time, with friction or without; the force follows
@@ -438,7 +449,7 @@ Largest jumps of the force beyond a smooth curve in percent of the largest mu N,
 least load in percent of that, steps that were repeated. Creepage {GENTLE:g} of gross slip's,
 crown {1e3 * CROWN:.0f} mm.
 
-{table(["case", "contact", "strips", "strips a step", "force", "load", "least load", "repeated"], change_rows())}
+{table(["case", "contact", "strips", "strips a step", "force", "load", "least load", "repeated"], figures["change"])}
 ## Patches that split
 
 A roller with two humps {2e3 * HUMP:g} mm apart and {1e6 * HOLLOW:g} µm high on a straight one, creepage {GENTLE:g} of
@@ -448,4 +459,4 @@ With one hump {1e6 * TILTED:g} µm lower its patch goes and comes too (from {1e6
 {1e6 * TILTED_APPROACHES[1]:g} µm). Jumps as above, of the load also without friction; how often the middle row opened
 or closed, open rows between two patches at the least load.
 
-{table(SPLIT_HEAD, split_rows())}"""
+{table(SPLIT_HEAD, figures["split"])}"""

@@ -203,7 +203,17 @@ def _percents(values: list[float]) -> str:
     return ", ".join(f"{100 * v:+.2f}" for v in values)
 
 
-def section() -> str:
+def compute() -> dict[str, list[list[str]]]:
+    """The figures of the page."""
+    return {
+        "carter": carter_rows(),
+        "transient": transient_rows(),
+        "eurosprinter": eurosprinter_rows(),
+        "kalker": kalker_rows(),
+    }
+
+
+def section(found: dict[str, list[list[str]]]) -> str:
     """What the page says on steady rolling."""
     return f"""## Carter
 
@@ -211,21 +221,21 @@ Two straight rollers without Poisson's ratio (plane strain), half-width {HALF_WI
 against Carter's at the prescribed creepages {CREEPAGES[0]:g} and {CREEPAGES[1]:g}, of mu N in percent, in brackets
 against {STRIPS[-1]} strips at one a step. Strips across over 1.3 of 2 a, steps in strips down.
 
-{table(["strips a step", *(str(n) for n in STRIPS)], carter_rows())}
+{table(["strips a step", *(str(n) for n in STRIPS)], found["carter"])}
 From pressing through standing (Cattaneo, about 0.6 mu N against the later creep) to rolling (Carter): largest
 difference at any instant from {FINE[0]} strips at {FINE[1]:g} a step, of mu N in percent.
 
-{table(["strips a step", "11", "15", "21"], transient_rows())}
+{table(["strips a step", "11", "15", "21"], found["transient"])}
 ## CONTACT's Eurosprinter
 
 Two crowned rollers that are the Eurosprinter by similarity (R 50, crown {1e3 * CROWN:.1f} mm): F_x/(mu N); differences
 from CONTACT and from the law without bodies on the same cells, of mu N in percent.
 
-{table(["creepage", "cells", "CONTACT", "rollers", "from CONTACT", "from the law"], eurosprinter_rows())}
+{table(["creepage", "cells", "CONTACT", "rollers", "from CONTACT", "from the law"], found["eurosprinter"])}
 ## Kalker's coefficients
 
 Two crowned rollers, friction {NO_SLIP:g}, 21 x 21 cells, a b = (0.25 mm)^2; C_22 by a lateral speed, C_23 by an upper
 axle tilted by {1e3 * TILT:g} mrad. Relative errors beside the table (a parabola between its Poisson's ratios).
 
-{table(["a/b", "Poisson", "C11", "C22", "C23"], kalker_rows())}
+{table(["a/b", "Poisson", "C11", "C22", "C23"], found["kalker"])}
 """

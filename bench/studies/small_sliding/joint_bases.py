@@ -1,4 +1,4 @@
-"""Writes docs/studies/joint_bases.md: `python -m studies.small_sliding.joint_bases [FOLDER]`. Some minutes on one core.
+"""Reducing a joint: coordinates for the bodies or cells of the joint; some minutes.
 
 Two ways of reducing a joint side by side: coordinates for the bodies (static and vibration modes, and trial vector
 derivatives of the joint), or the flexibility of the relative motion of the joint's cells, all of them or fewer. Held
@@ -8,12 +8,9 @@ what differs is the space.
 
 from __future__ import annotations
 
-import sys
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -89,8 +86,22 @@ takes 1/{ratio:.0f} of the time in the middle of the rows."""
     return f"## Laps of the engine\n\n{textwrap.fill(what, 120)}\n\n{table(head, rows)}\n{textwrap.fill(said, 120)}\n"
 
 
-def page(joint: Joint, found: Sequence[Space], results: Sequence[Compared], both: Sequence[Both]) -> str:
+Figures = tuple[Joint, Sequence[Space], Sequence[Compared], Sequence[Both]]
+
+
+def compute() -> Figures:
+    """The joint, the spaces, errors of each space per load, and those of the engine."""
+    with one_thread():
+        joint = two_sheets()
+        found = spaces(joint)
+        results = compared(joint, found)
+        references = {one.name: (one.force, one.reference) for one in results}
+        return joint, found, results, joint_engine.compared(joint, joint_engine.sheets(COUNTS), references)
+
+
+def page(figures: Figures) -> str:
     """The Markdown page."""
+    joint, found, results, both = figures
     parts = []
     for one in results:
         rows = []
@@ -126,8 +137,6 @@ the peak, of slip that of its range in the last cycle where cells touch; loss an
 static ones before the first increment. Milliseconds an increment with the dense solver that all go through, in which
 the forces of the cells are the unknowns; a space of m coordinates still has all of them."""
     return f"""# Reducing a joint: coordinates for the bodies or cells of the joint
-
-Made by `python -m studies.small_sliding.joint_bases`; do not edit.
 
 {textwrap.fill(what, 120)}
 
@@ -165,22 +174,3 @@ def _reading(results: Sequence[Compared]) -> str:
     )
     wrapped = (textwrap.fill(p, 120, initial_indent="- ", subsequent_indent="  ") for p in points)
     return "\n".join(wrapped) + "\n"
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Make the page."""
-    given: Sequence[Any] = sys.argv[1:] if arguments is None else arguments
-    folder = Path(given[0] if given else "docs/studies")
-    folder.mkdir(parents=True, exist_ok=True)
-    with one_thread():
-        joint = two_sheets()
-        found = spaces(joint)
-        results = compared(joint, found)
-        references = {one.name: (one.force, one.reference) for one in results}
-        both = joint_engine.compared(joint, joint_engine.sheets(COUNTS), references)
-    (folder / "joint_bases.md").write_text(page(joint, found, results, both))
-    print(folder / "joint_bases.md")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,21 +1,16 @@
-"""Laps of the engine beside closed forms: what joints that slide a little are accepted by.
+"""Small-sliding contact of the engine compared with closed forms; minutes.
 
-`python -m studies.small_sliding.lap_acceptance [FOLDER]` writes docs/studies/lap_acceptance.md. Minutes. Cases at rest
-are in `lap_cases`, those in motion in `lap_motion`.
+Cases at rest are in `lap_cases`, those in motion in `lap_motion`.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 from studies.small_sliding import lap_cases as cases
 from studies.small_sliding import lap_motion as motion
 from studies.small_sliding.lap_rows import Row
 from warpffrf.study.markdown import table
-
-MADE = "Made by `python -m studies.small_sliding.lap_acceptance`; do not edit.\n"
 
 CASES: dict[str, Callable[[], list[Row]]] = {
     "leaves": cases.leaf_rows, "steps": cases.many_steps_rows, "bar": cases.micro_slip_rows, "bolt": cases.bolt_rows,
@@ -23,14 +18,17 @@ CASES: dict[str, Callable[[], list[Row]]] = {
 }  # fmt: skip
 
 
-def page() -> str:
+def compute() -> list[Row]:
+    """Rows of all cases."""
+    return [row for case in CASES.values() for row in case()]
+
+
+def page(found: list[Row]) -> str:
     """Markdown."""
-    found = [row for case in CASES.values() for row in case()]
     missed = [row for row in found if not row.reached]
     head = ["case", "cells", "compared", "exact", "found", "error", "target", ""]
     return f"""# Joints that slide a little by their acceptance
 
-{MADE}
 Closed forms beside scenes that `simulate` solves, in load steps (`kind="static"`) and in time. Poisson's ratio is zero
 but in the press of two blocks; cells are facets of the mesh where nothing else is said.
 
@@ -60,13 +58,3 @@ that has died away, is left out of the angular momentum, as steps of an impact t
 the same forces give D, and U as half of force times displacement; the damping is that by which the force of the spring
 falls from cycle to cycle.
 """
-
-
-def main(folder: Path) -> None:
-    """Writes the page to `folder`."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "lap_acceptance.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path("docs/studies"))

@@ -1,14 +1,11 @@
-"""Laps of the engine beside full finite elements with contact and friction: cells at nodes, facets and fewer, motion.
+"""Small-sliding contact of the engine compared with full finite elements; five minutes.
 
-`python -m studies.small_sliding.lap_nodes [FOLDER]` writes docs/studies/lap_nodes.md. Five minutes. Scenes and full
-models are those of `lap_stacks`.
+Cells at nodes, facets and fewer, and motion; contact and friction. Scenes and full models are those of `lap_stacks`.
 """
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -39,7 +36,6 @@ from warpffrf.online import Settings
 from warpffrf.output.simulate import simulate
 from warpffrf.study.markdown import table
 
-MADE = "Made by `python -m studies.small_sliding.lap_nodes`; do not edit.\n"
 PRELOAD = 4e3  # N, of each bolt
 SHANK = 2.6e8  # N/m, steel of 5 mm diameter, as long as the stack is high
 STEPS = (2, 8, 16)  # of preload, of a quarter and of half a cycle
@@ -276,11 +272,24 @@ def motion_rows() -> list[list[str]]:
     return rows
 
 
-def page() -> str:
+def compute() -> dict[str, list[list[str]]]:
+    """The figures of the page."""
+    return {
+        "equal": equal_rows(SMALL),
+        "round_off": round_off_rows(),
+        "whole": whole_rows(),
+        "modes": modes_rows(),
+        "two_bodies": two_bodies_rows(),
+        "mismatch": mismatch_rows(),
+        "fewer": fewer_rows(),
+        "motion": motion_rows(),
+    }
+
+
+def page(found: dict[str, list[list[str]]]) -> str:
     """Markdown."""
     return f"""# Laps beside full finite elements
 
-{MADE}
 Steel sheets, {SIZE[0] * 1e3:g} mm long and {SIZE[2] * 1e3:g} mm high together, in one body that hangs together at its
 clamped root, {ALONG} hex27 along each; two bolts as pairs of forces of {PRELOAD * 1e-3:g} kN, friction 0.2, a force at
 the tip of the upper sheet that goes up, down and up again (`studies.small_sliding.lap_stacks`). Held against
@@ -292,11 +301,11 @@ and amplitude at the tip relative. *Steps cut*: load steps that the engine cut i
 
 Loads are {SMALL:g} of the above. Targets: 1e-6 at all nodes, 1e-8 with the same facets (pressures).
 
-{table(GIVEN, equal_rows(SMALL))}
+{table(GIVEN, found["equal"])}
 What stands of four sheets is round-off of stiff cells between slender sheets, not Newton's tolerance. Four sheets by
 facets near macro slip, beside the full model, which eliminated in another order differs from itself:
 
-{table(["found", *GIVEN[3:7]], round_off_rows())}
+{table(["found", *GIVEN[3:7]], found["round_off"])}
 ## Larger loads
 
 Two sheets, cells at nodes, partial slip. Bolts of the engine follow their heads or do not while sheets turn, which
@@ -305,22 +314,22 @@ linear finite elements do not know, and differences grow with the load: *forces*
 way. *With turning*: the full finite elements have the quadratic part of the potential of either in addition,
 two stiffnesses of rank one (`studies.small_sliding.lap_bolts` derives them).
 
-{table(["bolts", "of the loads", "full model", *GIVEN[3:]], whole_rows())}
+{table(["bolts", "of the loads", "full model", *GIVEN[3:]], found["whole"])}
 ## 40 vibration modes in place of 4
 
 Target: the same to 1e-6. Load steps are {STEPS[1] / SHORTER[1]:g} times as long as above: in longer ones Newton's
 method runs in circles with 40 modes and four sheets, and steps are cut, in parts of unequal length.
 
-{table([*GIVEN[:3], "beside", *GIVEN[3:]], modes_rows())}
+{table([*GIVEN[:3], "beside", *GIVEN[3:]], found["modes"])}
 ## Two bodies, one upon the other
 
 Meshes that match, beside the full finite elements of the sheets together, {APART:g} of the loads:
 
-{table(GIVEN, two_bodies_rows())}
+{table(GIVEN, found["two_bodies"])}
 Elements along the lower sheet, whose facets are the cells, and along the upper one, beside full finite elements with
 160 along both; partial slip, {APART:g} of the loads.
 
-{table(["elements", "loss", "amplitude"], mismatch_rows())}
+{table(["elements", "loss", "amplitude"], found["mismatch"])}
 ## Fewer cells
 
 A strip of {SQUARES} square facets, {NARROW * 1e3:.3g} mm wide, loads in proportion to the width. Beside full finite
@@ -329,14 +338,14 @@ edges of the bolts' heads through the sheet, `LapCells(growth=, fine=heads)`. Ta
 (L2), loss 15 % in partial slip and 1 % near macro slip, amplitude 0.5 %.
 
 {table(["cells", "count", "load", "pressure", "loss", "amplitude", "pressure, nodes", "loss, nodes",
-        "amplitude, nodes"], fewer_rows())}
+        "amplitude, nodes"], found["fewer"])}
 ## Motion
 
 Generalized-alpha of spectral radius {RHO:g} in both, steps of {STEP * 1e6:g} µs, {RUN} of them. Targets: 3 % of the
 rms of the motion, 3 % of the work of friction.
 
 {table(["motion", "bolts", "modes", "of the loads", "full model", "rms", "work of friction", "states that differ"],
-       motion_rows())}
+       found["motion"])}
 {READ}"""  # fmt: skip
 
 
@@ -358,13 +367,3 @@ facets, miss the target of the pressure; cells of four have lost partial slip.
 Motion: with a spectral radius of 0.8 the full finite elements themselves blow up, as faces that are open chatter in
 steps that do not resolve them; with 0 both agree.
 """
-
-
-def main(folder: Path) -> None:
-    """Writes the page to `folder`."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "lap_nodes.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path("docs/studies"))

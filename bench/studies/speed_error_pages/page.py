@@ -1,4 +1,4 @@
-"""The page of a study with its pictures and facts, and the index of all pages that are there.
+"""Speed against error of known machines: a page per study and an index; half an hour.
 
 FOLDER/speed_error/NAME.md, NAME.png, NAME_steps.png     the page of a study and its pictures
 FOLDER/speed_error/NAME.json                             what the index says of it
@@ -9,18 +9,32 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from studies.speed_error_pages import STUDIES
 from studies.speed_error_pages.study import Study
+from warpffrf.model.errors import unknown_name
 from warpffrf.study.markdown import table
 from warpffrf.study.speed_against_error.outcome import SpeedError, wanted_table
 
 PAGES, INDEX = "speed_error", "speed_error.md"
-MADE = "Made by `python -m studies.speed_error_pages`; do not edit.\n"
+MADE = "Made by `python -m studies speed_error`; do not edit.\n"
 COARSE = "Made with --quick: the machine is coarse, and figures only show that it runs.\n\n"
 SHOWN = ("1.0%", "0.1%")  # wanted errors in the index
+
+
+def write(folder: str | Path, cases: Sequence[str], *, quick: bool) -> list[Path]:
+    """Write the pages of the named studies, or of all, and the index after each."""
+    for name in cases:
+        if name not in STUDIES:
+            raise unknown_name("study 'speed_error': case", name, STUDIES)
+    paths = []
+    for name in cases or STUDIES:
+        paths.append(write_study(STUDIES[name], folder, quick=quick))
+        index = write_index(STUDIES, folder)
+    return [*paths, index]
 
 
 def write_study(study: Study, folder: str | Path, *, quick: bool, progress: bool = True) -> Path:
