@@ -1,4 +1,4 @@
-"""Step time against sampling points: `python bench/step_vs_points.py [--json FILE] [--steps N] [--rounds N]`.
+"""Step time against sampling points: `python bench/step/step_vs_points.py [--json FILE] [--steps N] [--rounds N]`.
 
 One pair of treads under a stiff layer, a power law (its yield is evaluated at the points in every iteration): "semi"
 with all points of a strip, then "hyper" with those that `reduce` chose for smaller and smaller errors. All in turn.

@@ -17,12 +17,8 @@ rotates.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
-
-import numpy as np
 
 import warpffrf as wf
-from warpffrf.output.plots.panels import Panel, save_panels
 
 STEEL = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850, name="steel")
 RADIUS, BORE_RADIUS, WIDTH, TREAD, CROWN = 0.01, 0.003, 0.02, 0.011, 2.0  # m; TREAD: finely meshed, CROWN: Rc
@@ -80,44 +76,3 @@ def run(scene: wf.Scene, *, progress: bool = True) -> wf.Result:
     """Tilting, waiting and rotating, from the static state of the level roller."""
     end, integrator = TILTING + WAITING + TURNING, wf.GeneralizedAlpha(RHO_INF)
     return wf.simulate(scene, end, step=STEP, start="equilibrium", integrator=integrator, progress=progress)
-
-
-def panels(result: wf.Result, tilted: int) -> list[Panel]:
-    """The position of the patch, the torque that holds the tilt, pressure along the patch in the row `tilted`."""
-    contact, t, phi = result.contact(PAIR), result.time, result.joint(TILTS).coordinate
-    along = {}
-    for label, i in (("level", 0), ("tilted", tilted)):
-        at = contact.pressure(i)
-        along[label] = (at.z * 1e3, at.pressure.max(axis=0) / 1e6)
-    return [
-        Panel("Centre of pressure along the axis", "time [s]", "[mm]",
-              {"run": (t, contact.center_of_pressure[:, 1] * 1e3)}, {"Rc sin(phi)": (t, CROWN * np.sin(phi) * 1e3)}),
-        Panel("Torque that holds the tilt", "time [s]", "[N m]",
-              {"run": (t, np.abs(result.joint(TILTS).torque[:, 0]))},
-              {"P (Rc - R) sin(phi)": (t, LOAD * (CROWN - RADIUS) * np.sin(phi))}),
-        Panel("Pressure along the patch", "z [mm]", "[MPa]", along),
-    ]  # fmt: skip
-
-
-def main(out: str | Path = "out/tilted_roller", *, quick: bool = False, progress: bool = True) -> list[wf.Result]:
-    """Write tilted_roller.h5, .rrd and .png into the folder `out` and print the figures; quick: larger cells."""
-    stem = Path(out) / "tilted_roller"
-    result = run(build(QUICK if quick else FULL, progress=progress), progress=progress)
-    result.save(f"{stem}.h5", overwrite=True)
-    wf.record(result, f"{stem}.rrd", max_frames=15 if quick else 100, overwrite=True)
-    contact, torque = result.contact(PAIR), np.abs(result.joint(TILTS).torque[:, 0])
-    tilted = int(np.flatnonzero(result.time <= TILTING + WAITING + 0.5 * STEP)[-1])
-    save_panels(panels(result, tilted), f"{stem}.png", overwrite=True)
-
-    hertz = contact.hertz(0)
-    print(f"peak pressure         {contact.peak_pressure[0] / 1e6:9.6g} MPa  Hertz {hertz.peak_pressure / 1e6:.6g}")
-    for label, i in (("tilted", tilted), ("rotating", -1)):
-        shift = contact.center_of_pressure[i, 1]
-        print(f"{label + ': patch at':22}{shift * 1e3:9.5f} mm   Rc sin(phi) {CROWN * np.sin(TILT) * 1e3:.5f}")
-    print(f"torque of the cradle  {torque[tilted]:9.5f} N m  "
-          f"P (Rc - R) sin(phi) {LOAD * (CROWN - RADIUS) * np.sin(TILT):.5f}")  # fmt: skip
-    return [result]
-
-
-if __name__ == "__main__":
-    main()

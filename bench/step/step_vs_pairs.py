@@ -1,4 +1,4 @@
-"""Step time against the number of pairs: `python bench/step_vs_pairs.py [--json FILE] [--steps N] [--only NAME]`.
+"""Step time against the number of pairs: `python bench/step/step_vs_pairs.py [--json FILE] [--steps N] [--only NAME]`.
 
 *sun*: a driven roller with one to eight others around it, all on its one surface; *rings*: rollers between two rings,
 two pairs each. Without and with friction. *Per pair* is the time of a step over that of one pair alone times the number

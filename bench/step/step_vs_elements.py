@@ -1,4 +1,6 @@
-"""Step time against rolling elements: `python bench/step_vs_elements.py [--json FILE] [--elements N ...] [--rounds N]`.
+"""Step time against rolling elements.
+
+`python bench/step/step_vs_elements.py [--json FILE] [--elements N ...] [--rounds N]`.
 
 Cylindrical roller bearings with rigid rings, rollers of laminae by ISO/TS 16281, friction on raceways and in the
 pockets of a cage, under a radial load, the inner ring at 1,000 rpm. The pitch diameter grows with the number of

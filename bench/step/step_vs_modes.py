@@ -1,4 +1,4 @@
-"""Step time against local modes per roller: `python bench/step_vs_modes.py [--json FILE] [--steps N] [--large]`.
+"""Step time against local modes per roller: `python bench/step/step_vs_modes.py [--json FILE] [--steps N] [--large]`.
 
 Same mesh, contact grid, approach and speed; the arc of the rim that carries hats grows, and the patch runs over fresh
 hats. `--large`: to 16,000 local modes on a mesh with twice as many cells around; its reductions take minutes.

@@ -1,4 +1,4 @@
-"""Step time with friction: `python bench/friction_step.py [--json FILE] [--steps N]`.
+"""Step time with friction: `python bench/step/friction_step.py [--json FILE] [--steps N]`.
 
 Two rollers roll on each other at a constant load, the upper one a little slower, so that part of the patch sticks and
 part slips. Rows: the same pair without friction, with friction at a creepage that leaves half of it sticking, and in

@@ -1,4 +1,6 @@
-"""Step time against cells of a lap in play: `python bench/step_vs_lap_cells.py [--json FILE] [--steps N] [--large]`.
+"""Step time against cells of a lap in play.
+
+`python bench/step/step_vs_lap_cells.py [--json FILE] [--steps N] [--large]`.
 
 A plate lies on another one, pressed by its weight so that all cells are closed, and is shaken along its plane. A weak
 shaking lets few cells slip, and few change in a step; a strong one moves the border of slip through the joint. --large

@@ -1,4 +1,6 @@
-"""Step time against local modes with inertia: `python bench/local_dynamics.py [--json FILE] [--steps N] [--counts N]`.
+"""Step time against local modes with inertia.
+
+`python bench/step/local_dynamics.py [--json FILE] [--steps N] [--counts N]`.
 
 Two rollers swing to and fro on each other at a constant approach (`studies.speed.step_time`). The lowest n local modes
 of each contact surface get inertia, by HHT or by the exact step; the others follow the load without, as all do with

@@ -1,4 +1,4 @@
-"""Step time against active hats and outer columns: `python bench/step_vs_active.py [--json FILE] [--steps N]`.
+"""Step time against active hats and outer columns: `python bench/step/step_vs_active.py [--json FILE] [--steps N]`.
 
 The same rolling pair is pressed deeper from row to row, with few global modes and with many. A second table refines
 the mesh under one patch: when is the contact grid finer than it need be?

@@ -1,4 +1,4 @@
-"""Step time against flexible bodies in contact: `python bench/step_vs_bodies.py [--json FILE] [--steps N]`.
+"""Step time against flexible bodies in contact: `python bench/step/step_vs_bodies.py [--json FILE] [--steps N]`.
 
 A train of equal rollers side by side, axles at fixed distances that press each on the next, driven to roll on each
 other: n bodies, n - 1 pairs, every inner roller in two. *Per body*: the time of a step over that of two rollers, times

@@ -1,4 +1,4 @@
-"""Step time with membrane energy: `python bench/step_vs_membrane.py [--json FILE] [--steps N] [--rounds N]`.
+"""Step time with membrane energy: `python bench/step/step_vs_membrane.py [--json FILE] [--steps N] [--rounds N]`.
 
 A plate in a rigid rim that vibrates, with the same modes: linear, stiffened by loads on its rim, and with the membrane
 energy of 20 modes besides, at w/t 1.9. By steps a period of small amplitudes: iterations, microseconds in the graph,

@@ -1,4 +1,6 @@
-"""Step time against active cells of a patch: `python bench/step_vs_cells.py [--json FILE] [--steps N] [--rounds N]`.
+"""Step time against active cells of a patch.
+
+`python bench/step/step_vs_cells.py [--json FILE] [--steps N] [--rounds N]`.
 
 Two hollow rollers of 8 mm hexahedra roll on each other at a constant approach, half of the contact a twentieth of an
 element wide. Cells travel with the patch; the mesh stays the same, and the number of cells varies from row to row.
