@@ -21,7 +21,7 @@ MODULES = {
     "bases": "studies.bodies.bases",
     "carter": "studies.rolling.carter",
     "carter_rollers": "studies.rolling.carter_rollers",
-    "coarse_points": "studies.contact.coarse_points",
+    "coarse_points": "studies.contact.coarse_points_page",
     "coarse_rollers": "studies.contact.coarse_rollers",
     "colliding_bars": "studies.contact.colliding_bars",
     "contact_grid": "studies.contact.contact_grid",
