@@ -42,4 +42,6 @@ def test_the_page_says_what_is_missed() -> None:
     assert reached.cells() == ["case", "8 cells", "force", "-0.1 %", "0.2 %", ""]
     assert missed.cells() == ["case", "8 cells", "place", "half a cell", "25 %", "missed"]
     page = (Path(__file__).parents[2] / "docs/studies/film_acceptance.md").read_text(encoding="utf-8")
-    assert page.count("\n| ") == 2 + 21 and page.startswith("# Oil films of the engine by their acceptance\n\nMade by")
+    assert page.count("\n| ") == 2 + 21 and page.startswith(
+        "# Oil films of the engine compared with closed forms\n\nMade by"
+    )

@@ -120,16 +120,16 @@ def page(figures: tuple[list[Compared], list[Stated]]) -> str:
     ratios = [r.ratio for r in found]
     within = sum(1.0 / 3.0 <= ratio <= 3.0 for ratio in ratios)
     head = ["machine", "step [s]", "steps", "quantity", "true", "stated", "stated / true"]
-    return f"""# What runs say of the error of their step
+    return f"""# Errors that runs state of their step
 
-Root mean square errors over the size of the quantity, beside a run with a step {FINER} times smaller, and as the error
-budget of the run itself states them: by the whole run once more with twice the step, of runs of more than 4,000 steps
-by six windows of a hundredth, and by the beginning and the busiest part with a quarter of the step.
-{within} of {len(found)} are right within a factor of 3; ratios are {min(ratios):.2f} to {max(ratios):.2f}.
+Root mean square errors over the size of the quantity, compared with a run with a step {FINER} times smaller, and as the
+error budget of the run itself states them: by the whole run once more with twice the step, of runs of more than 4,000
+steps by six windows of a hundredth, and by the beginning and the busiest part with a quarter of the step. {within} of
+{len(found)} are right within a factor of 3; ratios are {min(ratios):.2f} to {max(ratios):.2f}.
 
 Vibrations that the step is too long for are damped by the integrator in the first steps, of the run and of the one
 with twice the step alike. They are seen where the quarter of the step resolves them, at the start and where
-accelerations change most; the report says from which frequency on they may be missed elsewhere.
+accelerations change most; the report states from which frequency on they may be missed elsewhere.
 
 {table(head, rows)}
 {figures_section(stated)}"""
@@ -143,8 +143,9 @@ def figures_section(found: list[Stated]) -> str:
     head = ["scene", "figure", "true [%]", "stated [%]", "largest source", "right"]
     return f"""## Figures of reports
 
-{scenes} scenes on coarse meshes, cells, hats and films beside the same ones on fine ones. {right} of {len(known)}
-figures are right within a factor of {FACTOR:g}, or are below {FLOOR:.1%} and stated to be below {FACTOR * FLOOR:.1%}.
-Of {told} a report says that they are not estimated and why; {len(found) - len(known) - told} are silent.
+{scenes} scenes on coarse meshes, cells, grids and films compared with the same ones on fine ones. {right} of
+{len(known)} figures are right within a factor of {FACTOR:g}, or are below {FLOOR:.1%} and stated to be below
+{FACTOR * FLOOR:.1%}. Of {told} the report states that they are not estimated and why; {len(found) - len(known) - told}
+are silent.
 
 {table(head, rows_of_figures(found))}"""

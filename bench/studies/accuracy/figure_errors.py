@@ -209,7 +209,7 @@ def hats() -> Iterator[Stated]:
     bodies = {720: body(720, 14, 1.3), 960: body(960, 12, 1.4), 1920: body(1920, 30, 1.1)}
     states = {n: equilibrium(rollers.held(b, b, 6e-5, grid="body_fixed"), progress=False) for n, b in bodies.items()}
     for sectors in (720, 960):
-        yield from compare(f"hats, {sectors} around", states[sectors], states[1920])
+        yield from compare(f"nodes, {sectors} around", states[sectors], states[1920])
 
 
 def rolling() -> Iterator[Stated]:

@@ -187,13 +187,12 @@ def page(found: list[Found]) -> str:
             "the whole call [s]"]  # fmt: skip
     return f"""# Runs to a wanted accuracy
 
-`simulate(accuracy={ACCURACY:g})` beside runs of the same machine with about {", ".join(f"{r:g}" for r in RATIOS)} times
-its steps, on both contact grids where bodies are prepared for them, inertia levels constant and full, and with and
-without stiffening where bodies have it. Errors are
-beside a run with {FINER} times the steps{_fewer(found)}, all inertia
-terms and finer cells where bodies can have them; wanted are 1 % of forces, displacements and deformations and 2 % of
-pressures. Times are wall time of the loop over steps, the fastest
-of {TIMES[0]} runs or as many more as {LONG_ENOUGH:g} s hold; the whole call has all runs that it took to choose, their
+`simulate(accuracy={ACCURACY:g})` compared with runs of the same machine with about
+{", ".join(f"{r:g}" for r in RATIOS)} times its steps, on both contact grids where bodies are prepared for them, inertia
+levels constant and full, and with and without stiffening where bodies have it. Errors are relative to a run with
+{FINER} times the steps{_fewer(found)}, all inertia terms and finer cells where bodies can have them; wanted are 1 % of
+forces, displacements and deformations and 2 % of pressures. Times are wall time of the loop over steps, the fastest of
+{TIMES[0]} runs or as many more as {LONG_ENOUGH:g} s hold; the whole call has all runs that it took to choose, their
 set-up and their budgets.
 
 {table(head, rows)}"""

@@ -191,11 +191,11 @@ def page(figures: Figures) -> str:
     shown = ", ".join(f"{f / 1e3:.2f}" for f in body.natural)
     what = f"""A curved, tapering steel arm, {body.model.size} dofs of linear hexahedra, a rigid interface on one end
 face and an averaging one on the other: 12 loads, each scaled to unit static energy. Its free modes in the band 0 to
-{BAND / 1e3:g} kHz: {shown} kHz. The error is the largest of |H - H_r| / |H| (spectral norm, flexible part of the
-12 x 12 interface receptance) over {len(body.hertz)} frequencies of the band, those of the modes among them; structural
-damping 2 x {DAMPING:.0%} in both models; H by one complex factorisation of the full model a frequency. Every basis has
-the 12 attachment modes of the interfaces, so that all are exact at rest; size counts them."""
-    return f"""# Bases of global modes side by side
+{BAND / 1e3:g} kHz: {shown} kHz. The error is the largest of |H - H_r| / |H| (spectral norm, flexible part of the 12 x
+12 interface receptance) over {len(body.hertz)} frequencies of the band, those of the modes among them; structural
+damping 2 x {DAMPING:.0%} in both models; H by one complex factorisation of the full model per frequency. Every basis
+has the 12 attachment modes of the interfaces, so that all are exact at rest; size counts them."""
+    return f"""# Bases of global modes compared
 
 {textwrap.fill(what, 120)}
 
@@ -250,7 +250,7 @@ def _reading(rows: list[list[Entry]], rule: list[tuple[float, list[Entry]]]) -> 
         "they are the default.",
         "Craig-Bampton holds the interfaces, so that the free resonances have to converge; worst error of a natural "
         f"frequency in the band: {at_ratios('Craig-Bampton', 'frequency_error')}. A resonance that is off by a tenth "
-        "of its damping is an error of ten percent in the receptance beside it, which is what the table shows.",
+        "of its damping is an error of ten percent in the receptance near it, which is what the table shows.",
         "Krylov spaces and POD follow the loads: once past the modes of the band they converge fastest. What they hold "
         "outside of the band, or for loads elsewhere, is not known beforehand; the modal bases see every deformation "
         "up to a frequency, contact included.",

@@ -26,9 +26,9 @@ SUNK = 0.45  # of the way of the inner ring: elements
 Made = tuple[wf.Scene, wf.bearings.Bearing]
 
 WHY = {
-    "rollers": "straight rollers of finite elements between rigid rings yield less than by Palmgren's law, which has "
-    "profiled rollers and yielding rings in it: fewer share the load",
-    "outer ring": "a wall of 6 mm held outside yields less than one of Palmgren's two half-spaces; `reduce` "
+    "rollers": "straight rollers of finite elements between rigid rings deform less than by Palmgren's law, which has "
+    "profiled rollers and deformable rings in it: fewer share the load",
+    "outer ring": "a wall of 6 mm held outside deforms less than one of Palmgren's two half-spaces; `reduce` "
     "warns that its cells err by about 2 % of the force at a given approach",
     "rollers and outer ring": "both, with Hertz's modulus of two bodies outside, of one inside",
     "balls": "rigid rings: Hertz with E/(1 - nu^2) of the ball alone in place of half of it; deflections are by "
@@ -206,7 +206,7 @@ def page(rows: list[list[str]]) -> str:
 
 Bearings P7 to P10 (ISO/TS 16281; Harris, Rolling Bearing Analysis) under their loads, along which alone the inner ring
 moves. Rigid parts have the published law between them (Hertz, Palmgren at P10), flexible ones distributed contact on
-cells that travel. Loads are those on the outer ring, peak pressures of rigid parts Hertz's at these loads; seconds with
-body and equilibrium, on a machine of two cores with other work.
+contact-fixed cells. Loads are those on the outer ring, peak pressures of rigid parts Hertz's at these loads; seconds
+with body and equilibrium, on a machine of two cores with other work.
 
 {table(HEAD, rows)}"""

@@ -211,15 +211,15 @@ def page(found: dict[str, Any]) -> str:
     return f"""# Free flight
 
 **Rigid body about its unstable axis**: I = (1, 2, 3) kg m2, omega = (0.001, 5, 0.001) rad/s. Error of omega(10 s)
-[rad/s] beside elliptic functions; energy and momenta: largest deviation over the flight, relative. The motion amplifies
-what an integrator leaves: below a few 1e-6 rad/s the error is that of the Newton tolerance and of round-off, not of the
-method, as the deviations of energy and momentum show, which go on with order 2.
+[rad/s] compared with elliptic functions; energy and momenta: largest deviation over the flight, relative. The motion
+amplifies what an integrator leaves: below a few 1e-6 rad/s the error is that of the Newton tolerance and of round-off,
+not of the method, as the deviations of energy and momentum show, which go on with order 2.
 
 {_table(head, found["rigid"])}
 **Soft ring, tumbling**: rubber, {len(found["frequencies"])} modes from {low:.0f} to {high:.0f} Hz,
 {np.linalg.norm(RING_SPIN):.0f} rad/s, inertia "full", points moving by up to {1e3 * found["bend"]:.1f} mm. Error after
-{RING_TIME:g} s, of the modes (over the largest coordinate) or of the orientation [rad], beside Runge-Kutta with a step
-of 1e-5 s: other equations in other code.
+{RING_TIME:g} s, of the modes (over the largest coordinate) or of the orientation [rad], compared with Runge-Kutta with
+a step of 1e-5 s: other equations in other code.
 
 {_table(head, found["flexible"])}
 **Oscillator**, damping ratio 5 %, after 10 rad: error with 2000 steps, order from 1000 to 2000; roots of the undamped

@@ -1,6 +1,6 @@
 """Inertia levels compared with closed forms: a bar, a disc, a ring; under a minute.
 
-What each inertia level gives in three cases with closed forms (a bar that turns about its end, a disc, a spinning
+What each inertia level gives in three cases with closed forms (a bar that rotates about its end, a disc, a spinning
 ring), what the indicator says of the terms left out, and what it costs.
 """
 
@@ -56,7 +56,7 @@ def bar_tables() -> tuple[str, str, str]:
     cells = [f"{n} cells" for n in BAR_CELLS]
     return (
         table(["level", "closed form [m]", *cells, "extrapolated"], meshes),
-        table(["modes up to [kHz]", "modes", "beside all polynomials"], modes),
+        table(["modes up to [kHz]", "modes", "against all polynomials"], modes),
         table(["level", *(f"h = {1e6 * h:g} us" for h in BAR_STEPS), "extrapolated"], steps),
     )
 
@@ -146,7 +146,8 @@ def indicator_table(ring: ReducedBody) -> tuple[str, str]:
     modes = len(scene.body("lower").reduced.frequencies)
     stepping = pressed.counters["loop_seconds"]
     cost = (
-        f"{1e3 * seconds:.1f} ms for {len(pressed.time)} saved steps of two bodies with {modes} modes each, beside "
+        f"{1e3 * seconds:.1f} ms for {len(pressed.time)} saved steps of two bodies with {modes} modes each, "
+        f"compared with "
         f"{1e3 * stepping:.0f} ms of stepping; at most {MOST_STEPS} steps of a run are looked at"
     )
     return table(["case", "level", "centrifugal", "deformed inertia", "gyroscopic", "recommended"], rows), cost
@@ -188,11 +189,11 @@ def _page(found: dict[str, str]) -> str:
     return f"""# Inertia levels against closed forms
 
 
-Levels: "constant" (turning and deforming leave each other alone), "gyroscopic" (centrifugal load J1 and Coriolis, Euler
+Levels: "constant" (rotation and deformation do not interact), "gyroscopic" (centrifugal load J1 and Coriolis, Euler
 forces G), "deformed" (J1, and J2: what the deformed shape adds), "full". The derivations are in
 `tests/scenes/rotating_bar.py`, `rotating_disc.py`, `spinning_ring.py`.
 
-## D1, a bar that turns about its end
+## D1, a bar that rotates about its end
 
 {rotating_bar.SPEED:g} rad/s, L = {rotating_bar.LENGTH:g} m, {rotating_bar.THICK:g} m thick. The frame moves with the
 centre of mass, whose outward motion is therefore exact at every level: "constant" gives {constant:.6e} m, J1 makes it
@@ -200,8 +201,8 @@ centre of mass, whose outward motion is therefore exact at every level: "constan
 {linear:.6e} m of a frame fixed at the axis, {exact / linear - 1.0:.2%} below the exact one, is that of no level: most
 of that difference is the outward motion of the centre of mass.
 
-Stationary state of the reduced model (six axial polynomials and the attachment modes of the ends) beside the closed
-form of each level, for linear cells; extrapolated from the last two meshes:
+Stationary state of the reduced model (six axial polynomials and the attachment modes of the ends) compared with the
+closed form of each level, for linear cells; extrapolated from the last two meshes:
 
 {found["meshes"]}
 
@@ -209,20 +210,21 @@ The same with vibration modes instead of polynomials, level "full", 30 cells:
 
 {found["modes"]}
 
-The run, spun up from rest and settled, beside the stationary state of the same model (30 cells), generalized-alpha
+The run, spun up from rest and settled, compared with the stationary state of the same model (30 cells),
+generalized-alpha
 0.8; extrapolated from the last two steps:
 
 {found["steps"]}
 
-A slender bar ({rotating_bar.SLENDER:g} m) buckles in the plane of turning at this speed unless it is given geometric
+A slender bar ({rotating_bar.SLENDER:g} m) buckles in the plane of rotation at this speed unless it is given geometric
 stiffening; the thick one does not.
 
 ## D2, a disc
 
 Annulus, radii {rotating_disc.INNER:g} and {rotating_disc.OUTER:g} m, {rotating_disc.SPEED:g} rad/s, plane stress;
 a solid disc of this radius grows by {solid:.3e} m. Errors of displacement at rim and bore, largest errors of stress at
-radii of {", ".join(f"{x:g}" for x in rotating_disc.PLACES)} m over the largest hoop stress. The closed form knows no
-deformed shape: "deformed" lies above it by w^2 over the square of the lowest radial frequency, 1e-4.
+radii of {", ".join(f"{x:g}" for x in rotating_disc.PLACES)} m over the largest hoop stress. The closed form does not
+include the deformed shape: "deformed" lies above it by w^2 over the square of the lowest radial frequency, 1e-4.
 
 {found["disc"]}
 
@@ -232,9 +234,9 @@ Curved quadratic cells, one through the wall. Frequencies of n waves in its plan
 
 {found["frequencies"]}
 
-Spinning with {spinning_ring.SPIN:g} rad/s, one mode of the pair released: the rate at which the pattern turns beside
-the material, of the thin ring (-2 Omega/(n^2 + 1)), of the reduced body ({RING_SECTORS[1]} sectors) by its eigenvalues,
-and the error of the run beside that; where there is no gyroscopic term, the rate itself.
+Spinning with {spinning_ring.SPIN:g} rad/s, one mode of the pair released: the rate at which the pattern rotates
+relative to the material, of the thin ring (-2 Omega/(n^2 + 1)), of the reduced body ({RING_SECTORS[1]} sectors) by its
+eigenvalues, and the error of the run compared with that; where there is no gyroscopic term, the rate itself.
 
 {found["lags"]}
 
@@ -246,8 +248,8 @@ keep more than the indicator asks for afterwards, and in none of these cases kee
 
 {found["indicated"]}
 
-On the bar the indicator's J2 is what the closed forms say ({exact / gyroscopic - 1.0:.2%} at the tip). "all": without
+On the bar the indicator's J2 is that of the closed forms ({exact / gyroscopic - 1.0:.2%} at the tip). "all": without
 the load the disc does not deform at all. A centrifugal load that would deform a body by less than
 {BOUNDS["centrifugal"]:g} of its size counts as none. Only what the modes can show is judged: the rollers have no
-mode that a turn about their axis excites. Cost: {found["cost"]}.
+mode that a rotation about their axis excites. Cost: {found["cost"]}.
 """

@@ -148,7 +148,7 @@ def compute() -> dict[str, str]:
         "ratios": ratios_table(),
         "pairs": pairs_table(),
         "stress": stress_table(),
-        "trouble": table(["what", "what is said"], [list(row) for row in trouble()]),
+        "trouble": table(["situation", "message"], [list(row) for row in trouble()]),
     }
 
 
@@ -156,12 +156,12 @@ def page(found: dict[str, str]) -> str:
     """The whole page."""
     return rf"""# Hertz's contacts of solid bodies on coarse meshes
 
-Pressures on cells that travel with the patch (`Contact(grid="contact_fixed")`). *On the radius*: elements along the
+Pressures on contact-fixed cells (`Contact(grid="contact_fixed")`). *On the radius*: elements along the
 surface in a radius; the contacts are 0.003 to 0.05 radii wide. Errors are relative: approach against the closed form
 for the load found, half-width (by second moments, C11) and peak against Hertz at that load. The first three columns
 of errors are those of the cells that the program chooses, eight in the patch, the second three of 24.
 
-**What the approach misses.** To first order in its curvatures k_i a curved surface yields under a unit force as the
+**What the approach misses.** To first order in its curvatures k_i a curved surface deforms under a unit force as the
 half-space and
 
     f = (1 + nu)(1 - 2 nu)/(4 pi E) sum_i k_i ((3 - 2 nu) x_i^2/r^2 - (1 - 2 nu) ln r),
@@ -169,7 +169,7 @@ half-space and
 which is not smooth at the force: along a line it is a cusp, (1 + nu)(1 - 2 nu) k |x|/(2 E). It is left to the far
 field, whose splines see it as if it were spread over the spacing h of the contact grid. A line misses by
 (1 - 2 nu)/(1 - nu) h/(2 R) of P'(1 - nu^2)/(pi E), where the approach is some twelve of these; a ball by
-4 (1 - 2 nu)^2/(6 pi (1 - nu)) (a/R) ln(h/a) of its approach. Half-width and peak know nothing of it.
+4 (1 - 2 nu)^2/(6 pi (1 - nu)) (a/R) ln(h/a) of its approach. Half-width and peak are not affected.
 
 ## A solid roller, loaded at both ends of a diameter (C1, C2)
 
@@ -180,13 +180,13 @@ nu = 0.3 it is {LONG * 1e3:g} mm wide, has free ends, and is looked at in its mi
 {found["rollers"]}
 ## A solid ball on a rigid plane (C3)
 
-R = {BALL_RADIUS * 1e3:g} mm, {LOAD:g} N. Approach against Hertz and what a ball yields less than a half-space
+R = {BALL_RADIUS * 1e3:g} mm, {LOAD:g} N. Approach against Hertz and how much less a ball deforms than a half-space
 (`elastic_sphere`). *Asymmetry*: of the half-space on the ball's mesh.
 
 {found["balls"]}
 ## A ball strikes a half-space (C7)
 
-{SPEED:g} m/s, {STEPS} steps in the time of contact. Against Hertz's impact of half-spaces; a ball yields less, which
+{SPEED:g} m/s, {STEPS} steps in the time of contact. Against Hertz's impact of half-spaces; a ball deforms less, which
 makes the force 0.5 % larger.
 
 {found["impact"]}
@@ -211,6 +211,6 @@ Each roller has two patches, which feel each other through it.
 The largest at 0.3 to 1.3 half-widths below the middle, and its depth, against Hertz at the load found.
 
 {found["stress"]}
-## Situations that ask for trouble
+## Situations that are refused or warned of
 
 {found["trouble"]}"""

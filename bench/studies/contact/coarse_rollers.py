@@ -140,7 +140,7 @@ class Found:
 
 
 def ripple(body: ReducedBody, approach: float) -> float:
-    """How far the force goes up and down while the rollers turn by three elements at constant approach, of its mean
+    """How far the force goes up and down while the rollers rotate by three elements at constant approach, of its mean
     [-]."""
     angle, step = ROLLED * 4e-3 / R, 1e-4
     scene = held(body, body, approach, turning=angle / (TURNS * step))
@@ -322,33 +322,33 @@ def page(found: dict[str, Any]) -> str:
     widths = " and ".join(f"{half_width_under(load) * 1e3:.2f}" for load in LOADS)
     return f"""# Rollers on meshes coarser than their contact
 
-Two hollow steel rollers (R 50, bore 15, width 20 mm), bores held at an approach, pressures on cells that travel with
-the patch, eleven strips by 21 rows (27 of crowned ones). Half-widths are about {widths} mm: 0.02 to 0.4 elements.
+Two hollow steel rollers (R 50, bore 15, width 20 mm), bores held at an approach, pressures on contact-fixed
+cells, eleven strips by 21 rows (27 of crowned ones). Half-widths are about {widths} mm: 0.02 to 0.4 elements.
 
 ## Straight rollers
 
-Beside full finite elements of one roller on the plane of symmetry, quadratic cells of a sixth of a half-width
+Compared with full finite elements of one roller on the plane of symmetry, quadratic cells of a sixth of a half-width
 (`free_end`; their force is converged to 0.1 %, their peak to 0.3 %). *Peak*: at mid-width. Pressure on the line of
 contact near the free end. *Two meshes*: error of the force that `ReducedBody.mesh_error` finds by hex27 of 2 mm.
-*Ripple*: of the force while the rollers turn by three elements of 4 mm at constant approach.
+*Ripple*: of the force while the rollers rotate by three elements of 4 mm at constant approach.
 
 {table([*head, "ripple"], found["straight"])}
 ## Crowned rollers
 
-Beside finite elements with six cells in each half-axis of Hertz's ellipse.
+Compared with finite elements with six cells in each half-axis of Hertz's ellipse.
 
 {table(["crown [m]", "load [N]", "approach [µm]", "mesh", "force", "peak"], found["crowned"])}
 ## A flush roller on a wider one
 
-The second roller is {LONG.width * 1e3:g} mm wide, 10 mm more at each end. Beside finite elements of both with
+The second roller is {LONG.width * 1e3:g} mm wide, 10 mm more at each end. Compared with finite elements of both with
 {FLUSH_LEVEL[0]:g} cells in a half-width, whose peak is converged to 1 %, and to 1.5 % the pressure near the end, which
 at the end itself has no bound.
 
 {table(["mesh", "approach [µm]", "force", "peak", places[0]], found["flush"])}
 ## Tilt and skew
 
-At {TURNED_APPROACH * 1e6:g} µm beside the package's material grid on a mesh made for the contact (hats of 0.1 mm,
-{found["dofs"]} dofs).
+At {TURNED_APPROACH * 1e6:g} µm compared with the package's body-fixed grid on a mesh made for the contact (nodes every
+0.1 mm, {found["dofs"]} dofs).
 
 {table(["axes", "mesh", "force", "largest pressure"], found["turned"])}
 ## Two rollers on one
@@ -359,7 +359,7 @@ both opposite each other, on the same fine grid, and the error of it on meshes o
 {table(["apart [mm]", "force", *COARSE], found["beside"])}
 ## Energy
 
-What cells that travel do work with over {REVOLUTIONS} revolutions at constant approach, as a mean force over the load
+Work of contact-fixed cells over {REVOLUTIONS} revolutions at constant approach, as a mean force over the load
 (ledger line `contact_grid`).
 
 {table(["mesh", "force over the load"], found["energy"])}"""

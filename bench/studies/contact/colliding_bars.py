@@ -176,6 +176,6 @@ over that at the start. Worst of three phases of the touch in a step, {STEPS:g} 
 *No damping* is that of the global modes. Without it the highest of them ring: with quasi-static local modes against the
 compliance of the contact, which carries no mass, with dynamic ones against a face that is held. With dynamic local
 modes the face has mass and meets next to no compliance; it loses its own kinetic energy in the steps in which it
-closes, instead of bouncing. `exponential` steps by HHT those modes that a step resolves, as here; it differs from `hht`
-by its damping of {EXACT_DAMPING:.0%}.
+closes, instead of bouncing. `exponential` integrates by HHT those modes that a step resolves, as here; it differs from
+`hht` by its damping of {EXACT_DAMPING:.0%}.
 """

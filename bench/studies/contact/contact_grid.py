@@ -276,17 +276,17 @@ projection, by its values at the middles of the functions. Values at points do n
 ## On rollers of finite elements
 
 A reduced steel roller (R 50 mm) under a rigid cylinder, half-width {1e3 * roller_half_width():.2g} mm, grids and meshes
-of several sizes, first layer of nodes as deep as nodes are apart around. Force at a given approach beside the finest
-mesh of the same elements (nodes b/16 apart) with the grid of its nodes. The rule is for the grid alone. It holds on
-linear cells (hex8) where two fall on a spacing, and on quadratic ones (hex27) with nodes as far apart as the functions;
-linear cells as coarse as the grid add an error of the same size.
+of several sizes, first layer of nodes as deep as nodes are apart around. Force at a given approach compared with the
+finest mesh of the same elements (nodes b/16 apart) with the grid of its nodes. The rule is for the grid alone. It holds
+on linear cells (hex8) where two fall on a spacing, and on quadratic ones (hex27) with nodes as far apart as the
+functions; linear cells as coarse as the grid add an error of the same size.
 
 {table(["elements", "b/s", "b/node spacing", "centred", "worst position", "rule"], rows["roller"])}
 ## Layers of cells that grow inwards
 
 The same roller, layers that grow from one to the next; linear cells 8, quadratic nodes 4 in a half-width of
-{1e3 * roller_half_width():.2g} mm. Mean error of the force over positions, beside the finest quadratic mesh with growth
-{FINEST_GROWTH:g}, and the estimate of `warpffrf/offline/contact/mesh_error.py`, which `reduce` reports
+{1e3 * roller_half_width():.2g} mm. Mean error of the force over positions, compared with the finest quadratic mesh with
+growth {FINEST_GROWTH:g}, and the estimate of `warpffrf/offline/contact/mesh_error.py`, which `reduce` reports
 (`line_mesh_error`) and adds to what the rule promises.
 
 {table(["elements", "growth", "half-width", "force", "estimate"], rows["layer"])}"""

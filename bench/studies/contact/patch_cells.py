@@ -100,7 +100,7 @@ def page(found: dict[str, list[list[str]]]) -> str:
     return f"""# Cells of a patch and their error
 
 Two hollow steel rollers (R 50, bore 15, width 20 mm) of 4 mm hexahedra, bores held at an approach: force and largest
-pressure on cells that travel with the patch, beside the same on twice as many. The patch takes nine of eleven strips.
+pressure on contact-fixed cells, compared with the same on twice as many. The patch takes nine of eleven strips.
 Where rows follow the patch errors go up and down as cells lie under its edge; all stay below the rule by which
 `Contact(cell_error=)` chooses how many there are. Five strips can err by more in a patch that moves.
 

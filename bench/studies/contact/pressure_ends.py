@@ -135,7 +135,7 @@ def page(rows: list[tuple[int, float, float, Ends]]) -> str:
         *fixed, *(f"{way} / reference" for way in ("nodes", "hats", *PATCHES)),
         *(f"{way} / full" for way in ("hats", *PATCHES)), *(f"{way} / full, stress" for way in ("hats", *PATCHES)),
     ]  # fmt: skip
-    return f"""# Where a patch ends: "semi" and "full" beside the law itself
+    return f"""# Where a patch ends: "semi" and "full" compared with the law itself
 
 Two equal steel rollers, R = {RADIUS * 1e3:.0f} mm, linear cells, pressed together by the force that "full" has
 at the approach, with a layer so many times as stiff as the surface under a hat. *Columns* of the grid, which is the
@@ -151,7 +151,7 @@ Stress under the patch, von Mises, the largest difference over the largest, on t
 
 {table([*fixed, *sides], stress)}
 {READ_MATERIAL}
-## On cells that travel with the patch
+## On contact-fixed cells
 
 The same bodies, layers, forces and reference with `Contact(grid="contact_fixed")`, on {
         ", ".join(map(str, STRIPS))
@@ -166,7 +166,7 @@ bodies' grid, as all others are.
 READ_MATERIAL = """\
 What to read from it. Nodes err where a patch ends between two of them: a node has its whole share of the surface or
 nothing. Hats that are not negative cannot end inside a cell: the outermost one reaches beyond the patch, or is missing,
-and its neighbours make up for it. Under a layer that yields like the penalties of practice both err by about the same,
+and its neighbours make up for it. Under a layer as compliant as the penalties of practice both err by about the same,
 in different ways, so that their difference is larger than either error; an evaluation without error would differ from
 "full" by as much as "full" errs. Under a layer that is hardly there nodes are the better ones, and most of the
 difference is an error of "semi": it excludes tension at every point of the surface, not only in the sum at a node.
@@ -193,7 +193,7 @@ def read_patch(rows: list[tuple[int, float, float, Ends]]) -> str:
     wrong = f" In the others it errs by up to {max(silent):.1%}." if silent else ""
     return f"""\
 What to read from it. On {MESHES[0][0]} sectors "semi" errs by {between("hats")} against the reference, "full" by
-{between("nodes")}, cells that travel by {counts}.
+{between("nodes")}, contact-fixed cells by {counts}.
 Their edge lies inside a cell too, but the cell is as narrow as is asked for, on the same body and mesh: the error falls
 with the strips, where that of hats and nodes falls with the mesh only. From "full" they differ by what "full" errs,
 with {most} strips by {beyond:.1%} more at most: the distance of "semi" from "full" is one of hats and nodes, which
@@ -202,9 +202,9 @@ quarter of the half-width, and a pressure that is constant in it makes steps whi
 chosen for force and largest pressure, right to {CELL_ERROR:.1%}; whoever wants the pressure at the edge takes more, by
 `Contact(cells=)` or `Contact(cell_error=)`.
 
-On {MESHES[1][0]} sectors the program *refuses* {refused} of {len(finer) * len(PATCHES)} cases.{wrong}
-These bodies are narrow arcs of a mesh finer than the cells, its own cells sixty times as long as wide; from {LONGEST:g}
-times on `Contact` takes no cells that travel. Without that bound they err by up to a fifth, or their compliance is not
+On {MESHES[1][0]} sectors the program *refuses* {refused} of {len(finer) * len(PATCHES)} cases.{wrong} These bodies are
+narrow arcs of a mesh finer than the cells, its own cells sixty times as long as wide; from {LONGEST:g} times on
+`Contact` takes no contact-fixed cells. Without that bound they err by up to a fifth, or their compliance is not
 positive definite. It is not their far field, which is that of {MESHES[0][0]} sectors to 1e-4 of the whole, nor that the
 arcs are narrow: why is not found out here. The cure is a mesh with squarer cells at the surface.
 """

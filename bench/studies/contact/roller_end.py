@@ -192,10 +192,10 @@ def page(found: dict[str, list[list[str]]]) -> str:
 
 A steel roller (R {roller.outer_radius * 1e3:g} mm, rigid hub {roller.inner_radius * 1e3:g} mm, width
 {roller.width * 1e3:g} mm) under {LINE_LOAD * roller.width / 1e3:g} kN on a rigid plane, or on its equal: full finite
-elements with quadratic cells and no modes. Cells in Hertz's half-width a = {a * 1e3:.4f} mm, and the
-first one at the end along the axis. *Middle over Hertz*: peak pressure at mid-width beside Hertz's at the line load
-found there. Pressure on the line of contact over that in the middle: at the end, {PLACES[1]:g} a and {PLACES[2]:g} a
-from it. *Line loads*: end over middle. Approach of the hub.
+elements with quadratic cells and no modes. Cells in Hertz's half-width a = {a * 1e3:.4f} mm, and the first one at the
+end along the axis. *Middle over Hertz*: peak pressure at mid-width compared with Hertz's at the line load found there.
+Pressure on the line of contact over that in the middle: at the end, {PLACES[1]:g} a and {PLACES[2]:g} a from it. *Line
+loads*: end over middle. Approach of the hub.
 
 {table(shown, found["finite elements"])}
 ## Reduced bodies in the step

@@ -80,7 +80,7 @@ def compute() -> dict[str, Any]:
 
 def page(found: dict[str, Any]) -> str:
     """The whole page."""
-    head = ["elements", "per half-width", "sense", "half-width error", "peak error", "largest hat's error"]
+    head = ["elements", "per half-width", "sense", "half-width error", "peak error", "largest nodal error"]
     wave_head = ["elements", "per half-width", "sense", "worst ripple", "at", "phase"]
     force_head = ["elements", "sectors", "FE dofs", "per half-width", "force [N]", "ripple", "rate"]
     drop_head = ["step [s]", "restitution", "largest rise of the ledger", "largest loss", "accepted steps"]
@@ -92,7 +92,8 @@ Two equal steel rollers (R 50 mm, bore 15 mm, width 20 mm).
 
 Mid-plane of the 3-D pair against Hertz's line contact at the line load found there; worst of 8 phases of the contact
 grid. Half-width (twice the root of the second moment) and peak as results report them. *rolling*: opposite rotations,
-the two grids keep their relative phase; *sliding*: every relative phase occurs. Quadratic elements carry two hats each.
+the two grids keep their relative phase; *sliding*: every relative phase occurs. Quadratic elements carry two grid nodes
+each.
 
 {table(head, found["hertz"])}
 Peak-to-peak ripple of the force at constant approach over its mean: 12 positions in a pitch, 5 relative phases, sizes

@@ -371,7 +371,7 @@ def on_shaft(hats: tuple[int, int], load: float, at: tuple[float, float]) -> Sce
 
 
 def grid_rows(hats: tuple[int, int] = (64, 9), load: float = 2e3, turns: int = 3) -> list[Row]:
-    """The same bearing with the grid on the shaft and in the bore: at rest, and turning by a column a step."""
+    """The same bearing with the grid on the shaft and in the bore: at rest, and turning by a column per step."""
     own = bearing(bore(hats, LENGTH, RIGID), (load, 0.0), cavitation="reynolds")
     exact = _place(completed(find_equilibrium(own)))
     still = _place(completed(find_equilibrium(on_shaft(hats, load, (0.3 * CLEARANCE, 0.0)))))
@@ -381,10 +381,10 @@ def grid_rows(hats: tuple[int, int] = (64, 9), load: float = 2e3, turns: int = 3
     x = found.bodies["shaft"].position[-hats[0] :]
     moving = np.array([x[:, 0].mean(), -x[:, 2].mean()]) / CLEARANCE
     size, on = float(np.hypot(*exact)), f"{hats[0]} x {hats[1]}"
-    case = "grid on the shaft beside grid in the bore"
+    case = "grid on the shaft compared with grid in the bore"
     return [
         Row(case, on, "place at rest, over the eccentricity", float(np.hypot(*(still - exact))) / size, 0.01),
-        Row(case, f"{on}, a column a step", "place, likewise", float(np.hypot(*(moving - exact))) / size, 0.01),
+        Row(case, f"{on}, a column per step", "place, likewise", float(np.hypot(*(moving - exact))) / size, 0.01),
     ]
 
 
@@ -406,7 +406,7 @@ def dry_rows(hats: tuple[int, int] = (64, 9), speeds: Sequence[float] = (3.0, 0.
             find_equilibrium(bearing(body, (HEAVY, 0.0), speed=speed, feeds=[GROOVE], asperities=ASPERITIES))
         )
         film, x = wet.films["film"], wet.bodies["shaft"].position[-1]
-        case, on = f"asperities and film at {speed:g} rad/s beside dry contact", f"{hats[0]} x {hats[1]}"
+        case, on = f"asperities and film at {speed:g} rad/s compared with dry contact", f"{hats[0]} x {hats[1]}"
         rows += [
             Row(case, on, "largest pressure of asperities", film.largest_asperity_pressure[-1] / largest - 1.0, 0.05),
             Row(case, on, "eccentricity", float(np.hypot(x[0], x[2])) / place - 1.0, 0.05),
@@ -428,15 +428,15 @@ def compute() -> list[Row]:
 def page(found: list[Row]) -> str:
     """Markdown."""
     missed = [row for row in found if not row.reached]
-    return f"""# Oil films of the engine by their acceptance
+    return f"""# Oil films of the engine compared with closed forms
 
-Closed forms, quadrature and dry contact beside scenes that `find_equilibrium` and `run` solve; the law by itself beside
-the same is in [oil_film.md](oil_film.md). The body under the film is {RIGID:g} times as stiff as steel, but for the
-asperities, which stand in a steel bore. Radius
-{1e3 * RADIUS:g} mm, clearance {1e6 * CLEARANCE:g} µm, {VISCOSITY:g} Pa s, {SPEED:g} rad/s where nothing else is said.
+Closed forms, quadrature and dry contact compared with scenes that `find_equilibrium` and `run` solve; the law by itself
+compared with the same is in [oil_film.md](oil_film.md). The body under the film is {RIGID:g} times as stiff as steel,
+but for the asperities, which stand in a steel bore. Radius {1e3 * RADIUS:g} mm, clearance {1e6 * CLEARANCE:g} µm,
+{VISCOSITY:g} Pa s, {SPEED:g} rad/s unless stated otherwise.
 
 A film of the engine ends on all sides, so that pads and long bearings are looked at in their middle row. Rows stand
-{BESIDE:.2f} of the length of the pressure apart: there hats d apart along do not couple in a pressure that goes as a
+{BESIDE:.2f} of the length of the pressure apart: there nodes d apart along do not couple in a pressure that goes as a
 half sine, and the ends are not felt. Fewer rows farther apart would alternate.
 
 {len(found) - len(missed)} of {len(found)} targets are reached.

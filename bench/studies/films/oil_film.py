@@ -167,7 +167,7 @@ def standing(load: float, hats: tuple[int, int]) -> float:
 
 def turning(load: float, hats: tuple[int, int], per_turn: int) -> tuple[float, float]:
     """Eccentricity [m] under a load [N] that turns, after four turns of the shaft in so many steps each, and the mean
-    number of Newton iterations a step from the second turn on."""
+    number of Newton iterations per step from the second turn on."""
     film = JournalFilm(RADIUS, RADIUS, CLEARANCE, VISCOSITY, SPEED, *hats, mode="reynolds")
     place, step, counts = np.array([0.5, -0.3]) * CLEARANCE, 2.0 * np.pi / SPEED / per_turn, []
     film.begin(place)
@@ -179,7 +179,7 @@ def turning(load: float, hats: tuple[int, int], per_turn: int) -> tuple[float, f
 
 
 def turning_rows(load: float, steps: Sequence[int], hats: tuple[int, int] = (48, 9)) -> list[list[str]]:
-    """Beside the load that stands, by steps a turn."""
+    """Beside the load that stands, by steps per revolution."""
     exact, rows = standing(load, hats), []
     for per_turn in steps:
         found, iterations = turning(load, hats, per_turn)
@@ -233,33 +233,33 @@ def compute() -> dict[str, list[list[str]]]:
 
 def page(found: dict[str, list[list[str]]]) -> str:
     """Markdown."""
-    hats = [f"{a} x {b} hats" for a, b in HATS]
+    hats = [f"{a} x {b} nodes" for a, b in HATS]
     return f"""# The law of oil films
 
-Reynolds' equation on bilinear hats with the void volume per area as the unknown where the film is not full
+Reynolds' equation on bilinear shape functions with the cavity volume per area as the unknown where the film is not full
 (`tests/references/films`), by itself and between rigid surfaces. Radius {1e3 * RADIUS:g} mm, clearance
-{1e6 * CLEARANCE:g} µm, {VISCOSITY:g} Pa s, {SPEED:g} rad/s where nothing else is said.
+{1e6 * CLEARANCE:g} µm, {VISCOSITY:g} Pa s, {SPEED:g} rad/s unless stated otherwise.
 
-## Finite bearings beside finite volumes
+## Finite bearings compared with finite volumes
 
-Rupture by Reynolds' condition. Load [N] and attitude [deg] on {VOLUMES[0]} x {VOLUMES[1]} volumes, written apart from
-the hats; errors of load, attitude and largest pressure of the hats beside them.
+Rupture by Reynolds' condition. Load [N] and attitude [deg] on {VOLUMES[0]} x {VOLUMES[1]} volumes, implemented
+separately; errors of load, attitude and largest pressure of the film on nodes.
 
 {table(["L/D", "eccentricity", "load", "attitude", *hats], found["finite"])}
 ## Treatments of the cavity
 
-L/D 0.5, 128 x 17 hats, the film widest at 180°. Oil that is carried as void and film into the feed is right in mass;
-Reynolds' condition, which forgets what was lost at the rupture, comes next to it. *Sweeps*: how often the set of full
-hats was looked at.
+L/D 0.5, 128 x 17 nodes, the film widest at 180°. Oil that is carried as cavity and film into the feed conserves mass;
+Reynolds' condition, which forgets what was lost at the rupture, is closest to it. *Sweeps*: updates of the set of full
+nodes.
 
 {table(["eccentricity", "cavitation", "load [N]", "attitude [deg]", "sweeps"], found["mode"])}
 ## Closed forms
 
-{table(["case", "hats", "error of the force"], found["closed"])}
+{table(["case", "nodes", "error of the force"], found["closed"])}
 ## Rupture and filling
 
-A parabolic slider, 76.2 mm long, 25.4 to 50.8 µm, 4.57 m/s, 0.04 Pa s, 0.336 MPa at its end: beside quadrature. The
-ends of the cavity are off by so many cells.
+A parabolic slider, 76.2 mm long, 25.4 to 50.8 µm, 4.57 m/s, 0.04 Pa s, 0.336 MPa at its end: compared with quadrature.
+The ends of the cavity are off by so many cells.
 
 {table(["cells", "force", "flux", "rupture", "refill", "sweeps"], found["rupture"])}
 Plates, 10 mm wide, 25 + 10 cos(wt) µm apart at 50 Hz, 1 bar around them: the largest cavity over the half-width, and
@@ -268,17 +268,17 @@ when it collapses, in periods. BDF2.
 {table(["cells", "steps", "largest cavity", "collapse"], found["parting"])}
 ## Motion
 
-A load of 3 kN on a bearing of L/D 0.5 that turns at a quarter of the shaft's speed: eccentricity beside that of a load
-that stands, at half of the speed. BDF2, 48 x 9 hats.
+A load of 3 kN on a bearing of L/D 0.5 that rotates at a quarter of the shaft's speed: eccentricity compared with that
+of a stationary load, at half of the speed. BDF2, 48 x 9 nodes.
 
-{table(["steps a turn", "eccentricity", "Newton iterations a step"], found["turning"])}
+{table(["steps per revolution", "eccentricity", "Newton iterations per step"], found["turning"])}
 Short bearing, L/D 0.02, eccentricity 0.5, half film: where it begins to whirl. The film ends between two columns,
 which is of first order.
 
-{table(["hats", "m c ω²/W", "whirl/ω"], found["threshold"])}
+{table(["nodes", "m c ω²/W", "whirl/ω"], found["threshold"])}
 ## Balance
 
 A fed bearing at eccentricity 0.63: the torques about the axes of shaft and bore and the moment of the load between
-them, over the torque; and the power of the shaft beside the losses of shear and of flow.
+them, over the torque; and the power of the shaft compared with the losses of shear and of flow.
 
-{table(["hats", "torques", "power"], found["balance"])}"""
+{table(["nodes", "torques", "power"], found["balance"])}"""

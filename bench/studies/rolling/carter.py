@@ -168,12 +168,12 @@ def page(found: dict[str, list[list[str]]]) -> str:
     """The whole page."""
     shares = [f"Q/μP {q:g}" for q in SHARES]
     mindlin = ["cells", "Q/μP", "stick, cells", "displacement", "loss per cycle"]
-    return f"""# Friction in cells beside Carter, Cattaneo and Mindlin
+    return f"""# Friction in body-fixed cells compared with Carter, Cattaneo and Mindlin
 
 A reference of the friction law without bodies: exact elastic half-plane and half-space, Hertz's contact with its
-pressure in hats, traction constant in cells, slip in the mean over them, bounds half the way from the node to the mean
-of the pressure over the cell, one convex program a step (`friction_program.py`). Steel on steel, C1 of the verification
-cases (a = {LINE.half_width * 1e3:.4f} mm, R = 25 mm), μ = {FRICTION:g}.
+pressure in bilinear shape functions, traction constant in cells, slip in the mean over them, bounds half the way from
+the node to the mean of the pressure over the cell, one convex program per step (`friction_program.py`). Steel on steel,
+C1 of the verification cases (a = {LINE.half_width * 1e3:.4f} mm, R = 25 mm), μ = {FRICTION:g}.
 
 ## Carter: error of Q at his creepage
 
@@ -195,7 +195,7 @@ Prescribed Q, 8 cells and 16 steps: error of the creepage.
 ## Stick zone
 
 It touches the leading edge. Its ends against Carter's, in cells, one cell advanced per step: the leading end against
-a (the cell beside the patch has a small bound and sticks), the trailing end against a - 2 c.
+a (the cell next to the patch has a small bound and sticks), the trailing end against a - 2 c.
 
 {table(["cells", "Q/μP", "cells in 2 c", "leading end", "trailing end"], found["stick"])}
 ## Transient

@@ -288,7 +288,7 @@ def page(found: dict[str, list[list[str]]]) -> str:
     widths = [f"{n} to {n + 1}" for n in WIDTHS[:-2]]
     few = ["cells/step", *widths, "20, 20.5", "40.25"]
     creepages = [f"{1e3 * xi:g}" for xi, _ in published.EUROSPRINTER_FORCES]
-    return f"""# Rolling friction on cells that stand with the patch
+    return f"""# Rolling friction on contact-fixed cells
 
 A reference of the friction law without bodies (`half_space/patch_rolling.py`): exact elastic half-planes and
 half-spaces, like materials; a uniform grid about the middle of the patch, 1.3 times its half-widths to each side, with
@@ -333,7 +333,7 @@ step. Error of Q against 201 columns, % of μP: largest, root mean square. Cubic
 {table(["columns", "cells/step", "cubic", "linear", "cubic, whole step charged"], found["swelling"])}
 ## Kalker's coefficients
 
-Steady rolling without slip, which small creepages tend to: C11, C22, C23 against Kalker's table, one cell a step, by
+Steady rolling without slip, which small creepages tend to: C11, C22, C23 against Kalker's table, one cell per step, by
 columns in each direction. The table is rounded to three digits, up to 0.5 %.
 
 {table(["a/b", "ν", *(f"{n} columns" for n in KALKER_COLUMNS)], found["kalker"])}
@@ -347,7 +347,7 @@ angle to the grid. Spin is taken in the middle of the way inside the patch.
 {table(["cells/step", "rule", "whole step", "15°", "30°", "45°"], found["step"])}
 ## CONTACT's Eurosprinter
 
-F_x at nine creepages (in 1e-3) against CONTACT's, % of μN, by columns and cells a step. CONTACT has cells, too: its
+F_x at nine creepages (in 1e-3) against CONTACT's, % of μN, by columns and cells per step. CONTACT has cells, too: its
 example of Carter is 0.8 % of μP high.
 
 {table(["columns", "cells/step", *creepages], found["eurosprinter"])}

@@ -166,8 +166,8 @@ def unlike_on(name: str, rows: int = FINE_ROWS, *, turned: bool = False) -> tupl
     return creepage, scaled(creepage, hertz)
 
 
-UNLIKE_HEAD = ["mesh", "steel driven", "beside 0.6 mm", "at one load", "aluminium driven", "beside 0.6 mm",
-               "at one load", f"{COARSE_ROWS} rows", "beside 0.6 mm"]  # fmt: skip
+UNLIKE_HEAD = ["mesh", "steel driven", "against 0.6 mm", "at one load", "aluminium driven", "against 0.6 mm",
+               "at one load", f"{COARSE_ROWS} rows", "against 0.6 mm"]  # fmt: skip
 
 
 def unlike_mesh_rows() -> list[list[str]]:
@@ -237,7 +237,7 @@ def section(found: dict[str, list[list[str]]]) -> str:
     """What the page says on bodies."""
     return f"""## Unlike bodies
 
-Steel driven, aluminium free to turn: the creepage xi without a force. Half-planes with continuous adhesion have
+Steel driven, aluminium free to rotate: the creepage xi without a force. Half-planes with continuous adhesion have
 -xi R'/(a beta) = 2/pi = {2 / np.pi:.4f} (beta small); half-planes in cells (`half_space.unlike_rolling`) have an error
 that goes away slowly where friction hardly slips, for the trailing edge is singular then:
 
@@ -248,17 +248,17 @@ all rows creep alike, and the line load at mid-width, for which this is scaled, 
 
 {table(["a [µm]", "strips", "friction", "rollers"], found["unlike"])}
 By meshes, {WIDTH * 1e3:g} mm wide, 15 strips, {FINE_ROWS} rows along the axis: xi in 1e-3 at an approach of 12 µm,
-beside the finest mesh as it is, and at the same load (a mesh makes bodies stiffer or softer as a whole). Far fields
-are read and loaded in the middle of a row: rows longer than some three spacings of the contact grid, as {COARSE_ROWS}
-on these rollers (5 mm in the middle), leave out what lies between, which is seen on fine meshes.
+compared with the finest mesh as it is, and at the same load (a mesh makes bodies stiffer or softer as a whole). Far
+fields are read and loaded in the middle of a row: rows longer than some three spacings of the contact grid, as
+{COARSE_ROWS} on these rollers (5 mm in the middle), leave out what lies between, which is seen on fine meshes.
 
 {table(UNLIKE_HEAD, found["unlike_mesh"])}
 ## Meshes
 
 Steel with its Poisson's ratio. Q/(mu N), its difference from the finest mesh and from half-spaces (Carter; the law on
-27 x 27 cells) in percent of mu N, and Q itself beside the finest mesh at the same approach.
+27 x 27 cells) in percent of mu N, and Q itself compared with the finest mesh at the same approach.
 
-{table(["rollers", "creepage", "mesh", "Q/(mu N)", "beside finest", "beside half-spaces", "Q"], found["mesh"])}
+{table(["rollers", "creepage", "mesh", "Q/(mu N)", "against finest", "against half-spaces", "Q"], found["mesh"])}
 ## Gross slip
 
 |Q|/(mu N) - 1, and the angle between force and slip in degrees.

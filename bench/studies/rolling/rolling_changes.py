@@ -370,8 +370,8 @@ def split(strips: int, advance: float, rows: int, *, friction: float = FRICTION,
     )  # fmt: skip
 
 
-SPLIT_HEAD = ["case", "strips", "rows", "strips a step", "force", "load", "load, no friction", "least load", "changes",
-              "open rows", "repeated"]  # fmt: skip
+SPLIT_HEAD = ["case", "strips", "rows", "strips per step", "force", "load", "load, no friction", "least load",
+              "changes", "open rows", "repeated"]  # fmt: skip
 
 
 def split_rows() -> list[list[str]]:
@@ -432,14 +432,14 @@ Points: rollers with a crown of their own radius.
 ## Work
 
 Much friction, a traction locked in while both stand ({1e3 * found.stored:.3f} mJ), then a revolution at equal speeds.
-Friction takes {1e3 * found.lost:.3f} mJ, cells that travel move {1e3 * found.moved:+.3f} mJ; {found.passing:.0f} J of
+Friction takes {1e3 * found.lost:.3f} mJ, contact-fixed cells move {1e3 * found.moved:+.3f} mJ; {found.passing:.0f} J of
 elastic energy pass through the patch, so that friction takes {found.lost / found.passing:.1e} of it. It gains in no
 step (largest change {found.gained:.1e} J), and {found.share:.1e} of the force is left.
 
 One roller drives the other at a creepage of {DRIVEN:g} (0.41 mu N): contact grid and numerical lines of the ledger over
 the work of the drives, in percent.
 
-{table(["strips", "strips a step", "revolutions", "ledger"], figures["work"])}
+{table(["strips", "strips per step", "revolutions", "ledger"], figures["work"])}
 ## Patches that change
 
 Off the end, a point contact loses load in steps, a row of cells at a time, with friction or without; the force follows
@@ -449,7 +449,7 @@ Largest jumps of the force beyond a smooth curve in percent of the largest mu N,
 least load in percent of that, steps that were repeated. Creepage {GENTLE:g} of gross slip's,
 crown {1e3 * CROWN:.0f} mm.
 
-{table(["case", "contact", "strips", "strips a step", "force", "load", "least load", "repeated"], figures["change"])}
+{table(["case", "contact", "strips", "strips per step", "force", "load", "least load", "repeated"], figures["change"])}
 ## Patches that split
 
 A roller with two humps {2e3 * HUMP:g} mm apart and {1e6 * HOLLOW:g} µm high on a straight one, creepage {GENTLE:g} of

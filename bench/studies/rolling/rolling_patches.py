@@ -10,7 +10,7 @@ from typing import Any
 from studies.rolling import rolling_bodies, rolling_changes, rolling_steady
 
 PARTS = (rolling_steady, rolling_bodies, rolling_changes)
-HEAD = """# Rollers with friction on cells of the patch
+HEAD = """# Rollers with friction on contact-fixed cells
 
 Two equal hollow rollers (R 50, bore 15, width 20 mm unless said), everything prescribed at their bores.
 

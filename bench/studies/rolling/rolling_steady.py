@@ -45,10 +45,10 @@ Array = np.ndarray
 SIZE = 4e-3  # m, of the cells of meshes unless told
 APPROACH, HALF_WIDTH = 8e-6, 2.6e-4  # m, of straight rollers of steel
 STRIPS = (11, 15, 21, 31, 52)
-ADVANCES = (0.5, 1.0, 1.37, 2.0, 2.5)  # strips a step
+ADVANCES = (0.5, 1.0, 1.37, 2.0, 2.5)  # strips per step
 CREEPAGES = (6e-4, 1.5e-3)  # 0.35 and 0.73 mu N
 LONG, SHORT = 25.0, 8.0  # crossings after which line and point contacts are steady to 2e-4
-FINE = (52, 1.0)  # strips, strips a step of the solution that transients are held against
+FINE = (52, 1.0)  # strips, strips per step of the solution that transients are held against
 STANDING, WOUND = 1e-3, 1.5e-6  # s of standing in which the lower roller is held back by that way [m]
 BESIDE = 10.0  # crossings of a transient
 NO_SLIP = 20.0  # coefficient of friction for Kalker's coefficients
@@ -219,13 +219,13 @@ def section(found: dict[str, list[list[str]]]) -> str:
 
 Two straight rollers without Poisson's ratio (plane strain), half-width {HALF_WIDTH * 1e3:.2f} mm, 4 mm mesh. Error of Q
 against Carter's at the prescribed creepages {CREEPAGES[0]:g} and {CREEPAGES[1]:g}, of mu N in percent, in brackets
-against {STRIPS[-1]} strips at one a step. Strips across over 1.3 of 2 a, steps in strips down.
+against {STRIPS[-1]} strips at one per step. Strips across over 1.3 of 2 a, steps in strips down.
 
-{table(["strips a step", *(str(n) for n in STRIPS)], found["carter"])}
+{table(["strips per step", *(str(n) for n in STRIPS)], found["carter"])}
 From pressing through standing (Cattaneo, about 0.6 mu N against the later creep) to rolling (Carter): largest
-difference at any instant from {FINE[0]} strips at {FINE[1]:g} a step, of mu N in percent.
+difference at any instant from {FINE[0]} strips at {FINE[1]:g} per step, of mu N in percent.
 
-{table(["strips a step", "11", "15", "21"], found["transient"])}
+{table(["strips per step", "11", "15", "21"], found["transient"])}
 ## CONTACT's Eurosprinter
 
 Two crowned rollers that are the Eurosprinter by similarity (R 50, crown {1e3 * CROWN:.1f} mm): F_x/(mu N); differences
@@ -235,7 +235,7 @@ from CONTACT and from the law without bodies on the same cells, of mu N in perce
 ## Kalker's coefficients
 
 Two crowned rollers, friction {NO_SLIP:g}, 21 x 21 cells, a b = (0.25 mm)^2; C_22 by a lateral speed, C_23 by an upper
-axle tilted by {1e3 * TILT:g} mrad. Relative errors beside the table (a parabola between its Poisson's ratios).
+axle tilted by {1e3 * TILT:g} mrad. Relative errors compared with the table (a parabola between its Poisson's ratios).
 
 {table(["a/b", "Poisson", "C11", "C22", "C23"], found["kalker"])}
 """

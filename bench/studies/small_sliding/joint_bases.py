@@ -74,16 +74,17 @@ def engine_table(both: Sequence[Both]) -> str:
             ])  # fmt: skip
     what = f"""The same joint in the engine, whose cells are made by `LapCells(size=)` and `LapCells(growth=, fine=)`,
 with {joint_engine.MODES} vibration modes and {SCALE:g} of the loads; *study*: the flexibility of the same cells in the
-solver of all rows above. Errors beside the full model, milliseconds a load step, of the engine with everything that
-belongs to one."""
+solver of all rows above. Errors compared with the full model, milliseconds per load step, of the engine with everything
+that belongs to one."""
     head = ["cells", "unknowns", "load", "by", "pressure", "friction", "slip", "loss", "amplitude", "ms"]
     pairs = [(one.study, one.engine) for one in both if one.study is not None]
     values = ("pressure", "traction", "slip", "loss", "amplitude")
     apart = max(abs(getattr(mine, v) - getattr(theirs, v)) for theirs, mine in pairs for v in values)
     ratio = np.median([theirs.milliseconds / max(mine.milliseconds, 1e-9) for theirs, mine in pairs])
-    said = f"""Study and engine differ by {apart:.0e} at most, which is the turning of bolts; the engine's load step
+    said = f"""Study and engine differ by {apart:.0e} at most, which is the rotation of bolts; the engine's load step
 takes 1/{ratio:.0f} of the time in the middle of the rows."""
-    return f"## Laps of the engine\n\n{textwrap.fill(what, 120)}\n\n{table(head, rows)}\n{textwrap.fill(said, 120)}\n"
+    paragraphs = textwrap.fill(what, 120), table(head, rows) + "\n" + textwrap.fill(said, 120)
+    return "\n\n".join(["## Small-sliding contact of the engine", *paragraphs]) + "\n"
 
 
 Figures = tuple[Joint, Sequence[Space], Sequence[Compared], Sequence[Both]]
@@ -127,15 +128,15 @@ def page(figures: Figures) -> str:
 clamped at one end, pressed together by two bolts ({PRELOAD / 1e3:g} kN each, as forces under heads of
 {2e3 * HALF_WIDTH:g} mm at {BOLTS[0] * 1e3:g} and {BOLTS[1] * 1e3:g} mm), and bent by a force at the tip of the upper
 one: {joint.lap.model.size} dofs of hex27, {joint.cells.count} facets in the joint, friction {FRICTION:g}, a layer of
-{LAYER:g} Pa/m, which spaces of few coordinates need. The full model has every facet as a cell and the full
-flexibility between them. *Statics + modes*: the responses to preload and tip force, and the lowest modes of the open
-joint. *TVD*: with trial vector derivatives (`wf.bases.TrialVectorDerivatives`), half from pressures, half from
-tractions; what they leave out of the derivatives stands beside them, which says how far the set of derivatives is
-used up, not how good it is. *Cells*: the flexibility of the relative motion of larger cells, uniform tractions on
-each; graded ones grow with the distance from the ends and the edges of the heads, by "growth" times it. Errors in L2 at
-the peak, of slip that of its range in the last cycle where cells touch; loss and amplitude of that cycle. Solves:
-static ones before the first increment. Milliseconds an increment with the dense solver that all go through, in which
-the forces of the cells are the unknowns; a space of m coordinates still has all of them."""
+{LAYER:g} Pa/m, which spaces of few coordinates need. The full model has every facet as a cell and the full flexibility
+between them. *Statics + modes*: the responses to preload and tip force, and the lowest modes of the open joint. *TVD*:
+with trial vector derivatives (`wf.bases.TrialVectorDerivatives`), half from pressures, half from tractions; what they
+leave out of the derivatives is given next to them; it states how far the set of derivatives is used up, not how good it
+is. *Cells*: the flexibility of the relative motion of larger cells, uniform tractions on each; graded ones grow with
+the distance from the ends and the edges of the heads, by "growth" times it. Errors in L2 at the peak, of slip that of
+its range in the last cycle where cells touch; loss and amplitude of that cycle. Solves: static ones before the first
+increment. Milliseconds per increment with the dense solver that all go through, in which the forces of the cells are
+the unknowns; a space of m coordinates still has all of them."""
     return f"""# Reducing a joint: coordinates for the bodies or cells of the joint
 
 {textwrap.fill(what, 120)}
@@ -169,7 +170,7 @@ def _reading(results: Sequence[Compared]) -> str:
     points.append(
         "A basis cannot press where no mode presses: its errors of pressure stay, and do not fall evenly with its "
         "size. The flexibility of the cells is exact for the tractions that the cells can have, at the price of "
-        "one solve an unknown, and what is lost by larger cells is known: it is where the slip zone ends inside a "
+        "one solve per unknown, and what is lost by larger cells is known: it is where the slip zone ends inside a "
         "cell."
     )
     wrapped = (textwrap.fill(p, 120, initial_indent="- ", subsequent_indent="  ") for p in points)

@@ -27,10 +27,10 @@ def page(found: list[Row]) -> str:
     """Markdown."""
     missed = [row for row in found if not row.reached]
     head = ["case", "cells", "compared", "exact", "found", "error", "target", ""]
-    return f"""# Joints that slide a little by their acceptance
+    return f"""# Small-sliding contact of the engine compared with closed forms
 
-Closed forms beside scenes that `simulate` solves, in load steps (`kind="static"`) and in time. Poisson's ratio is zero
-but in the press of two blocks; cells are facets of the mesh where nothing else is said.
+Closed forms compared with scenes that `simulate` solves, in load steps (`kind="static"`) and in time. Poisson's ratio
+is zero but in the press of two blocks; cells are facets of the mesh unless stated otherwise.
 
 {len(found) - len(missed)} of {len(found)} targets are reached.
 
@@ -40,16 +40,16 @@ but in the press of two blocks; cells are facets of the mesh where nothing else 
 
 READ = """\
 **Two leaves**, 200 x 20 x 4 mm each, are clamped at one end, pressed together from outside and loaded at the tip, half
-of the force on either. A cycle goes to twice the force of slip. What is off of the stuck deflection is shear, which the
+of the force on either. A cycle goes to twice the force of slip. The error of the stuck deflection is shear, which the
 closed form leaves out. Times are those of the whole call, after the program was compiled, the least of three; that of
 the processor counts where the machine does other work as well.
 
 **The bar**, 4 mm high, stands between rigid faces with interference, and is pulled at one end; cells grow from there.
 Behind the slip zone the bar sticks by its own shear, over less than half its height where the closed form has none: at
-the smallest force, with a slip zone of six heights, that is most of what the loss is off.
+the smallest force, with a slip zone of six heights, that is most of the error of the loss.
 
-**The press fit** has curved quadratic cells; what the seat is off is that of means over facets, which are flat to their
-cells, and falls with their number.
+**The press fit** has curved quadratic cells; the error of the seat is that of means over facets, which are flat to
+their cells, and falls with their number.
 
 **The pair that spins** is held by a spring alone, which pulls from the start; the first half of the flight, in which
 that has died away, is left out of the angular momentum, as steps of an impact turn while they last.

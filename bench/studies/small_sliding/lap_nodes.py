@@ -131,7 +131,7 @@ def whole_rows() -> list[list[str]]:
             beside = [("linear", lap)]
             if scale == 1.0:
                 tension = np.full(len(BOLTS), PRELOAD) if shank is None else found.tension
-                beside.append(("with turning", StaticLap(stacked.turning(tension), lap.cells, FRICTION)))
+                beside.append(("with rotation", StaticLap(stacked.turning(tension), lap.cells, FRICTION)))
             for what, one in beside:
                 rows.append(row(name, f"{scale:g}", what, found=difference(found, one, stacked.loads, cycle)))
     return rows
@@ -267,7 +267,7 @@ def motion_rows() -> list[list[str]]:
         found = motion(stacked, modes, scale, RUN, shake, turned=turned)
         rows.append([
             name, "forces" if stacked.shank is None else "springs", f"{modes}", f"{scale:g}",
-            "with turning" if turned else "linear", f"{found.rms:.2%}", f"{found.loss:+.2%}", f"{found.states:.1%}",
+            "with rotation" if turned else "linear", f"{found.rms:.2%}", f"{found.loss:+.2%}", f"{found.states:.1%}",
         ])  # fmt: skip
     return rows
 
@@ -288,11 +288,11 @@ def compute() -> dict[str, list[list[str]]]:
 
 def page(found: dict[str, list[list[str]]]) -> str:
     """Markdown."""
-    return f"""# Laps beside full finite elements
+    return f"""# Small-sliding contact compared with full finite elements
 
 Steel sheets, {SIZE[0] * 1e3:g} mm long and {SIZE[2] * 1e3:g} mm high together, in one body that hangs together at its
 clamped root, {ALONG} hex27 along each; two bolts as pairs of forces of {PRELOAD * 1e-3:g} kN, friction 0.2, a force at
-the tip of the upper sheet that goes up, down and up again (`studies.small_sliding.lap_stacks`). Held against
+the tip of the upper sheet that goes up, down and up again (`studies.small_sliding.lap_stacks`). Compared with
 `references.small_sliding`, which has every node of the same mesh and shares no code with engine or reduction.
 Pressures and tractions of all cells in all load steps, differences over the largest pressure; loss of the last cycle
 and amplitude at the tip relative. *Steps cut*: load steps that the engine cut in parts, which the full model follows.
@@ -303,15 +303,15 @@ Loads are {SMALL:g} of the above. Targets: 1e-6 at all nodes, 1e-8 with the same
 
 {table(GIVEN, found["equal"])}
 What stands of four sheets is round-off of stiff cells between slender sheets, not Newton's tolerance. Four sheets by
-facets near macro slip, beside the full model, which eliminated in another order differs from itself:
+facets near macro slip, compared with the full model, which eliminated in another order differs from itself:
 
 {table(["found", *GIVEN[3:7]], found["round_off"])}
 ## Larger loads
 
-Two sheets, cells at nodes, partial slip. Bolts of the engine follow their heads or do not while sheets turn, which
+Two sheets, cells at nodes, partial slip. Bolts of the engine follow their heads or do not while sheets rotate, which
 linear finite elements do not know, and differences grow with the load: *forces* are pairs that keep their direction,
-*springs* shanks of {1e-6 * SHANK:g} N/µm between the heads that pull with {PRELOAD * 1e-3:g} kN before anything gives
-way. *With turning*: the full finite elements have the quadratic part of the potential of either in addition,
+*springs* shanks of {1e-6 * SHANK:g} N/µm between the heads that pull with {PRELOAD * 1e-3:g} kN before anything
+deforms. *With rotation*: the full finite elements have the quadratic part of the potential of either in addition,
 two stiffnesses of rank one (`studies.small_sliding.lap_bolts` derives them).
 
 {table(["bolts", "of the loads", "full model", *GIVEN[3:]], found["whole"])}
@@ -320,22 +320,22 @@ two stiffnesses of rank one (`studies.small_sliding.lap_bolts` derives them).
 Target: the same to 1e-6. Load steps are {STEPS[1] / SHORTER[1]:g} times as long as above: in longer ones Newton's
 method runs in circles with 40 modes and four sheets, and steps are cut, in parts of unequal length.
 
-{table([*GIVEN[:3], "beside", *GIVEN[3:]], found["modes"])}
+{table([*GIVEN[:3], "compared with", *GIVEN[3:]], found["modes"])}
 ## Two bodies, one upon the other
 
-Meshes that match, beside the full finite elements of the sheets together, {APART:g} of the loads:
+Meshes that match, compared with the full finite elements of the sheets together, {APART:g} of the loads:
 
 {table(GIVEN, found["two_bodies"])}
-Elements along the lower sheet, whose facets are the cells, and along the upper one, beside full finite elements with
-160 along both; partial slip, {APART:g} of the loads.
+Elements along the lower sheet, whose facets are the cells, and along the upper one, compared with full finite elements
+with 160 along both; partial slip, {APART:g} of the loads.
 
 {table(["elements", "loss", "amplitude"], found["mismatch"])}
 ## Fewer cells
 
-A strip of {SQUARES} square facets, {NARROW * 1e3:.3g} mm wide, loads in proportion to the width. Beside full finite
-elements with every facet, and with every node (two along a facet, three across). *Graded*: cells grow away from the
-edges of the bolts' heads through the sheet, `LapCells(growth=, fine=heads)`. Targets: pressure 5 %
-(L2), loss 15 % in partial slip and 1 % near macro slip, amplitude 0.5 %.
+A strip of {SQUARES} square facets, {NARROW * 1e3:.3g} mm wide, loads in proportion to the width. Compared with full
+finite elements with every facet, and with every node (two along a facet, three across). *Graded*: cells grow away from
+the edges of the bolts' heads through the sheet, `LapCells(growth=, fine=heads)`. Targets: pressure 5 % (L2), loss 15 %
+in partial slip and 1 % near macro slip, amplitude 0.5 %.
 
 {table(["cells", "count", "load", "pressure", "loss", "amplitude", "pressure, nodes", "loss, nodes",
         "amplitude, nodes"], found["fewer"])}
@@ -350,17 +350,18 @@ rms of the motion, 3 % of the work of friction.
 
 
 READ = """\
-With the same cells the engine is the full finite elements, to round-off times what cells beside each other are stiffer
-than one alone: pressures to 1e-8, tractions of four sheets to 6e-8, where the full model repeats itself to 1e-8. Larger
-loads: what differs from linear finite elements is the turning of bolts, and with its two stiffnesses of rank one the
-engine is the full model again to the next order, in statics and in motion. As pairs of forces that keep their direction
-bolts bend sheets on, +1.1 % of the amplitude and 4.7 % of the rms of a motion; as springs, which bolts are, they turn
-along, and -0.15 % and 1.7 % are left, for the straight lines of small displacements in a frame that has not turned as
-far. Pressures under springs differ by the squares of the turns too, which stretch them and change their tension.
+With the same cells the engine is the full finite elements, to round-off times what adjacent cells are stiffer than one
+alone: pressures to 1e-8, tractions of four sheets to 6e-8, where the full model repeats itself to 1e-8. Larger loads:
+what differs from linear finite elements is the rotation of bolts, and with its two stiffnesses of rank one the engine
+is the full model again to the next order, in statics and in motion. As pairs of forces that keep their direction bolts
+bend sheets on, +1.1 % of the amplitude and 4.7 % of the rms of a motion; as springs, which bolts are, they rotate with
+the sheets, and -0.15 % and 1.7 % are left, for the straight lines of small displacements in a frame that has not
+rotated as far. Pressures under springs differ by the squares of the rotations too, which stretch them and change their
+tension.
 
 Two bodies agree as well; that their loads are larger is for round-off of their places. Cells need not match: of meshes
 that do not, the coarser one sets the error, and 20 elements are too coarse for partial slip in themselves. Facets of
-3.3 mm, half of the nodes along the strip, meet all targets beside the nodes, and so do 32
+3.3 mm, half of the nodes along the strip, meet all targets compared with the nodes, and so do 32
 cells that are graded from the edges of the heads, where the pressure is steep. As many cells that are alike, of two
 facets, miss the target of the pressure; cells of four have lost partial slip.
 

@@ -60,7 +60,7 @@ def page_of(study: Study, found: SpeedError, pictures: list[str], seconds: float
 {MADE}
 {COARSE if quick else ""}{study.text}
 
-What errors and times are is said in [the index](../{INDEX}).
+Errors and times are defined in [the index](../{INDEX}).
 
 {shown}
 
@@ -98,20 +98,19 @@ def write_index(studies: Mapping[str, Study], folder: str | Path) -> Path:
     index.write_text(
         f"""# Speed against error
 
-{MADE}
-Each machine runs with all combinations of some choices in one process, in rounds of changing order where there are
-several, and is held against a reference that the study computes itself, of a step four times finer than the finest.
-Errors are fractions of the whole history (`warpffrf.study.speed_against_error.errors`); times are wall time of the time
-loop per simulated second, the fastest run of each, and `step U` is the same for one step in units of U. What a run
-costs once stands beside: `set-up`, `checks` when it ends (cells that travel are held against finer ones, for the error
-that the run states), and the reduction, `offline`. A setting is on the front where none is both faster and at least as
-right, to three digits. Where rounds differ by more than fronts do (`fastest` beside `median`), the order of neighbours
-on a front is chance. Bodies are the same in all runs of a study but for what it chooses: what their meshes and modes
-leave out in the reference too is not in these errors.
+{MADE} Each machine runs with all combinations of some choices in one process, in rounds of changing order where there
+are several, and is compared with a reference that the study computes itself, of a step four times finer than the
+finest. Errors are fractions of the whole history (`warpffrf.study.speed_against_error.errors`); times are wall time of
+the time loop per simulated second, the fastest run of each, and `step U` is the same for one step in units of U. What a
+run costs once is given separately: `set-up`, `checks` when it ends (contact-fixed cells are compared with finer ones,
+for the error that the run states), and the reduction, `offline`. A setting is on the front where none is both faster
+and at least as right, to three digits. Where rounds differ by more than fronts do (compare `fastest` with `median`),
+the order of neighbours on a front is chance. Bodies are the same in all runs of a study but for what it chooses: what
+their meshes and modes leave out in the reference too is not in these errors.
 
 {table([*head, "made in s"], lines)}
-Figures of one machine, on which each page says what else ran; the table has the fastest setting with at most the error
-of its column in all measures against the reference, "none" where there is none or the reference cannot tell.
+Figures of one machine, each page states what else ran on it; the table has the fastest setting with at most the error
+of its column in all measures against the reference, "none" where there is none or the reference does not resolve it.
 """,
         encoding="utf-8",
     )

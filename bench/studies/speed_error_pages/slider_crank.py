@@ -32,7 +32,7 @@ SLIDER_CRANK = Study(
     "slider_crank",
     "Slider-crank with an elastic rod",
     f"The machine of the slider-crank demo over {RUN * 1e3:g} ms: the spin-up, {crank.SPIN_UP * 1e3:g} ms, "
-    "and half a turn at speed. Deformation is that of the rod at midspan. The rod has its geometric stiffening in "
-    "all runs; `inertia` is the level of its inertia terms.",
+    "and half a revolution at speed. Deformation is that of the rod at midspan. The rod has its geometric stiffening "
+    "in all runs; `inertia` is the level of its inertia terms.",
     make,
 )
