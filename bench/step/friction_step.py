@@ -2,7 +2,7 @@
 
 Two rollers roll on each other at a constant load, the upper one a little slower, so that part of the patch sticks and
 part slips. Rows: the same pair without friction, with friction at a creepage that leaves half of it sticking, and in
-gross sliding; on cells of a fine grid bound to the material, and on cells that travel with the patch over a mesh of
+gross sliding; on cells of a fine grid bound to the material, and on contact-fixed cells over a mesh of
 4 mm. Fastest of a few runs, in one process; U as everywhere (`warpffrf.study.machine`).
 """
 
@@ -40,7 +40,7 @@ class Rollers:
 
 
 ROLLERS = (
-    # three rows of hats; eight columns in the half-width
+    # three rows of nodes; eight columns in the half-width
     Rollers("grid", 0.005, 1.5e-3, {"sectors": 1680, "layers": 10, "axial": 2, "grading": 1.6, "order": 1}, None, 16),
     Rollers("patch", 0.02, 0.4e-3, {"sectors": 78, "layers": 8, "axial": 5, "order": 1}, (13, 10), 10),
     Rollers("patch", 0.02, 0.4e-3, {"sectors": 78, "layers": 8, "axial": 5, "order": 1}, (26, 20), 20),

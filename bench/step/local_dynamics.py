@@ -21,7 +21,7 @@ from warpffrf.study.machine import machine
 SECTORS = 480  # 4,320 local modes of each roller, 9 a sector
 COUNTS = (0, 50, 100, 200, 500, 1000, 2000)
 TREATMENTS = ("hht", "exponential")
-APPROACH = 60e-6  # m: about 18 active hats
+APPROACH = 60e-6  # m: about 18 active nodes
 ROUNDS = 3  # the fastest counts: other work on the machine only slows down
 
 

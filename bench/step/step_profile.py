@@ -1,6 +1,6 @@
 """Where the time of a step goes: `python bench/step/step_profile.py [--json FILE] [--rounds N] [--step S] [--rows N]`.
 
-The two-roller demo, spun up and loaded as in `docs/speed_error.md`: pressures on hats of its mesh, on as many cells as
+The two-roller demo, spun up and loaded as in `docs/speed_error.md`: pressures on nodes of its mesh, on as many cells as
 are chosen by themselves that travel with the patch, and on fewer of them over a mesh of 4 mm, which keep within 1 % of
 force and 2 % of pressure.
 

@@ -1,4 +1,4 @@
-"""Step time against active hats and outer columns: `python bench/step/step_vs_active.py [--json FILE] [--steps N]`.
+"""Step time against active nodes and retained columns: `python bench/step/step_vs_active.py [--json FILE] [--steps N]`.
 
 The same rolling pair is pressed deeper from row to row, with few global modes and with many. A second table refines
 the mesh under one patch: when is the contact grid finer than it need be?
@@ -15,7 +15,7 @@ from warpffrf.online import Settings
 from warpffrf.study.machine import machine
 
 APPROACHES = (15e-6, 30e-6, 60e-6, 90e-6, 120e-6)  # m
-MODES = (0, 36)  # vibration modes of each roller, beside 6 attachment modes: 12 + 12 and about 12 + 84 outer columns
+MODES = (0, 36)  # vibration modes of each roller, besides 6 attachment modes: 24 and about 96 retained columns
 REFINED = (360, 720, 1440, 2880)  # sectors
 REFINED_APPROACH = 60e-6  # m
 REFINED_WINDOW = 0.035  # of the effective radius: the finest grid's window stays below its cap
@@ -44,7 +44,7 @@ def main() -> None:
             rows.append({"table": "active", "approach": approach, "gap_columns": gap_columns, **found})
     for sectors in REFINED:
         body = tread_body(None, sectors=sectors, axial=4)
-        # the patch runs at the same speed over every grid: more columns a step on a finer one
+        # the patch runs at the same speed over every grid: more columns per step on a finer one
         settings = Settings(window_strain=REFINED_WINDOW)
         found = fastest(body, REFINED_APPROACH, given.steps, settings).row()
         gap_columns = 12 + 2 * len(body.frequencies)

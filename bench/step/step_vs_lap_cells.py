@@ -1,4 +1,4 @@
-"""Step time against cells of a lap in play.
+"""Step time against active cells of a joint interface.
 
 `python bench/step/step_vs_lap_cells.py [--json FILE] [--steps N] [--large]`.
 
@@ -36,7 +36,7 @@ MODES = 10  # of each plate
 
 
 def plate(cells: tuple[int, int], face: str) -> ReducedBody:
-    """A plate of eight-node hexahedra with a lap face, held at the other face or pulled at its end."""
+    """A plate of eight-node hexahedra with a joint interface face, held at the other face or pulled at its end."""
     interface = {"z_min": "rigid"} if face == "z_max" else {"x_max": "average"}
     return reduce(
         box(SIZE, (*cells, 2), order=1), STEEL, interfaces=interface, laps={"face": face}, modes=MODES, progress=False

@@ -46,7 +46,7 @@ def plate(stiffening: Any) -> ReducedBody:
 
 
 def vibrating(body: ReducedBody, stiffening: Any) -> Scene:
-    """The plate under a sudden load; linear bodies keep the inertia terms that make their modes outer unknowns."""
+    """The plate under a sudden load; linear bodies keep the inertia terms that make their modes retained unknowns."""
     scene = Scene(gravity=(0.0, 0.0, -(LOAD if stiffening == "membrane" else LINEAR_LOAD) * UNIT))
     held = scene.add_body(
         body, name="plate", damping=0.0, stiffening=bool(stiffening), inertia="constant" if stiffening else "deformed"

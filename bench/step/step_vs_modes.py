@@ -1,7 +1,7 @@
 """Step time against local modes per roller: `python bench/step/step_vs_modes.py [--json FILE] [--steps N] [--large]`.
 
-Same mesh, contact grid, approach and speed; the arc of the rim that carries hats grows, and the patch runs over fresh
-hats. `--large`: to 16,000 local modes on a mesh with twice as many cells around; its reductions take minutes.
+Same mesh, contact grid, approach and speed; the arc of the rim that carries nodes grows, and the patch runs over fresh
+nodes. `--large`: to 16,000 local modes on a mesh with twice as many cells around; its reductions take minutes.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from pathlib import Path
 from studies.speed.step_time import StepTime, time_swing, tread_body
 from warpffrf.study.machine import machine
 
-SECTORS, COLUMNS = 960, (56, 222, 889)  # with 9 hats each: 504, 1,998 and 8,001 local modes
+SECTORS, COLUMNS = 960, (56, 222, 889)  # with 9 nodes each: 504, 1,998 and 8,001 local modes
 LARGE_SECTORS, LARGE_COLUMNS = 1920, (56, 222, 889, 1778)  # to 16,002
-APPROACH = 60e-6  # m: about 45 active hats
+APPROACH = 60e-6  # m: about 45 active nodes
 ROUNDS = 3  # the fastest counts: other work on the machine only slows down
 
 

@@ -29,7 +29,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.study.machine import machine
 
 SECTORS, LAYERS, AXIAL, COLUMNS = 960, 14, 8, 60
-APPROACH = 60e-6  # m: about 45 active hats
+APPROACH = 60e-6  # m: about 45 active nodes
 SAMPLING_ERRORS = (0.05, 0.01, 0.002)
 POWER, POWER_DEPTH = 1.5, 1e-6  # of the law; where it has the pressure of the linear layer [m]
 COLUMNS_A_STEP = 0.25

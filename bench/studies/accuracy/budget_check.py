@@ -1,7 +1,7 @@
 """Errors that a run states compared with true ones, of its step and of the figures of its report.
 
 Machines of every kind of motion, free, driven and damped, in contact and in impact, each with a coarse and a fine step.
-True errors are those beside a run with a step `FINER` times smaller, whose own is 1/256 of them; both are root mean
+True errors are those against a run with a step `FINER` times smaller, whose own is 1/256 of them; both are root mean
 squares over the run, over the size of the quantity (`warpffrf.output.budget.quantities`). Figures:
 `studies.accuracy.figure_errors`.
 """
@@ -111,7 +111,7 @@ def compute() -> tuple[list[Compared], list[Stated]]:
 
 
 def page(figures: tuple[list[Compared], list[Stated]]) -> str:
-    """Stated beside true errors."""
+    """Stated against true errors."""
     found, stated = figures
     rows = [
         [r.machine, f"{r.step:.2g}", str(r.steps), r.quantity, f"{r.true:.1e}", f"{r.stated:.1e}", f"{r.ratio:.2f}"]

@@ -1,7 +1,7 @@
-"""The errors that reports print of their figures beside the errors that these have: a part of the page of
+"""The errors that reports print of their figures against the errors that these have: a part of the page of
 `studies.accuracy.budget_check`.
 
-Scenes on coarse meshes, cells, hats and film grids, each beside the same scene on fine ones. A figure is right where
+Scenes on coarse meshes, cells, nodes and film grids, each against the same scene on fine ones. A figure is right where
 what is stated of it is within a factor of three of the truth, or both are below `FLOOR`, of which a report says no
 more; a figure whose line says "not estimated" is told apart.
 """
@@ -64,7 +64,7 @@ class Stated:
 
 
 def compare(scene: str, own: Result, finer: Result) -> list[Stated]:
-    """All figures of a result beside those of a finer one of the same rows, forces and what is printed; their largest
+    """All figures of a result against those of a finer one of the same rows, forces and what is printed; their largest
     differences."""
     lines, found = own.error_budget(), []
     values, others = ({**figures(r.history, r.view), **quantities(r.history)} for r in (own, finer))
@@ -169,7 +169,7 @@ def solid_rollers() -> Iterator[Stated]:
 
 
 def stresses() -> Iterator[Stated]:
-    """The largest von Mises stress below lines and points, beside Hertz at the load found."""
+    """The largest von Mises stress below lines and points, against Hertz at the load found."""
 
     def stated(
         scene: str, result: Result, names: tuple[str, str], exact: LineContact | PointContact, nu: float
@@ -197,7 +197,7 @@ def stresses() -> Iterator[Stated]:
 
 
 def hats() -> Iterator[Stated]:
-    """Rollers on the material grid, a hat and two in a half-width."""
+    """Rollers on the body-fixed grid, a node and two in a half-width."""
 
     def body(sectors: int, layers: int, grading: float) -> ReducedBody:
         mesh = roller_mesh(0.05, 0.015, 0.02, sectors=sectors, layers=layers, axial=2, order=1, grading=grading)

@@ -91,7 +91,7 @@ def measure(machine: Machine, *, progress: bool = True) -> Found:
 
 
 def _settings(machine: Machine, scene: wf.Scene, chosen: wf.Scene) -> list[dict[str, Any]]:
-    """What is tried beside steps: inertia level, stiffening, grid, and cells for the errors that the machine names and
+    """What is tried besides steps: inertia level, stiffening, grid, and cells for the errors that the machine names and
     for the largest one that was `chosen`. What was chosen is kept where it is the least there is: more takes longer."""
     flexible = [body for body in scene.bodies if body.reduced is not None]
     used = [body for body in chosen.bodies if body.reduced is not None]

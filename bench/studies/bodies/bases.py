@@ -135,7 +135,7 @@ def by_size(body: Body, sizes: Sequence[int] = SIZES) -> list[list[Entry]]:
             ("balanced", bases.Balanced(pool_modes=POOL, damping=DAMPING), count),
             ("POD", bases.POD(frequencies=tuple(np.linspace(0.0, BAND, 20)), damping=DAMPING), count),
         ]
-        if size % a == 0:  # beside the attachment modes, which are the first moment at zero
+        if size % a == 0:  # besides the attachment modes, which are the first moment at zero
             points = size // a - 1
             spread = tuple(BAND * (np.arange(points) + 1.0) / points)
             cases.append(("Krylov, points", bases.Krylov(expansion_points=spread, moments=1), none))
@@ -146,7 +146,7 @@ def by_size(body: Body, sizes: Sequence[int] = SIZES) -> list[list[Entry]]:
 
 
 def by_rule(body: Body) -> list[tuple[float, list[Entry]]]:
-    """What comes of a highest frequency alone, given as a multiple of the band, where a basis takes one."""
+    """The result of a highest frequency alone, given as a multiple of the band, where a basis takes one."""
     found = []
     for ratio in RATIOS:
         limits = Limits(None, 2.0 * np.pi * ratio * BAND)

@@ -1,7 +1,7 @@
 r"""Integrators in free flight: a rigid body about its unstable axis, and a soft ring; two minutes.
 
 *Rigid* (case D4): I = diag(1, 2, 3) kg m2, omega_0 = (1e-3, 5, 1e-3) rad/s, torque-free. omega(10 s) is known from
-Jacobi's elliptic functions. The body nearly rests on its unstable axis and then turns over, which amplifies what is
+Jacobi's elliptic functions. The body nearly rests on its unstable axis and then tumbles, which amplifies what is
 small: the perturbation that starts it, (1e-3/5)^2 of energy and momentum, is told from their errors only down to their
 size, so that an error of 1e-16 shows as one of about 1e-8 in omega(10).
 
@@ -47,15 +47,15 @@ SPIN = np.array([1e-3, 5.0, 1e-3])  # rad/s
 AFTER_TEN = np.array([4.510627138, -2.157369653, 2.604211920])  # rad/s, body axes, at t = 10 s
 RING_SPEED = (1.0, -0.5, 2.0)  # m/s
 RING_SPIN = (20.0, 60.0, 40.0)  # rad/s
-RING_TIME = 0.05  # s: two periods of the lowest mode, half a turn
+RING_TIME = 0.05  # s: two periods of the lowest mode, half a revolution
 RING_STEPS = (2e-4, 1e-4, 5e-5, 2.5e-5)  # s: the highest mode has 17 to 130 steps a period
 ROWS = 50  # saved of each flight
 
 
 @dataclass(frozen=True)
 class Flight:
-    """One flight: step [s], `error` beside the reference (rad/s, or relative), largest deviations of energy, linear and
-    angular momentum from the start, each over its size there."""
+    """One flight: step [s], `error` against the reference (rad/s, or relative), largest deviations of energy, linear
+    and angular momentum from the start, each over its size there."""
 
     step: float
     error: float
@@ -132,7 +132,7 @@ def ring_scene(body: ReducedBody, level: str = "full") -> Scene:
 
 
 def ring_flight(body: ReducedBody, integrator: Any, step: float, reference: History, level: str = "full") -> Flight:
-    """The ring beside the `reference` at its end: the error is that of the modes over their largest coordinate, or of
+    """The ring against the `reference` at its end: the error is that of the modes over their largest coordinate, or of
     the orientation [rad], whichever is larger."""
     history = fly(ring_scene(body, level), float(reference.time[-1]), step, integrator)
     motion, exact = history.bodies["ring"], reference.bodies["ring"]

@@ -57,7 +57,7 @@ RATIOS = (0.0, 0.3, 0.45, 0.49)
 ROLLER_RADIUS, LINE_LOAD = 0.05, 1e5  # C1: m, N/m
 THIN, LONG = 0.02, 0.2  # m, width of rollers with nu = 0, and with any other
 BALL_RADIUS, LOAD, SPEED = 0.01, 100.0, 0.1  # C3, C7: m, N, m/s
-FINE = (24, 21)  # strips, rows of a line contact beside those chosen
+FINE = (24, 21)  # strips, rows of a line contact, finer than those chosen
 FINE_POINT = (24, 24)
 DOWN = (0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5))  # turns the patch of a ball, around +x, to -z
 DEPTHS = np.linspace(0.3, 1.3, 41)  # half-widths below a patch
@@ -88,7 +88,7 @@ def roller(material: Material, elements: int, order: int, below: Array | None = 
     stress = {}
     if below is not None:
         stress["below"] = np.column_stack([0.0 * below, 0.0 * below, below - ROLLER_RADIUS])
-    fewer = order == 2 and width == LONG  # hats a facet: a quarter of those at nodes
+    fewer = order == 2 and width == LONG  # grid nodes per facet: a quarter of those at mesh nodes
     spacing = 2.0 * np.pi * ROLLER_RADIUS / sectors if fewer else None
     return reduce(
         mesh, material, interfaces={"end_low": "average"}, contact={"rim": surfaces.Cylinder()}, modes=0,
@@ -146,7 +146,7 @@ class Errors:
 
 
 def line_errors(pair: Any, line: LineContact, approach: float) -> Errors:
-    """Of the section at mid-width beside Hertz's `line` there; `approach`: its relative error."""
+    """Of the section at mid-width against Hertz's `line` there; `approach`: its relative error."""
     return Errors(
         approach, float(pair.half_width[-1]) / line.half_width - 1.0,
         float(pair.mid_peak_pressure[-1]) / line.peak_pressure - 1.0,
@@ -239,7 +239,7 @@ def ball_approach(contact: PointContact, materials: Iterable[Material]) -> float
 
 
 def point_errors(pair: Any, i: int, contact: PointContact, approach: float) -> Errors:
-    """Of saved step `i` beside Hertz's `contact` at the load found; the worse of both half-widths."""
+    """Of saved step `i` against Hertz's `contact` at the load found; the worse of both half-widths."""
     off = np.asarray(pair.half_widths[i]) / contact.half_width - 1.0
     return Errors(
         float(pair.history.approach[i]) / approach - 1.0, float(off[np.argmax(np.abs(off))]),

@@ -3,7 +3,7 @@ r"""Rollers on meshes far coarser than their contact, on contact-fixed cells.
 Two hollow steel rollers (R 50, bore 15, width 20 mm) whose bores are held at an approach. References are full finite
 elements of one roller on the plane of symmetry between the two (`free_end`): quadratic cells, six in a half-width, no
 modes, no half-space; none of it is the package's. Where rollers are tilted, skewed, or several, nothing is symmetric,
-and the reference is the package's own material grid on a mesh made for the contact, three quadratic cells in a
+and the reference is the package's own body-fixed grid on a mesh made for the contact, three quadratic cells in a
 half-width.
 """
 
@@ -51,7 +51,7 @@ LONG = replace(STEEL_ROLLER, width=2.0 * WIDTH)  # the wider partner
 FLUSH_LEVEL = (5.0, 0.125)  # as LEVEL
 TURNED_APPROACH, BESIDE_APPROACH = 3e-5, 2e-5  # m
 APART = (np.pi, 0.5, 0.26, 0.18, 0.12)  # rad between two rollers on one
-REVOLUTIONS, STRIDE = 10, 0.02  # rad a step: a quarter of an element of 4 mm
+REVOLUTIONS, STRIDE = 10, 0.02  # rad per step: a quarter of an element of 4 mm
 LAYER = 0.8  # of the size of the cells at the rim over that of the layers
 ROLLED, TURNS = 3.0, 60  # elements of 4 mm, saved places
 
@@ -168,7 +168,7 @@ def crowned_reference(crown_radius: float, load: float) -> EndPressure:
 
 
 def fine_roller() -> ReducedBody:
-    """The roller on a mesh for hats of 0.1 mm around, twelve cells below the rim and twenty along the axis."""
+    """The roller on a mesh for nodes of 0.1 mm around, twelve cells below the rim and twenty along the axis."""
     mesh = roller_mesh(
         R, BORE, WIDTH, sectors=FINE_SECTORS, layers=12, axial=20, grading=1.6, order=2
     )  # fmt: skip
@@ -257,7 +257,7 @@ def flush_rows() -> list[list[str]]:
 
 
 def turned_rows(fine: ReducedBody, coarse: dict[str, ReducedBody]) -> list[list[str]]:
-    """Tilted and skewed rollers: errors of force and largest pressure beside the fine material grid."""
+    """Tilted and skewed rollers: errors of force and largest pressure against the fine body-fixed grid."""
     rows = []
     cases: dict[str, dict[str, float]] = {"aligned": {}, "tilted by 0.5 mrad": {"tilt": 5e-4},
                                           "skewed by 5 mrad": {"skew": 5e-3}}  # fmt: skip

@@ -12,8 +12,8 @@ modes and the treatment of the rest differs from St Venant: with x from the left
     residual of n > N at an end, per force:    d = (2/m) (L/(pi c))^2 sum 1/n^2,
     its mass Gram matrix, for dynamic local modes:    (2/m) (L/(pi c))^4 sum 1/n^4,    no overlap with the first N.
 
-A face is plane and moves as one: the displacement coefficients of its hats are those of a uniform displacement,
-M^-1 int psi, which the weak gap takes back exactly. FACE_COMPLIANCE of d is added to each hat, so that pressures are
+A face is plane and moves as one: the displacement coefficients of its nodes are those of a uniform displacement,
+M^-1 int psi, which the weak gap takes back exactly. FACE_COMPLIANCE of d is added to each node, so that pressures are
 determined.
 """
 
@@ -70,11 +70,11 @@ def bar(modes: int) -> ReducedBody:
 
 
 def _face(name: str, x: float, sense: float, outward: np.ndarray, rest: float, mass: float) -> ContactSurface:
-    """One column of two hats; `outward` (modes,) displacement of the face per unit mode."""
+    """One column of two nodes; `outward` (modes,) displacement of the face per unit mode."""
     plane = Plane(origin=(x, 0.0, 0.0), outward=(sense, 0.0, 0.0), direction=ALONG)
     grid = ContactGrid(np.asarray(plane.e_0), 0.0, 0.5 * SIDE, 1, False, 0.5 * SIDE * np.array([-1.0, 1.0]), 1)
     M = np.kron(grid.gram_theta(), grid.gram_z(plane))
-    # int psi, the hats are half as wide as the face: pressures are twice what they would be, forces are not
+    # int psi, the nodes are half as wide as the face: pressures are twice what they would be, forces are not
     area = np.full(2, 0.5 * SIDE * 0.5 * SIDE)
     uniform = np.linalg.solve(M, area)
     whole = np.outer(uniform, uniform)

@@ -293,7 +293,7 @@ growth {FINEST_GROWTH:g}, and the estimate of `warpffrf/offline/contact/mesh_err
 
 
 def picture(figures: tuple[list[Sweep], dict[str, list[list[str]]]], path: Path) -> None:
-    """Errors of all states with hats compared with the rule."""
+    """Errors of all states with nodes compared with the rule."""
     found, rows = figures[0], []
     for patch in PATCHES:
         sweeps = [s for s in found if (s.traction, s.patch) == ("hats", patch)]

@@ -27,7 +27,7 @@ class Case:
     name: str
     radius: float | None
     approach: float
-    rows: int | None  # beside strips; None: as many
+    rows: int | None  # against strips; None: as many
 
 
 CASES = (
@@ -49,7 +49,7 @@ def found(body: ReducedBody, approach: float, cells: tuple[int, int]) -> tuple[f
 def errors(
     body: ReducedBody, approach: float, cells: list[tuple[int, int]], finest: tuple[int, int]
 ) -> list[tuple[float, float]]:
-    """Relative errors of force and largest pressure on each of `cells`, beside the `finest`."""
+    """Relative errors of force and largest pressure on each of `cells`, against the `finest`."""
     exact = found(body, approach, finest)
     return [
         (force / exact[0] - 1.0, pressure / exact[1] - 1.0)

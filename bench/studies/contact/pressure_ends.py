@@ -2,7 +2,7 @@ r"""Errors at the edge of a patch, of nodes, shape functions and contact-fixed c
 
 Two equal treads (`evaluations.tread`) are pressed together by a given force with a layer between them, in the ways of
 `pressing`: at *nodes* ("full"), by *hats* ("semi"), by pressures constant in *cells*, at *points*; and by the program
-on STRIPS cells that travel with the patch (`patch_ends`), "patch 11" and so on, on the same bodies.
+on STRIPS contact-fixed cells (`patch_ends`), "patch 11" and so on, on the same bodies.
 
 The *reference* is `points` on a mesh of REFINED times as many sectors. Pressures are compared as everywhere, meaned
 over the hats of the coarse grid, f_i/a_i, which is what its forces can tell, in the L2 norm of the surface; the
@@ -30,7 +30,7 @@ REFINED = 4  # times as many sectors of the reference: with errors of the order 
 GRADED = 5  # layers more, so that its outermost cells are square too: 1.3^5 is about 4
 PHASES = np.linspace(0.0, 0.5, 5)  # of a column: line of centres on a node, and half way between two
 HALF_WIDTH = 0.45  # over sqrt(approach R): where the stress points lie, as in bench/evaluations.py
-WIDER, BESIDE = 1.25, 6  # times the half-width, and columns beside it, that the tread has on each side
+WIDER, BESIDE = 1.25, 6  # times the half-width, and columns next to it, that the tread has on each side
 MESHES = ((2400, 17), (3840, 20))  # sectors, layers; 4 cells along the axis
 APPROACHES = (40e-6, 60e-6)  # m
 HARD = 300.0

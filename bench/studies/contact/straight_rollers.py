@@ -13,7 +13,7 @@ from studies.contact.impact import Drop, drop
 from studies.contact.ripple import SENSES, ripples, worst
 from warpffrf.study.markdown import table
 
-MESHES = {  # equal layers and rows of hats; linear cells need twice as many for the same spacing of hats
+MESHES = {  # equal layers and rows of nodes; linear cells need twice as many for the same spacing of nodes
     1: {"sectors": 720, "layers": 14, "axial": 4, "grading": 1.3},
     2: {"sectors": 720, "layers": 9, "axial": 2, "grading": 1.4},
 }

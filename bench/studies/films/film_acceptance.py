@@ -3,8 +3,8 @@
 The same cases as of `studies.films.oil_film`, which has the law by itself; here they are scenes, which `run` and
 `find_equilibrium` solve. The film stands on a flexible body, so that is one of `RIGID` times the modulus of steel,
 and what it still yields is within the figures. A film of the engine ends on all sides: what is wide in a closed form is
-looked at in the middle row. Rows of hats stand `BESIDE` of the length L apart there: of a pressure sin(pi x/L) an end
-is felt by none but the first row then, as hats d apart along couple with d^2 pi^2/L^2 - 6, and other ones fall to a
+looked at in the middle row. Rows of nodes stand `BESIDE` of the length L apart there: of a pressure sin(pi x/L) an end
+is felt by none but the first row then, as nodes d apart along couple with d^2 pi^2/L^2 - 6, and other ones fall to a
 fifth or less from row to row. Forces are those of pressures alone, as the closed forms have them.
 """
 
@@ -92,7 +92,7 @@ def _percent(value: float) -> str:
 
 @dataclass(frozen=True)
 class Profile(films.Form):
-    """A gap h(theta) [m] of a pad, beside the distance of its plane."""
+    """A gap h(theta) [m] of a pad, against the distance of its plane."""
 
     gap: Callable[[Array], Array]
     kind: ClassVar[str] = "profile"
@@ -116,7 +116,7 @@ def wide(length: float, cells: int, across: int = ACROSS, pressed: float = 1.0) 
 @cache
 def plate(length: float, width: float, counts: tuple[int, int]) -> ReducedBody:
     """A stiff block under a film at z = 0 of the world, `length` along x and `width` along y [m] in so many cells. It
-    reaches one cell further along x at both ends: no hat of the film reaches beyond it."""
+    reaches one cell further along x at both ends: no node of the film reaches beyond it."""
     thick, more = THICK * length, (counts[0] + 2) / counts[0]
     mesh = box((more * length, width, thick), (counts[0] + 2, counts[1], 1), center=(0.0, 0.0, -0.5 * thick), order=1)
     return reduce(
@@ -168,7 +168,7 @@ def sliding(scene: Scene, guide: Any, speed: float) -> History:
 
 
 def trapezoid(x: Array, values: Array) -> float:
-    """Integral of hats."""
+    """Integral of nodes."""
     return float(np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(x)))
 
 
@@ -323,7 +323,7 @@ def long_rows(hats: tuple[int, int] = (128, 17)) -> list[Row]:
         found = completed(find_equilibrium(scene))
         grid = body.contact_surfaces["bore"].grid
         p = found.films["film"].pressure[-1][:, hats[1] // 2]
-        own = np.sinc(0.5 * grid.pitch / np.pi) ** 2 * grid.pitch  # of the hats with cos and sin
+        own = np.sinc(0.5 * grid.pitch / np.pi) ** 2 * grid.pitch  # of the nodes with cos and sin
         force = RADIUS * own * np.array([p @ np.cos(grid.theta), p @ np.sin(grid.theta)])
         exact = JournalBearing(RADIUS, 1.0, CLEARANCE, VISCOSITY, SPEED * RADIUS).long(e)
         rows.append(Row(f"long bearing, whole film (Sommerfeld), eccentricity {e:g}", f"{hats[0]} columns",
@@ -394,7 +394,7 @@ def _place(found: History) -> Array:
 
 
 def dry_rows(hats: tuple[int, int] = (64, 9), speeds: Sequence[float] = (3.0, 0.3)) -> list[Row]:
-    """Asperities beside a film that hardly carries, and dry contact by the same law."""
+    """Asperities against a film that hardly carries, and dry contact by the same law."""
     body, rows = bore(hats), []
     scene = bearing(body, (HEAVY, 0.0), speed=0.0, feeds=[GROOVE], at=(0.9, 0.0))
     first, second = scene.films.pop().ports

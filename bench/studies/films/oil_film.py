@@ -1,6 +1,6 @@
 """The law of oil films compared with closed forms, quadrature and finite volumes; two minutes.
 
-The law of films on hats (`references.films`), by itself and between rigid surfaces.
+The law of films on nodes (`references.films`), by itself and between rigid surfaces.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def _off(found: float, exact: float) -> str:
 
 
 def finite_rows() -> list[list[str]]:
-    """Hats beside finite volumes: load, attitude, largest pressure."""
+    """Nodes against finite volumes: load, attitude, largest pressure."""
     rows = []
     for ratio in RATIOS:
         length = ratio * 2.0 * RADIUS
@@ -91,7 +91,7 @@ def mode_rows() -> list[list[str]]:
 
 
 def closed_rows() -> list[list[str]]:
-    """Beside closed forms."""
+    """Against closed forms."""
     rows = []
     for e in (0.5, 0.9):
         film = journal(1.0, 128, 2, mode="full_sommerfeld")
@@ -179,7 +179,7 @@ def turning(load: float, hats: tuple[int, int], per_turn: int) -> tuple[float, f
 
 
 def turning_rows(load: float, steps: Sequence[int], hats: tuple[int, int] = (48, 9)) -> list[list[str]]:
-    """Beside the load that stands, by steps per revolution."""
+    """Against the load that stands, by steps per revolution."""
     exact, rows = standing(load, hats), []
     for per_turn in steps:
         found, iterations = turning(load, hats, per_turn)

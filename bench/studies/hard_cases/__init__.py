@@ -30,7 +30,7 @@ def stability(
     overwrite: bool = False,
     progress: bool = True,
 ) -> Stability:
-    """Run hard cases over steps and tolerances and class what comes of them: `.rows`, `.report()`, `.of("silent")`.
+    """Run hard cases over steps and tolerances and classify the results: `.rows`, `.report()`, `.of("silent")`.
 
     folder: where rows are kept, so that a suite that was stopped goes on, and where stability.md, .csv and .png are
     written; None: nothing is kept. cases: names of `studies.hard_cases.cases.CASES`; None: all but the slow

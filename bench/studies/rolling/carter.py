@@ -70,7 +70,7 @@ def creepage_error(share: float, cells: float, steps: int) -> float:
 
 
 def law_rows() -> list[list[str]]:
-    """Cells by steps; the cells travel, so that a fraction of a cell a step passes through the phases."""
+    """Cells by steps; the cells travel, so that a fraction of a cell per step passes through the phases."""
     rows = []
     for cells in CELLS:
         for steps in STEPS:
@@ -80,7 +80,7 @@ def law_rows() -> list[list[str]]:
 
 
 def phase_rows(late: bool) -> list[list[str]]:
-    """Over the phase, at whole cells a step, with and without the softness of cells that the patch reaches."""
+    """Over the phase, at whole cells per step, with and without the softness of cells that the patch reaches."""
     rows = []
     for cells, steps in ((8, 16), (8, 8), (16, 32)):
         for p in PHASES:

@@ -1,7 +1,7 @@
 r"""Carter's rolling with two rollers; some minutes.
 
 Two equal rollers under a load, the lower one driven, the upper one braked by a torque: Carter's rolling contact with
-friction, by the engine, beside his closed form (`closed_forms.CarterRolling`).
+friction, by the engine, against his closed form (`closed_forms.CarterRolling`).
 
 The upper roller has no drive: the torque T on it prescribes the tangential force, Q = T/R, from the first crossing on.
 With both speeds prescribed, the elastic twist of the two rollers would have to be wound up by the creep first, which
@@ -117,7 +117,7 @@ class Rolled:
 
 
 def roll(body: ReducedBody, share: float, per_cell: float, *, crossings: int = CROSSINGS) -> tuple[Rolled, Result]:
-    """A run in which the patch advances by about `per_cell` cells a step."""
+    """A run in which the patch advances by about `per_cell` cells per step."""
     pitch = body.contact_surfaces["rim"].grid.pitch * RADIUS
     steps = int(round(2.0 * HALF_WIDTH / (pitch * per_cell)))
     h = 2.0 * HALF_WIDTH / steps / SPEED

@@ -36,7 +36,7 @@ from warpffrf.model.material import Material
 from warpffrf.study.markdown import table
 
 Array = np.ndarray
-ADVANCES = (0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 4.0)  # cells a step
+ADVANCES = (0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 4.0)  # cells per step
 PHASES = 8  # half-widths in cells between two whole numbers, so that the edge lies anywhere in a cell
 WIDTHS = (5, 6, 8, 12, 20, 40)  # whole cells in a half-width
 KALKER_COLUMNS = (17, 21, 25, 27)
@@ -54,7 +54,7 @@ def line(cells: float, *, order: int = 3, rings: int = RINGS, late: bool = True)
 def carter_error(
     share: float, cells: float, advance: float, *, order: int = 3, rings: int = RINGS, late: bool = True
 ) -> float:
-    """Steady Q at Carter's creepage against Carter's, over mu P, at `advance` cells a step."""
+    """Steady Q at Carter's creepage against Carter's, over mu P, at `advance` cells per step."""
     rolling = line(cells, order=order, rings=rings, late=late)
     creepage = (-CarterRolling.from_share(LINE, FRICTION, share).creepage, 0.0, 0.0)
     rolling.begin(advance * rolling.grid.size[0], creepage)
@@ -129,7 +129,7 @@ def swelling(columns: int, step: float, *, order: int = 3, late: bool = True) ->
 
 @cache
 def swelling_reference() -> tuple[Array, Array]:
-    """The same with 201 columns, one cell a step."""
+    """The same with 201 columns, one cell per step."""
     return swelling(201, 2.0 * SPAN / 201)
 
 
@@ -165,7 +165,7 @@ def ellipse(ratio: float, poisson: float) -> tuple[EllipticContact, Material]:
 def coefficients(
     ratio: float, poisson: float, columns: int, advance: float = 1.0, *, angle: float = 0.0, late: bool = True
 ) -> Array:
-    """C_11, C_22, C_23 of cells without slip at `advance` cells a step, rolling at an `angle` [rad] to the grid's x
+    """C_11, C_22, C_23 of cells without slip at `advance` cells per step, rolling at an `angle` [rad] to the grid's x
     (circles only)."""
     contact, material = ellipse(ratio, poisson)
     rolling = PatchRolling(contact, FRICTION, (columns, columns), HalfSpaces(material, material), late=late)
@@ -181,7 +181,7 @@ def coefficients(
 
 
 def kalker_error(ratio: float, poisson: float, columns: int, advance: float = 1.0, **kwargs) -> Array:
-    """Relative errors of C_11, C_22, C_23 beside Kalker's; kwargs: of `coefficients`."""
+    """Relative errors of C_11, C_22, C_23 against Kalker's; kwargs: of `coefficients`."""
     at = published.KALKER_POISSON.index(poisson)
     wanted = np.array([row[at] for row in published.KALKER[ratio]])
     return coefficients(ratio, min(poisson, NEARLY_HALF), columns, advance, **kwargs) / wanted - 1.0

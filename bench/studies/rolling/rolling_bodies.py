@@ -72,7 +72,7 @@ def on_mesh(name: str, crown: float | None, creepage: float) -> Rolled:
 
 
 def mesh_rows() -> list[list[str]]:
-    """Shapes, creepages and meshes down: Q/(mu N), beside the finest mesh, beside the half-space; Q beside the
+    """Shapes, creepages and meshes down: Q/(mu N), against the finest mesh, against the half-space; Q against the
     finest."""
     rows = []
     for crown in (None, CROWN):
@@ -171,7 +171,7 @@ UNLIKE_HEAD = ["mesh", "steel driven", "against 0.6 mm", "at one load", "alumini
 
 
 def unlike_mesh_rows() -> list[list[str]]:
-    """Meshes down: creepage without force at one approach, beside the finest; the same over that of half-planes at the
+    """Meshes down: creepage without force at one approach, against the finest; the same over that of half-planes at the
     load found; steel driven and aluminium driven; with few rows."""
     rows = []
     for name in UNLIKE_MESHES:

@@ -79,7 +79,7 @@ HUMP, HOLLOW, TILTED = (
     5e-3,
     2e-6,
     1e-6,
-)  # m: place of the humps off the middle, depth between them, one beside the other
+)  # m: place of the humps off the middle, depth between them, one next to the other
 ONE_PATCH, TWO_PATCHES, SPLIT_HALF_WIDTH = 6e-6, 1.5e-6, 2.2e-4  # m: approaches, a of the largest
 TILTED_APPROACHES = 4e-6, 0.5e-6  # m
 SPLITS, SPLIT_WAY = 2, 20.0  # times that a patch splits, half-widths rolled
@@ -89,7 +89,7 @@ NEAR = 3  # steps
 
 @dataclass(frozen=True)
 class Cattaneo:
-    """Errors beside the closed form, and the cell."""
+    """Errors against the closed form, and the cell."""
 
     way: float  # relative
     loss: float  # relative

@@ -42,13 +42,13 @@ from warpffrf.online.compile.patches.plan import span_of
 from warpffrf.study.markdown import table
 
 Array = np.ndarray
-SIZE = 4e-3  # m, of the cells of meshes unless told
+SIZE = 4e-3  # m, of the cells of meshes unless given
 APPROACH, HALF_WIDTH = 8e-6, 2.6e-4  # m, of straight rollers of steel
 STRIPS = (11, 15, 21, 31, 52)
 ADVANCES = (0.5, 1.0, 1.37, 2.0, 2.5)  # strips per step
 CREEPAGES = (6e-4, 1.5e-3)  # 0.35 and 0.73 mu N
 LONG, SHORT = 25.0, 8.0  # crossings after which line and point contacts are steady to 2e-4
-FINE = (52, 1.0)  # strips, strips per step of the solution that transients are held against
+FINE = (52, 1.0)  # strips, strips per step of the solution that transients are compared with
 STANDING, WOUND = 1e-3, 1.5e-6  # s of standing in which the lower roller is held back by that way [m]
 BESIDE = 10.0  # crossings of a transient
 NO_SLIP = 20.0  # coefficient of friction for Kalker's coefficients
@@ -76,7 +76,7 @@ def carter_error(strips: int, advance: float, creepage: float, crossings: float 
 
 
 def carter_rows() -> list[list[str]]:
-    """Steps down; by strips: errors at both creepages, and the same beside the finest cells."""
+    """Steps down; by strips: errors at both creepages, and the same against the finest cells."""
     rows = []
     finest = {xi: abs(float(carter_error(STRIPS[-1], 1.0, xi)[1].share[0])) for xi in CREEPAGES}
     for advance in ADVANCES:
@@ -125,7 +125,7 @@ def transient_rows() -> list[list[str]]:
 
 @cache
 def crowned(size: float = SIZE, order: int = 2) -> ReducedBody:
-    """A roller that is CONTACT's Eurosprinter beside its like."""
+    """A roller that is CONTACT's Eurosprinter, for a pair of equal ones."""
     return reduced(roller(size, order=order, crown_radius=CROWN), rail_steel(), crowned=True)
 
 

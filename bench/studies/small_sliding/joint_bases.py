@@ -1,6 +1,6 @@
 """Reducing a joint: coordinates for the bodies or cells of the joint; some minutes.
 
-Two ways of reducing a joint side by side: coordinates for the bodies (static and vibration modes, and trial vector
+Two ways of reducing a joint compared: coordinates for the bodies (static and vibration modes, and trial vector
 derivatives of the joint), or the flexibility of the relative motion of the joint's cells, all of them or fewer. Held
 against full finite elements with contact and friction; every way goes through the same solver of the increment, so that
 what differs is the space.
@@ -61,7 +61,7 @@ def compared(joint: Joint, found: Sequence[Space], tip: dict[str, float] | None 
 
 
 def engine_table(both: Sequence[Both]) -> str:
-    """Section on laps of the engine."""
+    """Section on joint interfaces of the engine."""
     rows = []
     for one in both:
         for who, entry in (("study", one.study), ("engine", one.engine)):

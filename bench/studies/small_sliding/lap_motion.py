@@ -1,4 +1,4 @@
-"""Laps of the engine in motion: joints that spin in free flight, and joints that ring down.
+"""Small-sliding contact of the engine in motion: joints that spin in free flight, and joints that ring down.
 
 Part of `studies.small_sliding.lap_acceptance`. A pair of blocks that a spring holds together flies and turns about an
 axis of no symmetry: nothing acts on it from outside, so that momentum stays, and the same pair turned as a whole has
@@ -136,7 +136,7 @@ def summits(x: Array) -> list[float]:
 
 
 def ring_down_rows(cycles: int = 3, steps: int = 150) -> list[Row]:
-    """Released from a static load; twice the damping ratio of each cycle beside that of the static loop."""
+    """Released from a static load; twice the damping ratio of each cycle against that of the static loop."""
     period = 2.0 * np.pi * np.sqrt(MASS / SPRING)
     pull = signals.Table([0.0, 1.0, 1.0 + 1e-9, 10.0], [0.0, SWUNG, 0.0, 0.0])
     scene = swinging(pull)

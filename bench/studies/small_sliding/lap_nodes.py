@@ -40,7 +40,7 @@ PRELOAD = 4e3  # N, of each bolt
 SHANK = 2.6e8  # N/m, steel of 5 mm diameter, as long as the stack is high
 STEPS = (2, 8, 16)  # of preload, of a quarter and of half a cycle
 SHORTER = (2, 20, 40)
-SMALL = 1e-6  # of the loads, where laps are to be equal: what turning heads make is in proportion
+SMALL = 1e-6  # of the loads, where joint interfaces are to be equal: what turning heads make is in proportion
 FEWER = 1e-3  # of the loads where cells are fewer
 # of the loads of two bodies: their places round off to 1e-17 m, which is 1e-7 N of a cell
 APART = 0.1
@@ -63,7 +63,7 @@ def row(*names: str, found: Difference) -> list[str]:
 
 
 def equal_rows(scale: float) -> list[list[str]]:
-    """By sheets, cells and load: the engine with 4 vibration modes beside full finite elements."""
+    """By sheets, cells and load: the engine with 4 vibration modes against full finite elements."""
     rows = []
     for sheets, by, wide in ((2, "nodes", 1), (2, "nodes", 2), (4, "nodes", 1), (2, "facets", 1), (4, "facets", 1)):
         stacked = Sheets((ALONG, wide, 1), sheets)
@@ -76,7 +76,7 @@ def equal_rows(scale: float) -> list[list[str]]:
 
 
 def modes_rows() -> list[list[str]]:
-    """By sheets: static histories with 40 vibration modes beside full finite elements and beside 4 modes."""
+    """By sheets: static histories with 40 vibration modes against full finite elements and against 4 modes."""
     rows = []
     for sheets, tips in TIP.items():
         stacked = Sheets((ALONG, 1, 1), sheets)
@@ -101,7 +101,7 @@ class Reordered(FullModel):
 
 def round_off_rows() -> list[list[str]]:
     """Four sheets by facets near macro slip: the engine, by tolerance of Newton's method, and the full model eliminated
-    in another order, each beside the full model."""
+    in another order, each against the full model."""
     stacked = Sheets((ALONG, 1, 1), 4)
     lap, body = stacked.condensed("facets"), stacked.reduced(4, by="facets")
     cycle = Cycle.of(SMALL * PRELOAD, SMALL * TIP[4]["near macro slip"], STEPS)
@@ -117,8 +117,8 @@ def round_off_rows() -> list[list[str]]:
 
 
 def whole_rows() -> list[list[str]]:
-    """Two sheets by nodes under larger loads, by kind of bolts: beside linear full finite elements, and those with what
-    bolts make where sheets turn."""
+    """Two sheets by nodes under larger loads, by kind of bolts: against linear full finite elements, and those with
+    the terms of bolts on sheets that rotate."""
     rows = []
     for name, shank, scales in (("forces", None, (FEWER, 1.0)), ("springs", SHANK, (1.0,))):
         stacked = Sheets((ALONG, 1, 1), shank=shank)
@@ -138,7 +138,7 @@ def whole_rows() -> list[list[str]]:
 
 
 def two_bodies_rows() -> list[list[str]]:
-    """A body upon the other, meshes that match: beside the one body of full finite elements."""
+    """A body upon the other, meshes that match: against the one body of full finite elements."""
     rows = []
     stacked = Sheets((ALONG, 1, 1))
     lap, bodies = stacked.condensed("facets"), stacked.reduced_parts(4)
@@ -150,7 +150,7 @@ def two_bodies_rows() -> list[list[str]]:
 
 
 def mismatch_rows() -> list[list[str]]:
-    """By elements along the lower and the upper sheet: loss and amplitude beside the finest full finite elements."""
+    """By elements along the lower and the upper sheet: loss and amplitude against the finest full finite elements."""
     fine = Sheets((160, 1, 1))
     rows = []
     cycle = Cycle.of(APART * PRELOAD, APART * TIP[2]["partial slip"], STEPS)
@@ -172,7 +172,7 @@ def facet_means(facets: Cells, nodes: Cells) -> Array:
 
 
 def fewer_rows() -> list[list[str]]:
-    """Strips of square facets: cells of some facets beside full finite elements of every node and every facet."""
+    """Strips of square facets: cells of some facets against full finite elements of every node and every facet."""
     stacked = Sheets((SQUARES, 1, 1), width=NARROW)
     share = FEWER * NARROW / SIZE[1]
     facets, nodes = stacked.condensed("facets"), stacked.condensed("nodes")

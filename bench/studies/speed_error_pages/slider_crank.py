@@ -9,7 +9,7 @@ from warpffrf.model.integrators import HHT, GeneralizedAlpha
 from warpffrf.study.speed_against_error.outcome import SpeedError
 
 STEPS = [4e-4, 2e-4, 1e-4, 5e-5]  # s, about that of the demo
-RUN = 0.12  # s: the spin-up and half a turn at speed
+RUN = 0.12  # s: the spin-up and half a revolution at speed
 ROUNDS = 2
 INTEGRATORS = [HHT(alpha=-0.3), GeneralizedAlpha(rho_inf=0.5), GeneralizedAlpha(rho_inf=crank.RHO_INF)]
 
