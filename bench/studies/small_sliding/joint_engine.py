@@ -1,8 +1,8 @@
 """Small-sliding contact of the engine in the study of joint bases: the same joint, its cells as `LapCells` makes them.
 
 The engine has the two sheets as one body that is connected at its clamped root, where both are held, and solves joint
-interfaces with their body in Newton's method; the study has the flexibility of the same cells alone. Its loads are a thousandth,
-as its bolts keep their direction while sheets rotate (`lap_bolts`); everything is in proportion.
+interfaces with their body in Newton's method; the study has the flexibility of the same cells alone. Its loads are a
+thousandth, as its bolts keep their direction while sheets rotate (`lap_bolts`); everything is in proportion.
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@ r"""Stacked sheets with joint interfaces: the engine's scenes and the full finit
 Strips clamped at their root, pressed together by two bolts, which are pairs of forces on their heads or springs between
 them, and loaded at the tip of the upper one. Loads F (dofs, 2) of the full model are one newton of each bolt and of the
 tip; a path is its factors (n, 2). Heads of the engine rotate with their sheets, full finite elements are linear: the
-differences (`lap_bolts`) grow with the load, so that loads are small where joint interfaces are to be equal. Faces touch
-without load, hence pressures, slips and gaps are proportional to the load in both.
+differences (`lap_bolts`) grow with the load, so that loads are small where joint interfaces are to be equal. Faces
+touch without load, hence pressures, slips and gaps are proportional to the load in both.
 
 A load step that the engine halves is two steps of friction: the full model follows the halves too.
 """
