@@ -56,7 +56,7 @@ def at_rest(film: ElasticJournal, load: float) -> Settled:
 
 @dataclass(frozen=True)
 class Film:
-    """Eccentricity over the clearance, smallest film at hats [m], largest pressure there [Pa]."""
+    """Eccentricity over the clearance, smallest film at nodes [m], largest pressure there [Pa]."""
 
     eccentricity: float
     thinnest: float
@@ -73,7 +73,7 @@ class Film:
 
 @dataclass(frozen=True)
 class Orbit:
-    """Over two turns: smallest film [m], largest pressure [Pa], mean and largest number of iterations a step, and how
+    """Over two turns: smallest film [m], largest pressure [Pa], mean and largest number of iterations per step, and how
     many steps failed."""
 
     thinnest: float

@@ -36,7 +36,7 @@ Array = np.ndarray
 def bore(
     hats: tuple[int, int] = (64, 9), length: float = LENGTH, stiffer: float = 1.0, coarse: int | None = None
 ) -> ReducedBody:
-    """A sleeve that is held outside, with so many hats; around fewer of them, `coarse`, on the same mesh."""
+    """A sleeve that is held outside, with so many nodes; around fewer of them, `coarse`, on the same mesh."""
     columns, rows = hats
     mesh = sleeve(RADIUS, RADIUS + WALL, length, sectors=columns, order=1, axial=rows - 1)
     return reduce(

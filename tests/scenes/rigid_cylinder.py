@@ -40,7 +40,7 @@ ACROSS = (0.0, 1.0, 0.0)
 
 def with_nodes(body: ReducedBody) -> ReducedBody:
     """A body whose surface is an exact half-space or half-plane, with a skin whose nodes are those of its grid. Shares
-    of the area are those of the hats, but at the four corners, where they are 4/3 or 2/3 of them."""
+    of the area are those of the nodes, but at the four corners, where they are 4/3 or 2/3 of them."""
     (name,) = body.contact_surfaces
     surface = body.contact_surfaces[name]
     grid = surface.grid
@@ -114,7 +114,7 @@ def shifted(cells: int, evaluation: str, *, stiffer: float = 1.0, stick: float |
 
 
 def rolled(cells: int, evaluation: str, crossings: int = 10, share: float = SHARE) -> tuple[float, float, Result]:
-    """A rigid cylinder rolls along, a cell a step: the error of Q at the creepage found, the creepage found over that
+    """A rigid cylinder rolls along, a cell per step: the error of Q at the creepage found, the creepage found over that
     asked for, and the run."""
     pitch, line = HALF_WIDTH / cells, line_contact(FLAT_RADIUS)
     exact = CarterRolling.from_share(line, FRICTION, share)

@@ -1,9 +1,8 @@
-"""The errors that reports print of their figures against the errors that these have: a part of the page of
-`studies.accuracy.budget_check`.
+"""Errors that reports print of their figures compared with true ones: a part of the page of `budget_check`.
 
 Scenes on coarse meshes, cells, nodes and film grids, each against the same scene on fine ones. A figure is right where
-what is stated of it is within a factor of three of the truth, or both are below `FLOOR`, of which a report says no
-more; a figure whose line says "not estimated" is told apart.
+the stated error is within a factor of three of the true one, or both are below `FLOOR`, below which a report states no
+more; a figure whose line is "not estimated" is counted separately.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""Bodies under friction on cells of the patch, measured by simulation: the rows of `rolling_patches` on meshes, unlike
-bodies that roll freely, and gross slip. As `rolling_steady`.
+"""Friction on contact-fixed cells, by bodies: the rows of `rolling_patches` on meshes, unlike bodies that roll freely,
+and gross slip. As `rolling_steady`.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-r"""Histories of friction on cells of the patch, measured by simulation: the rows of `rolling_patches` on Cattaneo and
-Mindlin, work and energy, and patches that grow, shrink, part, split and leave an end.
+r"""Histories of friction on contact-fixed cells: the rows of `rolling_patches` on Cattaneo and Mindlin, work and
+energy, and patches that grow, shrink, part, split and leave an end.
 
 **Cattaneo.** The lower roller is shifted along x to Q = 0.5 mu P and back and forth. Its way is made of that of a patch
 that sticks, C Q with the compliance C of a run with much friction, and of what slip adds,

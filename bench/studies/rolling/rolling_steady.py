@@ -1,5 +1,5 @@
-"""Steady rolling of rollers with friction on cells of the patch, measured by simulation: the rows of `rolling_patches`
-on Carter, CONTACT's Eurosprinter and Kalker's coefficients.
+"""Steady rolling of rollers with friction on contact-fixed cells: the rows of `rolling_patches` on Carter,
+CONTACT's Eurosprinter and Kalker's coefficients.
 
 Every function makes one table or one figure of it. What is prescribed is in `scenes.rolling_pairs`; forces are means
 over the last crossing of the patch. `strips`: of the grid, 1.3 half-widths either way.

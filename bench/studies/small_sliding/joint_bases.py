@@ -1,9 +1,9 @@
 """Reducing a joint: coordinates for the bodies or cells of the joint; some minutes.
 
 Two ways of reducing a joint compared: coordinates for the bodies (static and vibration modes, and trial vector
-derivatives of the joint), or the flexibility of the relative motion of the joint's cells, all of them or fewer. Held
-against full finite elements with contact and friction; every way goes through the same solver of the increment, so that
-what differs is the space.
+derivatives of the joint), or the flexibility of the relative motion of the joint's cells, all of them or fewer. The
+reference is full finite elements with contact and friction; all spaces go through the same solver of the increment, so
+that only the space differs.
 """
 
 from __future__ import annotations
