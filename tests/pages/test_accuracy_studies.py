@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from studies.accuracy.machines import MACHINES
 from studies.accuracy.measured import FINER, RATIOS, measure, others, page
 
@@ -13,6 +15,7 @@ def test_other_steps_meet_those_of_the_reference() -> None:
         assert min(found) < steps < max(found) <= 2 * max(RATIOS) * steps
 
 
+@pytest.mark.slow
 def test_a_machine_is_measured() -> None:
     found = measure(MACHINES["pendulum"], progress=False)
     assert found.chosen.kept and found.best is not None

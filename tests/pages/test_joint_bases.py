@@ -43,6 +43,7 @@ def test_groups_cover_the_joint(joint):
     assert halves.cells.count == 8 and halves.cells.area.sum() == pytest.approx(0.002)
 
 
+@pytest.mark.slow
 def test_laps_of_the_engine_are_the_flexibility_of_their_cells(joint, reference):
     """In proportion: bolts that keep their direction make 1e-2 of the loads of it, which are a thousandth."""
     references = {"partial slip": (60.0, reference.follow(study.load_path(60.0)))}
@@ -54,6 +55,7 @@ def test_laps_of_the_engine_are_the_flexibility_of_their_cells(joint, reference)
             assert getattr(one.engine, value) == pytest.approx(getattr(one.study, value), abs=3e-5)
 
 
+@pytest.mark.slow
 def test_page_has_the_figures(joint):
     found = study.spaces(joint)
     results = joint_bases.compared(joint, found, LOAD)

@@ -23,6 +23,7 @@ def test_a_cycle_is_that_of_full_finite_elements(by: str, along: int) -> None:
     assert max(found.pressure, found.traction, abs(found.loss), abs(found.amplitude)) < SAME
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shank", [None, study.SHANK])
 def test_what_whole_loads_change_is_the_turning_of_bolts(shank: float | None) -> None:
     """A hundredth of what linear finite elements miss is left: cubes, and squares that change the springs' tension."""

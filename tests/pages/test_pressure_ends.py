@@ -70,6 +70,7 @@ def test_each_way_meets_its_law(small: Pressing) -> None:
         assert again.sum() == pytest.approx(2e4, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["hats", "nodes"])
 def test_the_ways_are_those_of_the_program(way: str, small: Pressing) -> None:
     """At the force and the place that a run has; its axles bend the bores a little otherwise."""

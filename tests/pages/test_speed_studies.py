@@ -27,6 +27,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
         return write_study(STUDIES["slider_crank"], tmp_path_factory.mktemp("pages"), quick=True, progress=False)
 
 
+@pytest.mark.slow
 def test_a_page_holds_a_row_for_each_run_and_its_pictures(page: Path) -> None:
     text = page.read_text()
     runs = text[text.index("All runs") :]
@@ -36,6 +37,7 @@ def test_a_page_holds_a_row_for_each_run_and_its_pictures(page: Path) -> None:
     assert "Made with --quick" in text and "U = " in text
 
 
+@pytest.mark.slow
 def test_the_index_keeps_studies_that_were_not_made_again(page: Path, tmp_path: Path) -> None:
     shutil.copytree(page.parent.parent, tmp_path, dirs_exist_ok=True)
     folder = tmp_path / "speed_error"
@@ -50,6 +52,7 @@ def test_the_index_keeps_studies_that_were_not_made_again(page: Path, tmp_path: 
     assert lines.index(kept) < lines.index(made)
 
 
+@pytest.mark.slow
 def test_each_treatment_of_local_modes_is_of_second_order_under_a_smooth_load() -> None:
     found = STUDIES["local_treatments"].make(True, progress=False)
     assert {row.status for row in found.rows} == {"completed"}
@@ -58,6 +61,7 @@ def test_each_treatment_of_local_modes_is_of_second_order_under_a_smooth_load() 
     assert min(p.min() for p in orders.values()) > ORDER
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["colliding_bars", "bearing", "rolling_friction"])
 def test_a_study_runs_all_its_settings(name: str) -> None:
     found = STUDIES[name].make(True, progress=False)
