@@ -53,7 +53,7 @@ verify: $(VERIFY)
 bench: $(STAMP)
 	rm -f out/bench/*.json
 	mkdir -p out/bench
-	set -e; for script in $(filter-out bench/compare_%.py,$(wildcard bench/*.py)); do \
+	set -e; for script in $(filter-out bench/compare_%.py,$(wildcard bench/*.py bench/step/*.py)); do \
 		echo "== $$script"; $(BIN)/python $$script --json out/bench/$$(basename $$script .py).json; done
 	$(BIN)/python bench/compare_runs.py
 
@@ -63,8 +63,8 @@ bench-store: $(STAMP)
 
 # docs/speed_error.md with a page a study, docs/stability: half an hour, on a quiet machine.
 study: $(STAMP)
-	$(BIN)/python -m studies.speed_error_pages docs
-	$(BIN)/python -m studies.hard_cases --overwrite
+	$(BIN)/python -m studies speed_error
+	$(BIN)/python -m studies stability
 
 # The working tree beside another commit: make bench-compare BASE=commit
 BASE ?= HEAD

@@ -1,4 +1,4 @@
-"""Step time beside EXUDYN's: `python bench/against_exudyn.py [--json FILE] [--modes N ...] [--seconds S] [--ours]`.
+"""Step time against EXUDYN's: `python bench/against_exudyn.py [--json FILE] [--modes N ...] [--seconds S] [--ours]`.
 
 The bar of `studies.speed.against_exudyn` with 10, 50 and 200 global modes (more by `--modes`), the same step,
 integrator and spectral radius in both programs, one thread, nothing written. EXUDYN: full Newton (a Jacobian every

@@ -1,8 +1,8 @@
-"""Two commits side by side: time of a step, and whether the results are the same.
+"""Two commits compared: time of a step, and whether the results are the same.
 
     python bench/compare_commits.py --base COMMIT [--rounds N] [--processes N] [--scenes NAME ...] [--json FILE]
 
-The working tree runs beside a checkout of COMMIT, each in a process of its own; both are asked in turn for the same
+The working tree runs against a checkout of COMMIT, each in a process of its own; both are asked in turn for the same
 scene, with the same reduced bodies, so that whatever else the machine does meets both. Where arrays happen to lie in
 memory makes one process up to a third slower than another of the same commit, so there are several pairs of them. Of
 each commit the fastest run counts, since all this only slows down. Results are compared array by array: "same bits", or

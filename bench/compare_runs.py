@@ -1,4 +1,4 @@
-"""This run of the benchmarks beside the stored one: `python bench/compare_runs.py [--run FOLDER] [--store]`.
+"""This run of the benchmarks against the stored one: `python bench/compare_runs.py [--run FOLDER] [--store]`.
 
 Reads what the scripts wrote to out/bench and the last stored run of the same machine, bench/stored/MACHINE, and prints
 one table: times in U of their own run, memory as it is (`studies.speed.stored_runs`). Ends with 1 where something is

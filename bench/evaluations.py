@@ -1,4 +1,4 @@
-"""Evaluations "semi" and "hyper" beside the law at FE nodes.
+"""Evaluations "semi" and "hyper" against the law at FE nodes.
 
 `python bench/evaluations.py [--json FILE] [--errors | --times | --layers]`
 

@@ -2,8 +2,8 @@
 
 The two rollers of the demo, on its coarser mesh, long enough to take the given seconds; in turn without results,
 with the parts kept as often as `simulate` does by itself, and as often as it may (keep_every next to nothing). Times
-are those of the loop over steps, beside which a thread writes the parts. Each round begins with another of the three;
-what is over is the median of the rounds, each beside its own run that is not kept.
+are those of the loop over steps, while a thread writes the parts. Each round begins with another of the three;
+what is over is the median of the rounds, each against its own run that is not kept.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ TRIED = 500  # steps, to find how many take the seconds
 
 
 class Watch:
-    """How long the thread beside a run wrote, how often, and how much; seconds of the clock, and of the processor."""
+    """How long the thread of a run wrote, how often, and how much; seconds of the clock, and of the processor."""
 
     def __init__(self) -> None:
         self.parts, self.seconds, self.bytes, self.processor = 0, 0.0, 0, 0.0

@@ -18,7 +18,7 @@ from typing import Any
 
 from offline import peak_memory
 
-COLUMNS = (56, 222, 889)  # of 960, with 9 hats each, as in step_vs_modes
+COLUMNS = (56, 222, 889)  # of 960, with 9 nodes each, as in step_vs_modes
 APPROACH, STEP, STEPS = 60e-6, 1e-4, 200  # m, s, -
 SAVED = (100, 1000, 10000)  # rows of the falling body
 

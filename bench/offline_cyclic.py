@@ -1,7 +1,7 @@
 """Time and memory of the cyclic path on a fine roller: `python bench/offline_cyclic.py [--json FILE] [--large]`.
 
 1.95 million dofs in quadratic cells, 21,000 normal local modes. Rows: normal tractions alone, with tangential ones in
-cells and in hats, and normal ones in complex arithmetic (a sector that is not its own mirror image, here bent around
+cells and in nodes, and normal ones in complex arithmetic (a sector that is not its own mirror image, here bent around
 the axis by a few degrees). Each row runs in a process of its own, so that its peak memory is its own.
 """
 

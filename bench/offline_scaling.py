@@ -1,8 +1,8 @@
 """Time and memory of `reduce` against dofs and loads: `python bench/offline_scaling.py [--json FILE] [--large]`.
 
 Both paths, *cyclic* and *general*, in two series each: *dofs* grow with the mesh at (nearly) the same number of loads,
-*loads* with the arc of the rim that carries hats on the same mesh. Each row is reduced in a process of its own, without
-cache. *Power*: of seconds in what grows, from the row before; sizes at which fixed costs rule have small ones.
+*loads* with the arc of the rim that carries nodes on the same mesh. Each row is reduced in a process of its own,
+without cache. *Power*: of seconds in what grows, from the row before; sizes at which fixed costs rule have small ones.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 
 from offline import peak_memory
 
-# path, series, sectors, layers, axial, columns that carry hats; a whole rim where they are all sectors
+# path, series, sectors, layers, axial, columns that carry nodes; a whole rim where they are all sectors
 ROWS = [
     *(("cyclic", "dofs", 480, layers, 4, 480) for layers in (4, 8, 16, 32)),
     *(("cyclic", "loads", 480, 8, 8, columns) for columns in (60, 120, 240, 480)),

@@ -1,4 +1,4 @@
-"""Numbers and step time on a device beside the CPU: `python bench/on_device.py [--device cuda:0] [--worlds 1 16 256]`.
+"""Numbers and step time on a device against the CPU: `python bench/on_device.py [--device cuda:0] [--worlds 1 16 256]`.
 
 Each scene runs on the CPU, in one world, and on the device, in so many equal worlds at once. *Apart*: the largest
 difference of what both have saved (positions, deformations, contact forces, ...) over the largest value of that

@@ -1,9 +1,9 @@
 """Speed at equal error: `python bench/patch_vs_material.py [--json FILE] [--rounds N] [--steps N] [--large]`.
 
 Two hollow steel rollers (R 50, bore 15, width 20 mm, bores held at the distance that 9 kN ask for) roll on each other.
-Pressures on the contact grid of the material, on meshes made for the contact, and on cells that travel with the patch,
+Pressures on the contact grid of the material, on meshes made for the contact, and on contact-fixed cells,
 on meshes that are not. Time is that of reducing the body and of a run, build and notes with it; errors are the largest
-of force and of peak pressure at mid-width over the run, beside full finite elements (`verification/coarse_rollers`).
+of force and of peak pressure at mid-width over the run, against full finite elements (`verification/coarse_rollers`).
 Of each family the cheapest row that keeps within 1 % of force and 2 % of pressure counts.
 """
 

@@ -1,4 +1,4 @@
-"""A step of the separated solver beside one of every monolithic variant: `python bench/separated_vs_monolithic.py`.
+"""A step of the separated solver against one of every monolithic variant: `python bench/separated_vs_monolithic.py`.
 
 Two scenes, each with about 500 local modes a roller, and the same step and coefficients for all: *tread*, two rollers
 with fine grids on part of the rim (`tread_body`) that roll to and fro on each other at a constant approach; *demo*, the
@@ -88,7 +88,7 @@ def main() -> None:
         if given.columns is None:
             scenes["demo"] = two_rollers.build(DEMO, progress=False)
             for contact in scenes["demo"].contacts:
-                contact.grid = "body_fixed"  # the reference has no other; its coarse mesh would get cells that travel
+                contact.grid = "body_fixed"  # the reference has no other; its coarse mesh would get contact-fixed cells
         print(f"U = {about['unit_seconds'] * 1e6:.1f} us")
         how = given.steps, about["unit_seconds"], given.rounds, given.law or list(LAWS)
         found = {name: compare(name, scene, *how) for name, scene in scenes.items()}

@@ -1,4 +1,4 @@
-"""What a sweep costs beside its runs: `python bench/sweep_rows.py [--json FILE] [--rows N] [--rounds N] [--table N]`.
+"""What a sweep costs against its runs: `python bench/sweep_rows.py [--json FILE] [--rows N] [--rounds N] [--table N]`.
 
 *processes*: the pendulum that comes with the package, N rows of 15,000 steps each, on one process and on two, in turn;
 wall time of a sweep, what processes are forked from being there already, and whether the bits are the same. On a

@@ -1,4 +1,4 @@
 """Studies: scripts that compare the product with references, with itself and with other programs, and write docs/.
 
-Each runs as `python -m studies.ROOM.NAME [FOLDER]`; its page says which one made it.
+`python -m studies --list` lists them, `python -m studies NAME` makes a page; `page` is the harness.
 """

@@ -1,4 +1,4 @@
-"""Charts of study pages: a map of classes, named curves, and errors against a size beside the rule that bounds them;
+"""Charts of study pages: a map of classes, named curves, and errors over a size with the rule that bounds them;
 matplotlib is imported when one is drawn."""
 
 from __future__ import annotations

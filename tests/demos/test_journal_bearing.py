@@ -33,7 +33,7 @@ from demos.journal_bearing import (
 )
 from references.films.elastic import ElasticJournal, State
 from references.films.journal import JournalFilm
-from studies.films.elastic_film import at_rest, journal
+from scenes.elastic_journal import at_rest, journal
 
 REST = 5e-3  # of the reference's figures: of the shear, 1 to 3e-3
 ORBIT, REPEATED = 5e-3, 1e-3  # of the clearance; of the orbit

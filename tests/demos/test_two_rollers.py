@@ -81,14 +81,14 @@ def test_the_script_runs_by_itself(tmp_path: Path) -> None:
     """From another folder, without anything of a checkout but the package: its figures are those of the command."""
     root = Path(__file__).resolve().parents[2]
     done = subprocess.run(
-        [sys.executable, root / "demos" / "heavy_top.py"],
+        [sys.executable, root / "demos" / "elastica.py"],
         cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": os.pathsep.join([str(root), str(root / "kernels")])},
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0 and "order of the error" in done.stdout, done.stderr
-    left_behind(tmp_path / "out" / "heavy_top", "heavy_top", "coarse")
+    assert done.returncode == 0 and "elastica" in done.stdout, done.stderr
+    left_behind(tmp_path / "out" / "elastica", "elastica")
 
 
 def test_the_unit_of_time_is_that_of_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:

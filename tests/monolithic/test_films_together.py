@@ -14,7 +14,7 @@ from references.monolithic.films.film import FilmState, Memory, Unknowns, rates_
 from references.monolithic.results import simulate, to_history
 from references.monolithic.run import build
 from references.monolithic.start import _at_rest
-from studies.films.film_engine import CLEARANCE, GROOVE, SPEED, VISCOSITY, bearing, bore
+from scenes.film_bearing import CLEARANCE, GROOVE, SPEED, VISCOSITY, bearing, bore
 from warpffrf.model import films, joints, laws, oils, signals, surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film

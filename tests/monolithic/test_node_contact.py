@@ -14,8 +14,8 @@ from references.monolithic.core.linear import VARIANTS
 from references.monolithic.line_of_centres.pair import default_layer
 from references.monolithic.results import simulate
 from references.stick_slip import BeltOscillator
+from scenes.rigid_cylinder import with_nodes
 from scenes.rollers import roller_body
-from studies.rolling.full_friction import with_nodes
 from warpffrf.model import forces, joints, laws, signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError

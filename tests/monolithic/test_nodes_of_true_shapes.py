@@ -10,9 +10,9 @@ import pytest
 from demos import ball_on_plane
 from references.monolithic import results as monolithic
 from references.monolithic.line_of_centres.pair import default_layer
+from scenes.rigid_cylinder import PAIR, rolled, shifted
 from scenes.rollers import PAIR as ROLLERS
 from scenes.rollers import Path, prescribed_pair, roller_body
-from studies.rolling.full_friction import PAIR, rolled, shifted
 from warpffrf.model import joints, laws, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced.body import ReducedBody

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.film_bearing import CLEARANCE, GROOVE, LENGTH, RADIUS, SPEED, TURN, VISCOSITY, Load, bearing, bore
 from studies.films.film_acceptance import FACE, above, of_x, plate, sliding
-from studies.films.film_engine import CLEARANCE, GROOVE, LENGTH, RADIUS, SPEED, TURN, VISCOSITY, Load, bearing, bore
 from warpffrf.model import films, joints, oils, signals, surfaces
 from warpffrf.model.films import Film
 from warpffrf.model.scene import Scene

@@ -7,7 +7,7 @@ import pytest
 
 from references.films.elastic import ElasticJournal, Settled, State, held_compliance
 from references.films.journal import JournalFilm
-from studies.films import elastic_film as sleeves
+from scenes import elastic_journal as sleeves
 from warpffrf.model import oils
 from warpffrf.model.errors import InputError
 from warpffrf.model.laws import ExponentialAsperities

@@ -1,22 +1,19 @@
-"""The errors that a run states of itself beside those that it has, of its step and of the figures of its report:
-`python -m studies.accuracy.budget_check [FOLDER]`, some minutes.
+"""Errors that a run states compared with true ones, of its step and of the figures of its report.
 
 Machines of every kind of motion, free, driven and damped, in contact and in impact, each with a coarse and a fine step.
-True errors are those beside a run with a step `FINER` times smaller, whose own is 1/256 of them; both are root mean
+True errors are those against a run with a step `FINER` times smaller, whose own is 1/256 of them; both are root mean
 squares over the run, over the size of the quantity (`warpffrf.output.budget.quantities`). Figures:
 `studies.accuracy.figure_errors`.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from studies.accuracy.figure_errors import FACTOR, SCENES
+from studies.accuracy.figure_errors import FACTOR, SCENES, Stated
 from studies.accuracy.figure_errors import rows as rows_of_figures
 from studies.contact import colliding_bars as bars
 from studies.speed.step_time import swinging_pair, tread_body
@@ -31,7 +28,6 @@ from warpffrf.study.markdown import table
 
 FINER = 16
 ROUND_OFF = 1e-9  # errors below it are those of numbers, not of steps
-MADE = "Made by `python -m studies.accuracy.budget_check`; do not edit.\n"
 
 
 @dataclass(frozen=True)
@@ -108,9 +104,15 @@ def compare(machine: str) -> list[Compared]:
     return found
 
 
-def page() -> str:
-    """Stated beside true errors."""
+def compute() -> tuple[list[Compared], list[Stated]]:
+    """Errors of the step of all machines, and of the figures of all scenes."""
     found = [row for machine in MACHINES for row in compare(machine)]
+    return found, [stated for scene in SCENES.values() for stated in scene()]
+
+
+def page(figures: tuple[list[Compared], list[Stated]]) -> str:
+    """Stated against true errors."""
+    found, stated = figures
     rows = [
         [r.machine, f"{r.step:.2g}", str(r.steps), r.quantity, f"{r.true:.1e}", f"{r.stated:.1e}", f"{r.ratio:.2f}"]
         for r in found
@@ -118,43 +120,32 @@ def page() -> str:
     ratios = [r.ratio for r in found]
     within = sum(1.0 / 3.0 <= ratio <= 3.0 for ratio in ratios)
     head = ["machine", "step [s]", "steps", "quantity", "true", "stated", "stated / true"]
-    return f"""# What runs say of the error of their step
+    return f"""# Errors that runs state of their step
 
-{MADE}
-Root mean square errors over the size of the quantity, beside a run with a step {FINER} times smaller, and as the error
-budget of the run itself states them: by the whole run once more with twice the step, of runs of more than 4,000 steps
-by six windows of a hundredth, and by the beginning and the busiest part with a quarter of the step.
-{within} of {len(found)} are right within a factor of 3; ratios are {min(ratios):.2f} to {max(ratios):.2f}.
+Root mean square errors over the size of the quantity, compared with a run with a step {FINER} times smaller, and as the
+error budget of the run itself states them: by the whole run once more with twice the step, of runs of more than 4,000
+steps by six windows of a hundredth, and by the beginning and the busiest part with a quarter of the step. {within} of
+{len(found)} are right within a factor of 3; ratios are {min(ratios):.2f} to {max(ratios):.2f}.
 
 Vibrations that the step is too long for are damped by the integrator in the first steps, of the run and of the one
 with twice the step alike. They are seen where the quarter of the step resolves them, at the start and where
-accelerations change most; the report says from which frequency on they may be missed elsewhere.
+accelerations change most; the report states from which frequency on they may be missed elsewhere.
 
 {table(head, rows)}
-{figures_section()}"""
+{figures_section(stated)}"""
 
 
-def figures_section() -> str:
+def figures_section(found: list[Stated]) -> str:
     """What reports state of their figures."""
-    found = [stated for scene in SCENES.values() for stated in scene()]
     known = [s for s in found if np.isfinite(s.stated)]
     right, told = sum(s.right for s in known), sum(s.told for s in found)
     scenes = len({s.scene for s in found})
     head = ["scene", "figure", "true [%]", "stated [%]", "largest source", "right"]
     return f"""## Figures of reports
 
-{scenes} scenes on coarse meshes, cells, hats and films beside the same ones on fine ones. {right} of {len(known)}
-figures are right within a factor of {FACTOR:g}, or are below {FLOOR:.1%} and stated to be below {FACTOR * FLOOR:.1%}.
-Of {told} a report says that they are not estimated and why; {len(found) - len(known) - told} are silent.
+{scenes} scenes on coarse meshes, cells, grids and films compared with the same ones on fine ones. {right} of
+{len(known)} figures are right within a factor of {FACTOR:g}, or are below {FLOOR:.1%} and stated to be below
+{FACTOR * FLOOR:.1%}. Of {told} the report states that they are not estimated and why; {len(found) - len(known) - told}
+are silent.
 
 {table(head, rows_of_figures(found))}"""
-
-
-def main(folder: str = "docs/studies") -> None:
-    """Write the page."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    (Path(folder) / "error_budget.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])

@@ -1,9 +1,8 @@
-"""The errors that reports print of their figures beside the errors that these have: a part of the page of
-`studies.accuracy.budget_check`.
+"""Errors that reports print of their figures compared with true ones: a part of the page of `budget_check`.
 
-Scenes on coarse meshes, cells, hats and film grids, each beside the same scene on fine ones. A figure is right where
-what is stated of it is within a factor of three of the truth, or both are below `FLOOR`, of which a report says no
-more; a figure whose line says "not estimated" is told apart.
+Scenes on coarse meshes, cells, nodes and film grids, each against the same scene on fine ones. A figure is right where
+the stated error is within a factor of three of the true one, or both are below `FLOOR`, below which a report states no
+more; a figure whose line is "not estimated" is counted separately.
 """
 
 from __future__ import annotations
@@ -64,7 +63,7 @@ class Stated:
 
 
 def compare(scene: str, own: Result, finer: Result) -> list[Stated]:
-    """All figures of a result beside those of a finer one of the same rows, forces and what is printed; their largest
+    """All figures of a result against those of a finer one of the same rows, forces and what is printed; their largest
     differences."""
     lines, found = own.error_budget(), []
     values, others = ({**figures(r.history, r.view), **quantities(r.history)} for r in (own, finer))
@@ -169,7 +168,7 @@ def solid_rollers() -> Iterator[Stated]:
 
 
 def stresses() -> Iterator[Stated]:
-    """The largest von Mises stress below lines and points, beside Hertz at the load found."""
+    """The largest von Mises stress below lines and points, against Hertz at the load found."""
 
     def stated(
         scene: str, result: Result, names: tuple[str, str], exact: LineContact | PointContact, nu: float
@@ -197,7 +196,7 @@ def stresses() -> Iterator[Stated]:
 
 
 def hats() -> Iterator[Stated]:
-    """Rollers on the material grid, a hat and two in a half-width."""
+    """Rollers on the body-fixed grid, a node and two in a half-width."""
 
     def body(sectors: int, layers: int, grading: float) -> ReducedBody:
         mesh = roller_mesh(0.05, 0.015, 0.02, sectors=sectors, layers=layers, axial=2, order=1, grading=grading)
@@ -209,7 +208,7 @@ def hats() -> Iterator[Stated]:
     bodies = {720: body(720, 14, 1.3), 960: body(960, 12, 1.4), 1920: body(1920, 30, 1.1)}
     states = {n: equilibrium(rollers.held(b, b, 6e-5, grid="body_fixed"), progress=False) for n, b in bodies.items()}
     for sectors in (720, 960):
-        yield from compare(f"hats, {sectors} around", states[sectors], states[1920])
+        yield from compare(f"nodes, {sectors} around", states[sectors], states[1920])
 
 
 def rolling() -> Iterator[Stated]:

@@ -13,9 +13,9 @@ from demos import frame_on_bushings as frame
 from demos import rolling_friction as rolling
 from demos import slider_crank as crank
 from demos import spinning_beam as beam
-from demos import tilted_roller as tilted
 from demos import two_rollers as rollers
 from scenes import bearing as bearings
+from scenes import tilted_roller as tilted
 from studies.accuracy.budget_check import BARS, colliding_bars, driven_mass, pendulum
 from studies.speed_error_pages import bearing as bearing_study
 from studies.speed_error_pages import rolling_friction as friction_study

@@ -1,4 +1,11 @@
-"""Each machine with `simulate(accuracy=)`, and what it chose beside other settings: `measure`, `page`."""
+"""What `simulate(accuracy=)` chooses, compared with other settings of the same machine; an hour.
+
+Each machine is run with `simulate(accuracy=)`. What it chose is compared with runs of the same machine with other
+steps, contact grids, inertia levels and stiffening: whether the wanted error is kept, and how much faster the fastest
+of those runs is that keep it too. Errors are those of the studies of speed against error
+(`warpffrf.study.speed_against_error.errors`), compared with a run with several times the steps, all inertia terms, and
+finer cells where bodies have what those need.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +17,9 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
-from studies.accuracy.machines import FINER, Machine
+from studies.accuracy.machines import FINER, MACHINES, Machine
 from warpffrf.model.contact import CELL_ERRORS
+from warpffrf.model.errors import unknown_name
 from warpffrf.online.run import INTERRUPTED
 from warpffrf.study.markdown import table
 from warpffrf.study.speed_against_error.choices import can_stiffen
@@ -23,7 +31,6 @@ PRESSURES = 2.0  # times the accuracy, as `output.accuracy` has it
 RATIOS = (0.125, 0.25, 0.5, 1.0, 2.0)  # of those steps, that are tried
 REFERENCE_CELLS = 0.002  # and at most half of what was chosen
 TIMES, LONG_ENOUGH = (2, 4), 0.5  # runs of each, at least and at most, the fastest counts; s in all, else
-MADE = "Made by `python -m studies.accuracy`; do not edit.\n"
 
 
 @dataclass
@@ -84,7 +91,7 @@ def measure(machine: Machine, *, progress: bool = True) -> Found:
 
 
 def _settings(machine: Machine, scene: wf.Scene, chosen: wf.Scene) -> list[dict[str, Any]]:
-    """What is tried beside steps: inertia level, stiffening, grid, and cells for the errors that the machine names and
+    """What is tried besides steps: inertia level, stiffening, grid, and cells for the errors that the machine names and
     for the largest one that was `chosen`. What was chosen is kept where it is the least there is: more takes longer."""
     flexible = [body for body in scene.bodies if body.reduced is not None]
     used = [body for body in chosen.bodies if body.reduced is not None]
@@ -157,6 +164,14 @@ def _fewer(found: list[Found]) -> str:
     return "".join(f" (of {f.machine.title} {f.machine.finer})" for f in found if f.machine.finer != FINER)
 
 
+def compute(*cases: str) -> list[Found]:
+    """The named machines, or all, measured. Raises `InputError` for a name that does not exist."""
+    for name in cases:
+        if name not in MACHINES:
+            raise unknown_name("study 'accuracy': machine", name, MACHINES)
+    return [measure(MACHINES[name]) for name in cases or MACHINES]
+
+
 def page(found: list[Found]) -> str:
     """Markdown."""
     rows = []
@@ -172,14 +187,12 @@ def page(found: list[Found]) -> str:
             "the whole call [s]"]  # fmt: skip
     return f"""# Runs to a wanted accuracy
 
-{MADE}
-`simulate(accuracy={ACCURACY:g})` beside runs of the same machine with about {", ".join(f"{r:g}" for r in RATIOS)} times
-its steps, on both contact grids where bodies are prepared for them, inertia levels constant and full, and with and
-without stiffening where bodies have it. Errors are
-beside a run with {FINER} times the steps{_fewer(found)}, all inertia
-terms and finer cells where bodies can have them; wanted are 1 % of forces, displacements and deformations and 2 % of
-pressures. Times are wall time of the loop over steps, the fastest
-of {TIMES[0]} runs or as many more as {LONG_ENOUGH:g} s hold; the whole call has all runs that it took to choose, their
+`simulate(accuracy={ACCURACY:g})` compared with runs of the same machine with about
+{", ".join(f"{r:g}" for r in RATIOS)} times its steps, on both contact grids where bodies are prepared for them, inertia
+levels constant and full, and with and without stiffening where bodies have it. Errors are relative to a run with
+{FINER} times the steps{_fewer(found)}, all inertia terms and finer cells where bodies can have them; wanted are 1 % of
+forces, displacements and deformations and 2 % of pressures. Times are wall time of the loop over steps, the fastest of
+{TIMES[0]} runs or as many more as {LONG_ENOUGH:g} s hold; the whole call has all runs that it took to choose, their
 set-up and their budgets.
 
 {table(head, rows)}"""

@@ -1,4 +1,4 @@
-"""Writes docs/studies/bases.md and its picture: `python -m studies.bodies.bases [FOLDER]`. Under a minute on one core.
+"""Bases of global modes: error of the interface receptance against the size; under a minute.
 
 One body, all bases: error of the interface receptance over a band of frequencies against the size of the basis, and
 what the basis costs.
@@ -6,13 +6,11 @@ what the basis costs.
 
 from __future__ import annotations
 
-import sys
 import textwrap
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -137,7 +135,7 @@ def by_size(body: Body, sizes: Sequence[int] = SIZES) -> list[list[Entry]]:
             ("balanced", bases.Balanced(pool_modes=POOL, damping=DAMPING), count),
             ("POD", bases.POD(frequencies=tuple(np.linspace(0.0, BAND, 20)), damping=DAMPING), count),
         ]
-        if size % a == 0:  # beside the attachment modes, which are the first moment at zero
+        if size % a == 0:  # besides the attachment modes, which are the first moment at zero
             points = size // a - 1
             spread = tuple(BAND * (np.arange(points) + 1.0) / points)
             cases.append(("Krylov, points", bases.Krylov(expansion_points=spread, moments=1), none))
@@ -148,7 +146,7 @@ def by_size(body: Body, sizes: Sequence[int] = SIZES) -> list[list[Entry]]:
 
 
 def by_rule(body: Body) -> list[tuple[float, list[Entry]]]:
-    """What comes of a highest frequency alone, given as a multiple of the band, where a basis takes one."""
+    """The result of a highest frequency alone, given as a multiple of the band, where a basis takes one."""
     found = []
     for ratio in RATIOS:
         limits = Limits(None, 2.0 * np.pi * ratio * BAND)
@@ -167,8 +165,19 @@ def _shown(error: float) -> str:
     return f"{error:.1e}"
 
 
-def page(body: Body, rows: list[list[Entry]], rule: list[tuple[float, list[Entry]]]) -> str:
+Figures = tuple[Body, list[list[Entry]], list[tuple[float, list[Entry]]]]
+
+
+def compute() -> Figures:
+    """The full body, entries by size, and entries by the highest frequency over the band."""
+    with one_thread():
+        body = full_body()
+        return body, by_size(body), by_rule(body)
+
+
+def page(figures: Figures) -> str:
     """The Markdown page."""
+    body, rows, rule = figures
     names = list(dict.fromkeys(entry.name for row in rows for entry in row))
     errors, costs = [], []
     for row in rows:
@@ -182,13 +191,11 @@ def page(body: Body, rows: list[list[Entry]], rule: list[tuple[float, list[Entry
     shown = ", ".join(f"{f / 1e3:.2f}" for f in body.natural)
     what = f"""A curved, tapering steel arm, {body.model.size} dofs of linear hexahedra, a rigid interface on one end
 face and an averaging one on the other: 12 loads, each scaled to unit static energy. Its free modes in the band 0 to
-{BAND / 1e3:g} kHz: {shown} kHz. The error is the largest of |H - H_r| / |H| (spectral norm, flexible part of the
-12 x 12 interface receptance) over {len(body.hertz)} frequencies of the band, those of the modes among them; structural
-damping 2 x {DAMPING:.0%} in both models; H by one complex factorisation of the full model a frequency. Every basis has
-the 12 attachment modes of the interfaces, so that all are exact at rest; size counts them."""
-    return f"""# Bases of global modes side by side
-
-Made by `python -m studies.bodies.bases`; do not edit.
+{BAND / 1e3:g} kHz: {shown} kHz. The error is the largest of |H - H_r| / |H| (spectral norm, flexible part of the 12 x
+12 interface receptance) over {len(body.hertz)} frequencies of the band, those of the modes among them; structural
+damping 2 x {DAMPING:.0%} in both models; H by one complex factorisation of the full model per frequency. Every basis
+has the 12 attachment modes of the interfaces, so that all are exact at rest; size counts them."""
+    return f"""# Bases of global modes compared
 
 {textwrap.fill(what, 120)}
 
@@ -243,7 +250,7 @@ def _reading(rows: list[list[Entry]], rule: list[tuple[float, list[Entry]]]) -> 
         "they are the default.",
         "Craig-Bampton holds the interfaces, so that the free resonances have to converge; worst error of a natural "
         f"frequency in the band: {at_ratios('Craig-Bampton', 'frequency_error')}. A resonance that is off by a tenth "
-        "of its damping is an error of ten percent in the receptance beside it, which is what the table shows.",
+        "of its damping is an error of ten percent in the receptance near it, which is what the table shows.",
         "Krylov spaces and POD follow the loads: once past the modes of the band they converge fastest. What they hold "
         "outside of the band, or for loads elsewhere, is not known beforehand; the modal bases see every deformation "
         "up to a frequency, contact included.",
@@ -254,10 +261,11 @@ def _reading(rows: list[list[Entry]], rule: list[tuple[float, list[Entry]]]) -> 
     return "\n".join(wrapped) + "\n"
 
 
-def picture(rows: list[list[Entry]], path: Path) -> None:
+def picture(figures: Figures, path: Path) -> None:
     """Error against size."""
     from studies.charts import save_curves
 
+    _, rows, _ = figures
     names = list(dict.fromkeys(entry.name for row in rows for entry in row))
     curves = {}
     for name in names:
@@ -265,19 +273,3 @@ def picture(rows: list[list[Entry]], path: Path) -> None:
         curves[name] = (np.array([e.size for e in entries]), np.array([e.error for e in entries]))
     labels = ("size of the basis", "largest relative error of the receptance")
     save_curves(curves, path, labels=labels, title=f"Interface receptance, 0 to {BAND / 1e3:g} kHz", log_y=True)
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    given: Sequence[Any] = sys.argv[1:] if arguments is None else arguments
-    folder = Path(given[0] if given else "docs/studies")
-    folder.mkdir(parents=True, exist_ok=True)
-    with one_thread():
-        body = full_body()
-        rows, rule = by_size(body), by_rule(body)
-    (folder / "bases.md").write_text(page(body, rows, rule))
-    picture(rows, folder / "bases.png")
-    print(folder / "bases.md")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,17 +1,15 @@
-"""Writes docs/studies/flexible_bearings.md: `python -m studies.bodies.flexible_bearings [--out FOLDER] [CASE ...]`.
+"""Published bearings with rigid and with flexible elements and rings; some minutes.
 
 Bearings with published load distributions, first with rigid rings and elements and the law that the publication takes,
 then with flexible elements, a flexible outer ring in a stiff housing, or both: how loads, deflection and peak pressures
-change, and why. Without names all cases, some minutes on two cores; with names those alone, printed and not written.
+change, and why.
 """
 
 from __future__ import annotations
 
-import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,9 +26,9 @@ SUNK = 0.45  # of the way of the inner ring: elements
 Made = tuple[wf.Scene, wf.bearings.Bearing]
 
 WHY = {
-    "rollers": "straight rollers of finite elements between rigid rings yield less than by Palmgren's law, which has "
-    "profiled rollers and yielding rings in it: fewer share the load",
-    "outer ring": "a wall of 6 mm held outside yields less than one of Palmgren's two half-spaces; `reduce` "
+    "rollers": "straight rollers of finite elements between rigid rings deform less than by Palmgren's law, which has "
+    "profiled rollers and deformable rings in it: fewer share the load",
+    "outer ring": "a wall of 6 mm held outside deforms less than one of Palmgren's two half-spaces; `reduce` "
     "warns that its cells err by about 2 % of the force at a given approach",
     "rollers and outer ring": "both, with Hertz's modulus of two bodies outside, of one inside",
     "balls": "rigid rings: Hertz with E/(1 - nu^2) of the ball alone in place of half of it; deflections are by "
@@ -205,42 +203,25 @@ HEAD = ["bearing", "flexible", "largest load [N]", "next [N]", "deflection [um]"
         "peak inside [MPa]", "outside [MPa]", "s", "reason of the difference"]  # fmt: skip
 
 
+def compute(*cases: str) -> list[list[str]]:
+    """Rows of the named cases, or of all. Raises `InputError` for a case that does not exist."""
+    for name in cases:
+        if name not in CASES:
+            raise wf.InputError(f"there is no case {name!r}; choose from {', '.join(CASES)}")
+    rows = []
+    for name in cases or CASES:
+        rows.append(row(CASES[name]))
+        print(f"{name}: {', '.join(rows[-1][2:9])}", flush=True)
+    return rows
+
+
 def page(rows: list[list[str]]) -> str:
     """The study."""
     return f"""# Bearings with flexible elements and rings
 
-Made by `python -m studies.bodies.flexible_bearings`; do not edit.
-
 Bearings P7 to P10 (ISO/TS 16281; Harris, Rolling Bearing Analysis) under their loads, along which alone the inner ring
 moves. Rigid parts have the published law between them (Hertz, Palmgren at P10), flexible ones distributed contact on
-cells that travel. Loads are those on the outer ring, peak pressures of rigid parts Hertz's at these loads; seconds with
-body and equilibrium, on a machine of two cores with other work.
+contact-fixed cells. Loads are those on the outer ring, peak pressures of rigid parts Hertz's at these loads; seconds
+with body and equilibrium, on a machine of two cores with other work.
 
 {table(HEAD, rows)}"""
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Print the table of the named cases, or make the page of all. Raises `InputError` for a case that there is not."""
-    given = list(sys.argv[1:] if arguments is None else arguments)
-    folder = Path("docs/studies")
-    if "--out" in given:
-        at = given.index("--out")
-        folder = Path(given[at + 1])
-        del given[at : at + 2]
-    unknown = [name for name in given if name not in CASES]
-    if unknown:
-        raise wf.InputError(f"there is no case {unknown[0]!r}; choose from {', '.join(CASES)}")
-    rows = []
-    for name in given or CASES:
-        rows.append(row(CASES[name]))
-        print(f"{name}: {', '.join(rows[-1][2:9])}", flush=True)
-    if given:
-        print(table(HEAD, rows))
-        return
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "flexible_bearings.md").write_text(page(rows))
-    print(folder / "flexible_bearings.md")
-
-
-if __name__ == "__main__":
-    main()

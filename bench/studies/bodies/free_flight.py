@@ -1,7 +1,7 @@
-r"""Free flight, where energy and both momenta are known: a rigid body about its unstable axis, and a soft ring.
+r"""Integrators in free flight: a rigid body about its unstable axis, and a soft ring; two minutes.
 
 *Rigid* (case D4): I = diag(1, 2, 3) kg m2, omega_0 = (1e-3, 5, 1e-3) rad/s, torque-free. omega(10 s) is known from
-Jacobi's elliptic functions. The body nearly rests on its unstable axis and then turns over, which amplifies what is
+Jacobi's elliptic functions. The body nearly rests on its unstable axis and then tumbles, which amplifies what is
 small: the perturbation that starts it, (1e-3/5)^2 of energy and momentum, is told from their errors only down to their
 size, so that an error of 1e-16 shows as one of about 1e-8 in omega(10).
 
@@ -10,14 +10,12 @@ once, so that all modes ring. Momenta are those of the ring's own inertia (`warp
 
     linear m v, of the centre of mass,      angular r x m v + A (J(q) w + h(q, qdot)) about the world's origin,
 
-evaluated from the history alone. `python -m studies.bodies.free_flight [FOLDER]` writes the page; two minutes.
+evaluated from the history alone.
 """
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -43,22 +41,21 @@ from warpffrf.online import History, run
 from warpffrf.online.free_flight.check_run import run_check
 
 Array = np.ndarray
-MADE = "Made by `python -m studies.bodies.free_flight`; do not edit.\n"
 RUBBER = Material(8e6, 0.45, 1100.0, name="rubber")
 MOMENTS = np.array([1.0, 2.0, 3.0])  # kg m2
 SPIN = np.array([1e-3, 5.0, 1e-3])  # rad/s
 AFTER_TEN = np.array([4.510627138, -2.157369653, 2.604211920])  # rad/s, body axes, at t = 10 s
 RING_SPEED = (1.0, -0.5, 2.0)  # m/s
 RING_SPIN = (20.0, 60.0, 40.0)  # rad/s
-RING_TIME = 0.05  # s: two periods of the lowest mode, half a turn
+RING_TIME = 0.05  # s: two periods of the lowest mode, half a revolution
 RING_STEPS = (2e-4, 1e-4, 5e-5, 2.5e-5)  # s: the highest mode has 17 to 130 steps a period
 ROWS = 50  # saved of each flight
 
 
 @dataclass(frozen=True)
 class Flight:
-    """One flight: step [s], `error` beside the reference (rad/s, or relative), largest deviations of energy, linear and
-    angular momentum from the start, each over its size there."""
+    """One flight: step [s], `error` against the reference (rad/s, or relative), largest deviations of energy, linear
+    and angular momentum from the start, each over its size there."""
 
     step: float
     error: float
@@ -135,7 +132,7 @@ def ring_scene(body: ReducedBody, level: str = "full") -> Scene:
 
 
 def ring_flight(body: ReducedBody, integrator: Any, step: float, reference: History, level: str = "full") -> Flight:
-    """The ring beside the `reference` at its end: the error is that of the modes over their largest coordinate, or of
+    """The ring against the `reference` at its end: the error is that of the modes over their largest coordinate, or of
     the orientation [rad], whichever is larger."""
     history = fly(ring_scene(body, level), float(reference.time[-1]), step, integrator)
     motion, exact = history.bodies["ring"], reference.bodies["ring"]
@@ -174,8 +171,8 @@ STEPPERS = {
 CHECKS = {"energy-momentum": EnergyMomentum(), "Runge-Kutta 4": RungeKutta4()}
 
 
-def page() -> str:
-    """The page of the study."""
+def compute() -> dict[str, Any]:
+    """Rows of the three tables, and the figures of the ring that the text states."""
     rigid: list[list[str]] = []
     for name, integrator in STEPPERS.items():
         rigid += _flight_rows(
@@ -200,36 +197,32 @@ def page() -> str:
         e = errors(integrator.coefficients, [500, 1000, 2000])
         shown = ", ".join(f"{z.real:.3f}" for z in roots_at_infinity(integrator.coefficients))
         oscillator.append([name, shown, f"{e[-1]:.2e}", f"{np.log2(e[-2] / e[-1]):.3f}"])
-    head = ["integrator", "step [s]", "error", "order", "energy", "linear momentum", "angular momentum"]
     bend = np.abs(body.surface.modes.transpose(1, 2, 0) @ reference.bodies["ring"].modal.T)
-    low, high = body.frequencies[[0, -1]]
+    return {
+        "rigid": rigid, "flexible": flexible, "oscillator": oscillator, "frequencies": body.frequencies,
+        "bend": float(bend.max()),
+    }  # fmt: skip
+
+
+def page(found: dict[str, Any]) -> str:
+    """The page of the study."""
+    head = ["integrator", "step [s]", "error", "order", "energy", "linear momentum", "angular momentum"]
+    low, high = found["frequencies"][[0, -1]]
     return f"""# Free flight
 
-{MADE}
 **Rigid body about its unstable axis**: I = (1, 2, 3) kg m2, omega = (0.001, 5, 0.001) rad/s. Error of omega(10 s)
-[rad/s] beside elliptic functions; energy and momenta: largest deviation over the flight, relative. The motion amplifies
-what an integrator leaves: below a few 1e-6 rad/s the error is that of the Newton tolerance and of round-off, not of the
-method, as the deviations of energy and momentum show, which go on with order 2.
+[rad/s] compared with elliptic functions; energy and momenta: largest deviation over the flight, relative. The motion
+amplifies what an integrator leaves: below a few 1e-6 rad/s the error is that of the Newton tolerance and of round-off,
+not of the method, as the deviations of energy and momentum show, which go on with order 2.
 
-{_table(head, rigid)}
-**Soft ring, tumbling**: rubber, {len(body.frequencies)} modes from {low:.0f} to {high:.0f} Hz,
-{np.linalg.norm(RING_SPIN):.0f} rad/s, inertia "full", points moving by up to {1e3 * bend.max():.1f} mm. Error after
-{RING_TIME:g} s, of the modes (over the largest coordinate) or of the orientation [rad], beside Runge-Kutta with a step
-of 1e-5 s: other equations in other code.
+{_table(head, found["rigid"])}
+**Soft ring, tumbling**: rubber, {len(found["frequencies"])} modes from {low:.0f} to {high:.0f} Hz,
+{np.linalg.norm(RING_SPIN):.0f} rad/s, inertia "full", points moving by up to {1e3 * found["bend"]:.1f} mm. Error after
+{RING_TIME:g} s, of the modes (over the largest coordinate) or of the orientation [rad], compared with Runge-Kutta with
+a step of 1e-5 s: other equations in other code.
 
-{_table(head, flexible)}
+{_table(head, found["flexible"])}
 **Oscillator**, damping ratio 5 %, after 10 rad: error with 2000 steps, order from 1000 to 2000; roots of the undamped
 one at infinite frequency, the first that of the recursion between accelerations.
 
-{_table(["integrator", "roots at infinity", "error", "order"], oscillator)}"""
-
-
-def main() -> None:
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/studies")
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "free_flight.md").write_text(page())
-    print(folder / "free_flight.md")
-
-
-if __name__ == "__main__":
-    main()
+{_table(["integrator", "roots at infinity", "error", "order"], found["oscillator"])}"""

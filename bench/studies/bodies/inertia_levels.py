@@ -1,15 +1,13 @@
-"""Writes docs/studies/inertia_levels.md: `python -m studies.bodies.inertia_levels [FOLDER]`. Under a minute.
+"""Inertia levels compared with closed forms: a bar, a disc, a ring; under a minute.
 
-What each inertia level gives in three cases with closed forms (a bar that turns about its end, a disc, a spinning
+What each inertia level gives in three cases with closed forms (a bar that rotates about its end, a disc, a spinning
 ring), what the indicator says of the terms left out, and what it costs.
 """
 
 from __future__ import annotations
 
-import sys
 import textwrap
 import time
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,7 +22,6 @@ from warpffrf.online.compile.inertia_plan import BOUNDS, InertiaPlan
 from warpffrf.online.diagnosis.indicator import FLAG, MOST_STEPS, percent, recommended, term_sizes
 from warpffrf.study.markdown import table
 
-MADE = "Made by `python -m studies.bodies.inertia_levels`; do not edit.\n"
 BAR_CELLS = (15, 30, 60)
 BAR_STEPS = (2e-5, 1e-5, 5e-6, 2.5e-6)  # s
 BAR_FREQUENCIES = (3e3, 6e3, 12e3, 24e3)  # Hz
@@ -59,7 +56,7 @@ def bar_tables() -> tuple[str, str, str]:
     cells = [f"{n} cells" for n in BAR_CELLS]
     return (
         table(["level", "closed form [m]", *cells, "extrapolated"], meshes),
-        table(["modes up to [kHz]", "modes", "beside all polynomials"], modes),
+        table(["modes up to [kHz]", "modes", "against all polynomials"], modes),
         table(["level", *(f"h = {1e6 * h:g} us" for h in BAR_STEPS), "extrapolated"], steps),
     )
 
@@ -149,7 +146,8 @@ def indicator_table(ring: ReducedBody) -> tuple[str, str]:
     modes = len(scene.body("lower").reduced.frequencies)
     stepping = pressed.counters["loop_seconds"]
     cost = (
-        f"{1e3 * seconds:.1f} ms for {len(pressed.time)} saved steps of two bodies with {modes} modes each, beside "
+        f"{1e3 * seconds:.1f} ms for {len(pressed.time)} saved steps of two bodies with {modes} modes each, "
+        f"compared with "
         f"{1e3 * stepping:.0f} ms of stepping; at most {MOST_STEPS} steps of a run are looked at"
     )
     return table(["case", "level", "centrifugal", "deformed inertia", "gyroscopic", "recommended"], rows), cost
@@ -161,19 +159,27 @@ def _spun_up(body: ReducedBody, level: str, speed: float = rotating_bar.SPEED) -
     return run(scene, duration, step=1e-4, save_every=10, progress=False)
 
 
-def page() -> str:
-    """The page of the study, its paragraphs filled."""
-    return "\n\n".join(
-        text if text.lstrip().startswith(("|", "#", "Made")) else textwrap.fill(text, 120)
-        for text in (part.strip("\n") for part in _page().split("\n\n"))
-    ) + "\n"  # fmt: skip
-
-
-def _page() -> str:
+def compute() -> dict[str, str]:
+    """The tables of the page, and what the indicator costs."""
     meshes, modes, steps = bar_tables()
     rings = [spinning_ring.ring(sectors) for sectors in RING_SECTORS]
     frequencies, lags = ring_tables(rings)
     indicated, cost = indicator_table(rings[1])
+    return {
+        "meshes": meshes, "modes": modes, "steps": steps, "disc": disc_table(), "frequencies": frequencies,
+        "lags": lags, "indicated": indicated, "cost": cost,
+    }  # fmt: skip
+
+
+def page(found: dict[str, str]) -> str:
+    """The page of the study, its paragraphs filled."""
+    return "\n\n".join(
+        text if text.lstrip().startswith(("|", "#")) else textwrap.fill(text, 120)
+        for text in (part.strip("\n") for part in _page(found).split("\n\n"))
+    ) + "\n"  # fmt: skip
+
+
+def _page(found: dict[str, str]) -> str:
     exact, gyroscopic, constant, linear = map(
         rotating_bar.closed_form, ("full", "gyroscopic", "constant", "linear")
     )  # fmt: skip
@@ -182,13 +188,12 @@ def _page() -> str:
     bounds = ", ".join(f"{name} {bound:g}" for name, bound in BOUNDS.items())
     return f"""# Inertia levels against closed forms
 
-{MADE}
 
-Levels: "constant" (turning and deforming leave each other alone), "gyroscopic" (centrifugal load J1 and Coriolis, Euler
+Levels: "constant" (rotation and deformation do not interact), "gyroscopic" (centrifugal load J1 and Coriolis, Euler
 forces G), "deformed" (J1, and J2: what the deformed shape adds), "full". The derivations are in
 `tests/scenes/rotating_bar.py`, `rotating_disc.py`, `spinning_ring.py`.
 
-## D1, a bar that turns about its end
+## D1, a bar that rotates about its end
 
 {rotating_bar.SPEED:g} rad/s, L = {rotating_bar.LENGTH:g} m, {rotating_bar.THICK:g} m thick. The frame moves with the
 centre of mass, whose outward motion is therefore exact at every level: "constant" gives {constant:.6e} m, J1 makes it
@@ -196,43 +201,44 @@ centre of mass, whose outward motion is therefore exact at every level: "constan
 {linear:.6e} m of a frame fixed at the axis, {exact / linear - 1.0:.2%} below the exact one, is that of no level: most
 of that difference is the outward motion of the centre of mass.
 
-Stationary state of the reduced model (six axial polynomials and the attachment modes of the ends) beside the closed
-form of each level, for linear cells; extrapolated from the last two meshes:
+Stationary state of the reduced model (six axial polynomials and the attachment modes of the ends) compared with the
+closed form of each level, for linear cells; extrapolated from the last two meshes:
 
-{meshes}
+{found["meshes"]}
 
 The same with vibration modes instead of polynomials, level "full", 30 cells:
 
-{modes}
+{found["modes"]}
 
-The run, spun up from rest and settled, beside the stationary state of the same model (30 cells), generalized-alpha
+The run, spun up from rest and settled, compared with the stationary state of the same model (30 cells),
+generalized-alpha
 0.8; extrapolated from the last two steps:
 
-{steps}
+{found["steps"]}
 
-A slender bar ({rotating_bar.SLENDER:g} m) buckles in the plane of turning at this speed unless it is given geometric
+A slender bar ({rotating_bar.SLENDER:g} m) buckles in the plane of rotation at this speed unless it is given geometric
 stiffening; the thick one does not.
 
 ## D2, a disc
 
 Annulus, radii {rotating_disc.INNER:g} and {rotating_disc.OUTER:g} m, {rotating_disc.SPEED:g} rad/s, plane stress;
 a solid disc of this radius grows by {solid:.3e} m. Errors of displacement at rim and bore, largest errors of stress at
-radii of {", ".join(f"{x:g}" for x in rotating_disc.PLACES)} m over the largest hoop stress. The closed form knows no
-deformed shape: "deformed" lies above it by w^2 over the square of the lowest radial frequency, 1e-4.
+radii of {", ".join(f"{x:g}" for x in rotating_disc.PLACES)} m over the largest hoop stress. The closed form does not
+include the deformed shape: "deformed" lies above it by w^2 over the square of the lowest radial frequency, 1e-4.
 
-{disc_table()}
+{found["disc"]}
 
 ## D3, a thin ring
 
 Curved quadratic cells, one through the wall. Frequencies of n waves in its plane:
 
-{frequencies}
+{found["frequencies"]}
 
-Spinning with {spinning_ring.SPIN:g} rad/s, one mode of the pair released: the rate at which the pattern turns beside
-the material, of the thin ring (-2 Omega/(n^2 + 1)), of the reduced body ({RING_SECTORS[1]} sectors) by its eigenvalues,
-and the error of the run beside that; where there is no gyroscopic term, the rate itself.
+Spinning with {spinning_ring.SPIN:g} rad/s, one mode of the pair released: the rate at which the pattern rotates
+relative to the material, of the thin ring (-2 Omega/(n^2 + 1)), of the reduced body ({RING_SECTORS[1]} sectors) by its
+eigenvalues, and the error of the run compared with that; where there is no gyroscopic term, the rate itself.
 
-{lags}
+{found["lags"]}
 
 ## The indicator
 
@@ -240,21 +246,10 @@ Sizes of the terms on the motion that a run found, bold above {FLAG:.0%}, and th
 keep more than the indicator asks for afterwards, and in none of these cases keeps less; its estimates' bounds:
 {bounds}.
 
-{indicated}
+{found["indicated"]}
 
-On the bar the indicator's J2 is what the closed forms say ({exact / gyroscopic - 1.0:.2%} at the tip). "all": without
+On the bar the indicator's J2 is that of the closed forms ({exact / gyroscopic - 1.0:.2%} at the tip). "all": without
 the load the disc does not deform at all. A centrifugal load that would deform a body by less than
 {BOUNDS["centrifugal"]:g} of its size counts as none. Only what the modes can show is judged: the rollers have no
-mode that a turn about their axis excites. Cost: {cost}.
+mode that a rotation about their axis excites. Cost: {found["cost"]}.
 """
-
-
-def main() -> None:
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/studies")
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "inertia_levels.md").write_text(page())
-    print(folder / "inertia_levels.md")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,5 +1,6 @@
-r"""Hertz's contacts of solid bodies on coarse meshes, with pressures on cells that travel with the patch: cases C1, C2,
-C3 and C7, Poisson's ratios, unlike bodies, tetrahedra, and the stress below.
+r"""Hertz's contacts of solid bodies on coarse meshes: bodies, scenes and errors (page: `coarse_points_page`).
+
+Cases C1, C2, C3 and C7, Poisson's ratios, unlike bodies, tetrahedra, and the stress below.
 
 **Roller.** A solid roller between two rigid planes, loaded at both ends of a diameter. With nu = 0 it is in plane
 strain at any width. Else it is long and has free ends: far from these the axial force over a section is zero. By the
@@ -18,10 +19,8 @@ quadratic tetrahedra of 1 mm, the ball in the middle.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -47,7 +46,6 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium, simulate
-from warpffrf.study.markdown import table
 
 Array = np.ndarray
 Cells = tuple[int, int] | None
@@ -59,7 +57,7 @@ RATIOS = (0.0, 0.3, 0.45, 0.49)
 ROLLER_RADIUS, LINE_LOAD = 0.05, 1e5  # C1: m, N/m
 THIN, LONG = 0.02, 0.2  # m, width of rollers with nu = 0, and with any other
 BALL_RADIUS, LOAD, SPEED = 0.01, 100.0, 0.1  # C3, C7: m, N, m/s
-FINE = (24, 21)  # strips, rows of a line contact beside those chosen
+FINE = (24, 21)  # strips, rows of a line contact, finer than those chosen
 FINE_POINT = (24, 24)
 DOWN = (0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5))  # turns the patch of a ball, around +x, to -z
 DEPTHS = np.linspace(0.3, 1.3, 41)  # half-widths below a patch
@@ -90,7 +88,7 @@ def roller(material: Material, elements: int, order: int, below: Array | None = 
     stress = {}
     if below is not None:
         stress["below"] = np.column_stack([0.0 * below, 0.0 * below, below - ROLLER_RADIUS])
-    fewer = order == 2 and width == LONG  # hats a facet: a quarter of those at nodes
+    fewer = order == 2 and width == LONG  # grid nodes per facet: a quarter of those at mesh nodes
     spacing = 2.0 * np.pi * ROLLER_RADIUS / sectors if fewer else None
     return reduce(
         mesh, material, interfaces={"end_low": "average"}, contact={"rim": surfaces.Cylinder()}, modes=0,
@@ -148,7 +146,7 @@ class Errors:
 
 
 def line_errors(pair: Any, line: LineContact, approach: float) -> Errors:
-    """Of the section at mid-width beside Hertz's `line` there; `approach`: its relative error."""
+    """Of the section at mid-width against Hertz's `line` there; `approach`: its relative error."""
     return Errors(
         approach, float(pair.half_width[-1]) / line.half_width - 1.0,
         float(pair.mid_peak_pressure[-1]) / line.peak_pressure - 1.0,
@@ -241,7 +239,7 @@ def ball_approach(contact: PointContact, materials: Iterable[Material]) -> float
 
 
 def point_errors(pair: Any, i: int, contact: PointContact, approach: float) -> Errors:
-    """Of saved step `i` beside Hertz's `contact` at the load found; the worse of both half-widths."""
+    """Of saved step `i` against Hertz's `contact` at the load found; the worse of both half-widths."""
     off = np.asarray(pair.half_widths[i]) / contact.half_width - 1.0
     return Errors(
         float(pair.history.approach[i]) / approach - 1.0, float(off[np.argmax(np.abs(off))]),
@@ -452,174 +450,3 @@ def trouble() -> list[tuple[str, str]]:
         ("ball, patch on the edge of its contact surface", told(leaning(1.0))),
         ("ball, patch beyond the edge of its contact surface", told(leaning(1.5))),
     ]
-
-
-# --- page ---
-
-
-def rollers_table() -> str:
-    """C1 and C2."""
-    plain = replace(STEEL, poisson_ratio=0.0)
-    cases = [(plain, n, order) for n in (1, 2, 3, 4, 6, 8) for order in (1, 2) if n * order < 14]
-    cases += [(STEEL, n, 1) for n in (3, 4, 6)] + [(STEEL, n, 2) for n in (3, 4)]
-    rows = []
-    for material, n, order in cases:
-        body = roller(material, n, order)
-        errors = [c for cells in (None, FINE) for c in roller_errors(body, material, cells).cells()]
-        rows.append([f"{material.poisson_ratio:g}", str(n), "hex27" if order == 2 else "hex8", *errors])
-    return table(["nu", "on the radius", "cells", *2 * ["approach", "half-width", "peak"]], rows)
-
-
-def balls_table() -> str:
-    """C3."""
-    rows = []
-    for mesh in COARSE_BALLS:
-        body = ball(STEEL, mesh)
-        errors = [c for cells in (None, FINE_POINT) for c in ball_errors(body, LOAD, STEEL, cells).cells()]
-        asymmetry = body.contact_surfaces["patch"].far.asymmetry  # pyright: ignore[reportOptionalMemberAccess]
-        rows.append([f"{mesh.elements:.3g}", mesh.kind, str(body.report["dofs"]), f"{asymmetry:.1%}", *errors])
-    return table(["on the radius", "cells", "dofs", "asymmetry", *2 * ["approach", "half-width", "peak"]], rows)
-
-
-def impact_table() -> str:
-    """C7."""
-    both = replace(STEEL, youngs_modulus=0.5 * STEEL.youngs_modulus)
-    rows = []
-    for mesh in (PLAIN, BallMesh(5.2, 4, "hex8"), BallMesh(5.0, 2, "tet10")):
-        for cells in (None, FINE_POINT):
-            result, exact = struck([ball(both, mesh)], contact_modulus(STEEL, STEEL), SPEED, cells)
-            errors = [f"{v:+.2%}" for v in impact_errors(result, exact)]
-            rows.append([mesh.kind, f"{mesh.elements:.3g}", "24 x 24" if cells else "11 x 11", *errors])
-    return table(["cells", "on the radius", "grid", "force", "time", "approach", "speed after"], rows)
-
-
-def block_table() -> str:
-    """The ball on the block."""
-    reference = ball_on_block(block(STEEL, "tet10", 1e-3), PLACES[0])
-    rows = [["tet10", "1", f"{reference:.1f}", "", "", ""]]
-    for kind, size in BLOCKS:
-        body = block(STEEL, kind, size)
-        forces = np.array([ball_on_block(body, place) for place in PLACES])
-        fine = ball_on_block(body, PLACES[0], FINE_POINT)
-        # over a small part of the block its own compliance changes evenly: what is left of a parabola is ripple
-        xy = np.array(PLACES) * 1e3
-        even = np.column_stack([np.ones(len(xy)), (xy**2).sum(axis=1)])
-        left = forces - even @ np.linalg.lstsq(even, forces, rcond=None)[0]
-        rows.append([
-            kind, f"{size * 1e3:g}", f"{forces[0]:.1f}", f"{forces[0] / reference - 1.0:+.2%}",
-            f"{fine / reference - 1.0:+.2%}", f"{np.ptp(left) / forces.mean():.3%}",
-        ])  # fmt: skip
-    return table(["cells", "size [mm]", "force [N]", "error", "24 x 24 cells", "ripple"], rows)
-
-
-def ratios_table() -> str:
-    """Poisson's ratios."""
-    rows = []
-    for ratio in RATIOS:
-        material = replace(STEEL, poisson_ratio=ratio)
-        line = roller_errors(roller(material, 4, 1), material).cells()
-        rows.append([f"{ratio:g}", "roller, hex8, 4 on the radius", *line])
-        for mesh in (PLAIN, BallMesh(5.2, 4, "hex8")):
-            point = ball_errors(ball(material, mesh), LOAD, material).cells()
-            rows.append([f"{ratio:g}", f"ball, {mesh.kind}, 5 on the radius", *point])
-    return table(["nu", "body", "approach", "half-width", "peak"], rows)
-
-
-def pairs_table() -> str:
-    """Unlike bodies."""
-    rows = []
-    for other, half_width, speed in ((ALUMINIUM, 2e-4, SPEED), (RUBBER, 1e-3, 0.5 * SPEED)):
-        names = f"{STEEL.name} on {other.name}"
-        errors, width = unlike_rollers(STEEL, other, half_width)
-        rows.append([names, "rollers", f"{width:.3f}", *errors.cells()])
-        errors, width = unlike_balls(STEEL, other, speed)
-        rows.append([names, "balls that meet", f"{width:.3f}", *errors.cells()])
-    return table(["bodies", "", "half-width over radius", "approach", "half-width", "peak"], rows)
-
-
-def stress_table() -> str:
-    """Von Mises below lines and points."""
-    plain = replace(STEEL, poisson_ratio=0.0)
-    rows = []
-    for material, n, order in ((plain, 3, 1), (plain, 4, 2), (STEEL, 3, 1), (STEEL, 4, 1), (STEEL, 6, 1)):
-        kind = "hex27" if order == 2 else "hex8"
-        rows.append(["roller", f"{material.poisson_ratio:g}", kind, str(n), *roller_mises(material, n, order)])
-    for mesh in (PLAIN, BallMesh(5.2, 4, "hex8"), BallMesh(5.0, 2, "tet10"), BallMesh(8.0, 4, "tet4")):
-        rows.append(["ball", "0.3", mesh.kind, f"{mesh.elements:.3g}", *ball_mises(STEEL, mesh)])
-    return table(["body", "nu", "cells", "on the radius", "value", "depth"], rows)
-
-
-def page() -> str:
-    """The whole page."""
-    return rf"""# Hertz's contacts of solid bodies on coarse meshes
-
-Made by `python -m studies.contact.coarse_points`; do not edit.
-
-Pressures on cells that travel with the patch (`Contact(grid="contact_fixed")`). *On the radius*: elements along the
-surface in a radius; the contacts are 0.003 to 0.05 radii wide. Errors are relative: approach against the closed form
-for the load found, half-width (by second moments, C11) and peak against Hertz at that load. The first three columns
-of errors are those of the cells that the program chooses, eight in the patch, the second three of 24.
-
-**What the approach misses.** To first order in its curvatures k_i a curved surface yields under a unit force as the
-half-space and
-
-    f = (1 + nu)(1 - 2 nu)/(4 pi E) sum_i k_i ((3 - 2 nu) x_i^2/r^2 - (1 - 2 nu) ln r),
-
-which is not smooth at the force: along a line it is a cusp, (1 + nu)(1 - 2 nu) k |x|/(2 E). It is left to the far
-field, whose splines see it as if it were spread over the spacing h of the contact grid. A line misses by
-(1 - 2 nu)/(1 - nu) h/(2 R) of P'(1 - nu^2)/(pi E), where the approach is some twelve of these; a ball by
-4 (1 - 2 nu)^2/(6 pi (1 - nu)) (a/R) ln(h/a) of its approach. Half-width and peak know nothing of it.
-
-## A solid roller, loaded at both ends of a diameter (C1, C2)
-
-R = {ROLLER_RADIUS * 1e3:g} mm, {LINE_LOAD / 1e3:g} N/mm, between rigid planes. With nu = 0 the roller is
-{THIN * 1e3:g} mm wide ({ROLLER_RADIUS * 1e3:g} mm with one and two elements on the radius), and in plane strain; with
-nu = 0.3 it is {LONG * 1e3:g} mm wide, has free ends, and is looked at in its middle.
-
-{rollers_table()}
-## A solid ball on a rigid plane (C3)
-
-R = {BALL_RADIUS * 1e3:g} mm, {LOAD:g} N. Approach against Hertz and what a ball yields less than a half-space
-(`elastic_sphere`). *Asymmetry*: of the half-space on the ball's mesh.
-
-{balls_table()}
-## A ball strikes a half-space (C7)
-
-{SPEED:g} m/s, {STEPS} steps in the time of contact. Against Hertz's impact of half-spaces; a ball yields less, which
-makes the force 0.5 % larger.
-
-{impact_table()}
-## A rigid ball on a block of tetrahedra
-
-R = {BALL_RADIUS * 1e3:g} mm, {APPROACH * 1e6:g} um deep, on {BLOCK[0] * 1e3:g} x {BLOCK[0] * 1e3:g} x
-{BLOCK[1] * 1e3:g} mm of steel. *Error*: in the middle, against tet10 of 1 mm. *Ripple*: of the force at nine places
-over a quarter of an element of 4 mm, without the parabola that the block itself makes.
-
-{block_table()}
-## Poisson's ratio
-
-{ratios_table()}
-## Unlike bodies
-
-Rollers between planes, the squeeze of both; balls in free flight, at the largest force. Rubber: E = 5 MPa, nu = 0.49.
-Each roller has two patches, which feel each other through it.
-
-{pairs_table()}
-## Von Mises stress below the patch
-
-The largest at 0.3 to 1.3 half-widths below the middle, and its depth, against Hertz at the load found.
-
-{stress_table()}
-## Situations that ask for trouble
-
-{table(["what", "what is said"], [list(row) for row in trouble()])}"""
-
-
-def main(folder: str = "docs/studies") -> None:
-    """Write the page."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    (Path(folder) / "coarse_points.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])

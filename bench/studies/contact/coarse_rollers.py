@@ -1,18 +1,16 @@
-r"""Rollers on meshes far coarser than their contact, pressures on cells that travel with the patch.
+r"""Rollers on meshes far coarser than their contact, on contact-fixed cells.
 
 Two hollow steel rollers (R 50, bore 15, width 20 mm) whose bores are held at an approach. References are full finite
 elements of one roller on the plane of symmetry between the two (`free_end`): quadratic cells, six in a half-width, no
 modes, no half-space; none of it is the package's. Where rollers are tilted, skewed, or several, nothing is symmetric,
-and the reference is the package's own material grid on a mesh made for the contact, three quadratic cells in a
+and the reference is the package's own body-fixed grid on a mesh made for the contact, three quadratic cells in a
 half-width.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -53,7 +51,7 @@ LONG = replace(STEEL_ROLLER, width=2.0 * WIDTH)  # the wider partner
 FLUSH_LEVEL = (5.0, 0.125)  # as LEVEL
 TURNED_APPROACH, BESIDE_APPROACH = 3e-5, 2e-5  # m
 APART = (np.pi, 0.5, 0.26, 0.18, 0.12)  # rad between two rollers on one
-REVOLUTIONS, STRIDE = 10, 0.02  # rad a step: a quarter of an element of 4 mm
+REVOLUTIONS, STRIDE = 10, 0.02  # rad per step: a quarter of an element of 4 mm
 LAYER = 0.8  # of the size of the cells at the rim over that of the layers
 ROLLED, TURNS = 3.0, 60  # elements of 4 mm, saved places
 
@@ -142,7 +140,7 @@ class Found:
 
 
 def ripple(body: ReducedBody, approach: float) -> float:
-    """How far the force goes up and down while the rollers turn by three elements at constant approach, of its mean
+    """How far the force goes up and down while the rollers rotate by three elements at constant approach, of its mean
     [-]."""
     angle, step = ROLLED * 4e-3 / R, 1e-4
     scene = held(body, body, approach, turning=angle / (TURNS * step))
@@ -170,7 +168,7 @@ def crowned_reference(crown_radius: float, load: float) -> EndPressure:
 
 
 def fine_roller() -> ReducedBody:
-    """The roller on a mesh for hats of 0.1 mm around, twelve cells below the rim and twenty along the axis."""
+    """The roller on a mesh for nodes of 0.1 mm around, twelve cells below the rim and twenty along the axis."""
     mesh = roller_mesh(
         R, BORE, WIDTH, sectors=FINE_SECTORS, layers=12, axial=20, grading=1.6, order=2
     )  # fmt: skip
@@ -259,7 +257,7 @@ def flush_rows() -> list[list[str]]:
 
 
 def turned_rows(fine: ReducedBody, coarse: dict[str, ReducedBody]) -> list[list[str]]:
-    """Tilted and skewed rollers: errors of force and largest pressure beside the fine material grid."""
+    """Tilted and skewed rollers: errors of force and largest pressure against the fine body-fixed grid."""
     rows = []
     cases: dict[str, dict[str, float]] = {"aligned": {}, "tilted by 0.5 mrad": {"tilt": 5e-4},
                                           "skewed by 5 mrad": {"skew": 5e-3}}  # fmt: skip
@@ -294,69 +292,74 @@ def _error(ratio: float) -> str:
     return f"{ratio - 1.0:+.2%}"
 
 
-def page() -> str:
-    """The whole page."""
+COARSE = ("hex8, 4 mm", "tet10, 4 mm, Gmsh")
+
+
+def compute() -> dict[str, Any]:
+    """Rows of the tables, approaches of the straight rollers [m], and dofs of the fine mesh."""
     references = {load: straight_reference(load) for load in LOADS}
     fine = fine_roller()
-    coarse = {name: reduced(MESHES[name]()) for name in ("hex8, 4 mm", "tet10, 4 mm, Gmsh")}
+    coarse = {name: reduced(MESHES[name]()) for name in COARSE}
+    approach = 2.0 * references[LOADS[-1]].approach
+    return {
+        "approaches": [reference.approach for reference in references.values()],
+        "dofs": fine.report["dofs"],
+        "straight": straight_rows(references),
+        "crowned": crowned_rows(),
+        "flush": flush_rows(),
+        "turned": turned_rows(fine, coarse),
+        "beside": beside_rows(fine, coarse),
+        "energy": [[name, f"{spurious(body, approach):.1e}"] for name, body in coarse.items()],
+    }
+
+
+def page(found: dict[str, Any]) -> str:
+    """The whole page."""
     places = [f"{inside * 1e3:g} mm from the end" for inside in INSIDE]
     head = ["mesh", "dofs", "two meshes"]
-    for reference in references.values():
-        head += [f"force at {2e6 * reference.approach:.1f} µm", "peak", *places]
+    for approach in found["approaches"]:
+        head += [f"force at {2e6 * approach:.1f} µm", "peak", *places]
     widths = " and ".join(f"{half_width_under(load) * 1e3:.2f}" for load in LOADS)
-    energy = [[name, f"{spurious(body, 2.0 * references[LOADS[-1]].approach):.1e}"] for name, body in coarse.items()]
     return f"""# Rollers on meshes coarser than their contact
 
-Made by `python -m studies.contact.coarse_rollers`; do not edit.
-
-Two hollow steel rollers (R 50, bore 15, width 20 mm), bores held at an approach, pressures on cells that travel with
-the patch, eleven strips by 21 rows (27 of crowned ones). Half-widths are about {widths} mm: 0.02 to 0.4 elements.
+Two hollow steel rollers (R 50, bore 15, width 20 mm), bores held at an approach, pressures on contact-fixed
+cells, eleven strips by 21 rows (27 of crowned ones). Half-widths are about {widths} mm: 0.02 to 0.4 elements.
 
 ## Straight rollers
 
-Beside full finite elements of one roller on the plane of symmetry, quadratic cells of a sixth of a half-width
+Compared with full finite elements of one roller on the plane of symmetry, quadratic cells of a sixth of a half-width
 (`free_end`; their force is converged to 0.1 %, their peak to 0.3 %). *Peak*: at mid-width. Pressure on the line of
 contact near the free end. *Two meshes*: error of the force that `ReducedBody.mesh_error` finds by hex27 of 2 mm.
-*Ripple*: of the force while the rollers turn by three elements of 4 mm at constant approach.
+*Ripple*: of the force while the rollers rotate by three elements of 4 mm at constant approach.
 
-{table([*head, "ripple"], straight_rows(references))}
+{table([*head, "ripple"], found["straight"])}
 ## Crowned rollers
 
-Beside finite elements with six cells in each half-axis of Hertz's ellipse.
+Compared with finite elements with six cells in each half-axis of Hertz's ellipse.
 
-{table(["crown [m]", "load [N]", "approach [µm]", "mesh", "force", "peak"], crowned_rows())}
+{table(["crown [m]", "load [N]", "approach [µm]", "mesh", "force", "peak"], found["crowned"])}
 ## A flush roller on a wider one
 
-The second roller is {LONG.width * 1e3:g} mm wide, 10 mm more at each end. Beside finite elements of both with
+The second roller is {LONG.width * 1e3:g} mm wide, 10 mm more at each end. Compared with finite elements of both with
 {FLUSH_LEVEL[0]:g} cells in a half-width, whose peak is converged to 1 %, and to 1.5 % the pressure near the end, which
 at the end itself has no bound.
 
-{table(["mesh", "approach [µm]", "force", "peak", places[0]], flush_rows())}
+{table(["mesh", "approach [µm]", "force", "peak", places[0]], found["flush"])}
 ## Tilt and skew
 
-At {TURNED_APPROACH * 1e6:g} µm beside the package's material grid on a mesh made for the contact (hats of 0.1 mm,
-{fine.report["dofs"]} dofs).
+At {TURNED_APPROACH * 1e6:g} µm compared with the package's body-fixed grid on a mesh made for the contact (nodes every
+0.1 mm, {found["dofs"]} dofs).
 
-{table(["axes", "mesh", "force", "largest pressure"], turned_rows(fine, coarse))}
+{table(["axes", "mesh", "force", "largest pressure"], found["turned"])}
 ## Two rollers on one
 
 Rigid rollers of R 5 mm, {BESIDE_APPROACH * 1e6:g} µm each, at a distance along the rim; the force of one over that with
 both opposite each other, on the same fine grid, and the error of it on meshes of 4 mm.
 
-{table(["apart [mm]", "force", *coarse], beside_rows(fine, coarse))}
+{table(["apart [mm]", "force", *COARSE], found["beside"])}
 ## Energy
 
-What cells that travel do work with over {REVOLUTIONS} revolutions at constant approach, as a mean force over the load
+Work of contact-fixed cells over {REVOLUTIONS} revolutions at constant approach, as a mean force over the load
 (ledger line `contact_grid`).
 
-{table(["mesh", "force over the load"], energy)}"""
-
-
-def main(folder: str = "docs/studies") -> None:
-    """Write the page."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    (Path(folder) / "coarse_rollers.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])
+{table(["mesh", "force over the load"], found["energy"])}"""

@@ -1,4 +1,4 @@
-r"""Writes docs/studies/colliding_bars.md: `python -m studies.contact.colliding_bars [FOLDER]`. Half a minute.
+r"""Impact of two bars: treatments of the local modes compared with St Venant; half a minute.
 
 Two equal free bars meet end to end, flat face on flat face: St Venant's impact (`closed_forms.BarImpact`, case C8).
 With quasi-static local modes the contact boundary carries no mass, and the highest retained modes ring against its
@@ -12,16 +12,14 @@ modes and the treatment of the rest differs from St Venant: with x from the left
     residual of n > N at an end, per force:    d = (2/m) (L/(pi c))^2 sum 1/n^2,
     its mass Gram matrix, for dynamic local modes:    (2/m) (L/(pi c))^4 sum 1/n^4,    no overlap with the first N.
 
-A face is plane and moves as one: the displacement coefficients of its hats are those of a uniform displacement,
-M^-1 int psi, which the weak gap takes back exactly. FACE_COMPLIANCE of d is added to each hat, so that pressures are
+A face is plane and moves as one: the displacement coefficients of its nodes are those of a uniform displacement,
+M^-1 int psi, which the weak gap takes back exactly. FACE_COMPLIANCE of d is added to each node, so that pressures are
 determined.
 """
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -52,7 +50,6 @@ STEPS = 25.0  # in a period of the highest mode
 AFTER = 1.15  # contact times that are run
 MODES = (20, 50)
 KEYS = ("duration", "impulse", "mean", "rms", "gained")
-MADE = "Made by `python -m studies.contact.colliding_bars`; do not edit.\n"
 ALONG = np.array([0.0, 1.0, 0.0])
 
 
@@ -73,11 +70,11 @@ def bar(modes: int) -> ReducedBody:
 
 
 def _face(name: str, x: float, sense: float, outward: np.ndarray, rest: float, mass: float) -> ContactSurface:
-    """One column of two hats; `outward` (modes,) displacement of the face per unit mode."""
+    """One column of two nodes; `outward` (modes,) displacement of the face per unit mode."""
     plane = Plane(origin=(x, 0.0, 0.0), outward=(sense, 0.0, 0.0), direction=ALONG)
     grid = ContactGrid(np.asarray(plane.e_0), 0.0, 0.5 * SIDE, 1, False, 0.5 * SIDE * np.array([-1.0, 1.0]), 1)
     M = np.kron(grid.gram_theta(), grid.gram_z(plane))
-    # int psi, the hats are half as wide as the face: pressures are twice what they would be, forces are not
+    # int psi, the nodes are half as wide as the face: pressures are twice what they would be, forces are not
     area = np.full(2, 0.5 * SIDE * 0.5 * SIDE)
     uniform = np.linalg.solve(M, area)
     whole = np.outer(uniform, uniform)
@@ -151,19 +148,23 @@ TREATMENTS: dict[str, dict[str, Any]] = {
 }
 
 
-def page() -> str:
-    """The whole page."""
+def compute() -> list[list[str]]:
+    """One row per treatment and number of modes."""
     rows = []
     for name, options in TREATMENTS.items():
         for modes in MODES:
             found = [measured(collide(modes, phase=phase, **options)) for phase in (0.0, 0.37, 0.71)]
             worst = [max((getattr(f, key) for f in found), key=abs) for key in KEYS]
             rows.append([name, str(modes), *(f"{value:+.2%}" for value in worst[:3]), *(f"{v:.2%}" for v in worst[3:])])
+    return rows
+
+
+def page(rows: list[list[str]]) -> str:
+    """The whole page."""
     head = ["local modes, damping", "modes", "contact time", "impulse", "plateau mean", "plateau rms", "energy gained"]
     low, high = PLATEAU
     return f"""# Two bars collide
 
-{MADE}
 Two equal steel bars of {LENGTH:g} m, end to end, at {SPEED:g} m/s: St Venant's contact time
 {EXACT.duration * 1e6:.2f} us and pressure {EXACT.stress / 1e6:.3f} MPa. Bars of the closed form of a rod, so that
 nothing but the number of modes and the treatment of the rest differs from the exact solution. *Impulse*: momentum of
@@ -175,16 +176,6 @@ over that at the start. Worst of three phases of the touch in a step, {STEPS:g} 
 *No damping* is that of the global modes. Without it the highest of them ring: with quasi-static local modes against the
 compliance of the contact, which carries no mass, with dynamic ones against a face that is held. With dynamic local
 modes the face has mass and meets next to no compliance; it loses its own kinetic energy in the steps in which it
-closes, instead of bouncing. `exponential` steps by HHT those modes that a step resolves, as here; it differs from `hht`
-by its damping of {EXACT_DAMPING:.0%}.
+closes, instead of bouncing. `exponential` integrates by HHT those modes that a step resolves, as here; it differs from
+`hht` by its damping of {EXACT_DAMPING:.0%}.
 """
-
-
-def main(folder: str = "docs/studies") -> None:
-    """Write the page."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    (Path(folder) / "colliding_bars.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])

@@ -1,5 +1,4 @@
-"""Measures the rule for the contact grid and writes docs/studies/contact_grid.md with its picture:
-`python -m studies.contact.contact_grid [FOLDER]`. A minute or two.
+"""The rule for the spacing of a contact grid, measured; a minute or two.
 
 Every figure in the tables is computed by this script; the factors of the rule are written down, rounded up, in
 `warpffrf.offline.contact.contact_grid`, and the script says where a measured error exceeds them.
@@ -8,8 +7,6 @@ Every figure in the tables is computed by this script; the factors of the rule a
 from __future__ import annotations
 
 import itertools
-import sys
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,7 +17,7 @@ from references.half_space.compliances import EllipsePatch, LinePatch
 from studies.charts import ErrorPanel, error_charts
 from studies.contact.grid_errors import grid_errors, put_on_grid
 from studies.contact.grid_on_roller import FINEST_GROWTH, layer_states, roller_half_width, roller_states
-from studies.contact.tables import NAMES
+from studies.contact.straight_rollers import NAMES
 from warpffrf.offline.contact.contact_grid import PATCHES, QUANTITIES, RULES, contact_spacing
 from warpffrf.study.markdown import table
 
@@ -31,7 +28,6 @@ LINE_BINS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0)  # b/s
 ELLIPSE_BINS = LINE_BINS[:6]
 SAMPLES = {1: 60, 2: 16}  # quasi-random sizes and positions in a bin, by dimension
 PICTURE = "contact_grid.png"
-MADE = "Made by `python -m studies.contact.contact_grid`; do not edit.\n"
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,8 +207,21 @@ def _rule_rows() -> list[list[str]]:
     return rows
 
 
-def page(found: list[Sweep]) -> str:
+def compute() -> tuple[list[Sweep], dict[str, list[list[str]]]]:
+    """All sweeps, and the rows of the other tables."""
+    rows = {
+        "rule": _rule_rows(),
+        "deep": _deep_rows(),
+        "put": _put_rows(),
+        "roller": _roller_rows(),
+        "layer": _layer_rows(),
+    }
+    return measure(), rows
+
+
+def page(figures: tuple[list[Sweep], dict[str, list[list[str]]]]) -> str:
     """The Markdown page."""
+    found, rows = figures
     hats, cells = (
         table(["patch", "b/s", *NAMED], _error_rows([s for s in found if s.traction == traction]))
         for traction in ("hats", "cells")
@@ -221,7 +230,6 @@ def page(found: list[Sweep]) -> str:
     verdict = "No state exceeds the rule." if not over else "Above the rule: " + "; ".join(over) + "."
     return f"""# How fine must a contact grid be?
 
-{MADE}
 Hertz's line contact, and elliptic contacts with semi-axes 1:1, 1:3 and 1:10, on an exact elastic half-plane
 ({DEPTH:g} half-widths deep) and half-space, so that the contact grid is all that is wrong. b is the half-width, s the
 spacing of the grid. On ellipses both are taken in the same direction, so that the grid is as elongated as the patch;
@@ -239,7 +247,7 @@ grids lie anywhere against each other. {verdict}
 `error <= c (s/b)^p`, derived in `warpffrf/offline/contact/contact_grid.py` and used by `warpffrf.contact_spacing`.
 Spacing in half-widths for a wanted error of each quantity, hats:
 
-{table(["patch", "error", *NAMED], _rule_rows())}
+{table(["patch", "error", *NAMED], rows["rule"])}
 ![errors and rule]({PICTURE})
 
 Largest c measured with the p of the rule; in brackets the slope of the worst errors of the bins below.
@@ -247,7 +255,7 @@ Largest c measured with the p of the rule; in brackets the slope of the worst er
 {table(["traction", "patch", *NAMED], _factor_rows(found))}
 Errors of a line contact depend on how deep the body is, because the rest of its compliance does. Largest c:
 
-{table(["hats", *NAMED], _deep_rows())}
+{table(["hats", *NAMED], rows["deep"])}
 ## Centred and worst position
 
 Each entry: patch centred on a function, single body, at the lower end of the bin / worst of all states in the bin.
@@ -264,29 +272,29 @@ Centred positions alone would promise too much.
 Error of the mean approach when Hertz's line pressure itself is put on the grid, worst position: best in energy, by L2
 projection, by its values at the middles of the functions. Values at points do not keep the force.
 
-{table(["traction", "b/s from", "best", "L2 projection", "values"], _put_rows())}
+{table(["traction", "b/s from", "best", "L2 projection", "values"], rows["put"])}
 ## On rollers of finite elements
 
 A reduced steel roller (R 50 mm) under a rigid cylinder, half-width {1e3 * roller_half_width():.2g} mm, grids and meshes
-of several sizes, first layer of nodes as deep as nodes are apart around. Force at a given approach beside the finest
-mesh of the same elements (nodes b/16 apart) with the grid of its nodes. The rule is for the grid alone. It holds on
-linear cells (hex8) where two fall on a spacing, and on quadratic ones (hex27) with nodes as far apart as the functions;
-linear cells as coarse as the grid add an error of the same size.
+of several sizes, first layer of nodes as deep as nodes are apart around. Force at a given approach compared with the
+finest mesh of the same elements (nodes b/16 apart) with the grid of its nodes. The rule is for the grid alone. It holds
+on linear cells (hex8) where two fall on a spacing, and on quadratic ones (hex27) with nodes as far apart as the
+functions; linear cells as coarse as the grid add an error of the same size.
 
-{table(["elements", "b/s", "b/node spacing", "centred", "worst position", "rule"], _roller_rows())}
+{table(["elements", "b/s", "b/node spacing", "centred", "worst position", "rule"], rows["roller"])}
 ## Layers of cells that grow inwards
 
 The same roller, layers that grow from one to the next; linear cells 8, quadratic nodes 4 in a half-width of
-{1e3 * roller_half_width():.2g} mm. Mean error of the force over positions, beside the finest quadratic mesh with growth
-{FINEST_GROWTH:g}, and the estimate of `warpffrf/offline/contact/mesh_error.py`, which `reduce` reports
+{1e3 * roller_half_width():.2g} mm. Mean error of the force over positions, compared with the finest quadratic mesh with
+growth {FINEST_GROWTH:g}, and the estimate of `warpffrf/offline/contact/mesh_error.py`, which `reduce` reports
 (`line_mesh_error`) and adds to what the rule promises.
 
-{table(["elements", "growth", "half-width", "force", "estimate"], _layer_rows())}"""
+{table(["elements", "growth", "half-width", "force", "estimate"], rows["layer"])}"""
 
 
-def picture(found: list[Sweep], path: Path) -> None:
-    """Errors of all states with hats beside the rule."""
-    rows = []
+def picture(figures: tuple[list[Sweep], dict[str, list[list[str]]]], path: Path) -> None:
+    """Errors of all states with nodes compared with the rule."""
+    found, rows = figures[0], []
     for patch in PATCHES:
         sweeps = [s for s in found if (s.traction, s.patch) == ("hats", patch)]
         sizes = 1.0 / np.concatenate([s.fineness for s in sweeps])
@@ -298,17 +306,3 @@ def picture(found: list[Sweep], path: Path) -> None:
             ]
         )
     error_charts(rows, "spacing over half-width  s/b", path)
-
-
-def main() -> None:
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/studies")
-    folder.mkdir(parents=True, exist_ok=True)
-    start = time.perf_counter()
-    found = measure()
-    (folder / "contact_grid.md").write_text(page(found))
-    picture(found, folder / PICTURE)
-    print(folder / "contact_grid.md", f"{time.perf_counter() - start:.0f} s", *exceeded(found), sep="\n")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,4 +1,4 @@
-r"""The evaluations of one contact side by side: "semi" and "hyper" against the law at FE nodes, "full" in what follows,
+r"""The evaluations of one contact compared: "semi" and "hyper" against the law at FE nodes, "full" in what follows,
 and what a step of each costs.
 
 Two rollers with the mesh of the two-roller demo and hats on a part of their rims (a *tread*) roll on each other at a
@@ -79,7 +79,7 @@ def tread(
 ) -> ReducedBody:
     """A roller whose hats cover `columns` grid columns about the angle zero; `sampling_error`: with sampling points for
     it; `half_width` [m]: with stress points below the middle of the tread, over two half-widths to each side;
-    `contact_fixed`: with what cells that travel with the patch need."""
+    `contact_fixed`: with what contact-fixed cells need."""
     mesh = roller(RADIUS, BORE, WIDTH, sectors=sectors, layers=layers, axial=axial, grading=GRADING, order=1)
     half = 0.5 * (columns + 1) * 2.0 * np.pi / sectors
     mesh = mesh.select("tread", "rim", lambda x: np.abs(np.arctan2(-x[:, 2], x[:, 0])) < half)

@@ -8,8 +8,8 @@ displacement u inside the patch and `a(p, p)` known in closed form:
   all functions that reach the patch, whatever their sign. Also the error of the mean approach under p.
 * **contact**: at Hertz's approach, `0 <= f, 0 <= g + G f, f (g + G f) = 0` with the weak gaps
   `g_i = int psi_i (curvature - approach)`. The force, the largest mean pressure of a function as results report it
-  (of a hat: weighed with the hat), the half-width from the second moment of the pressure, and the whole field of
-  pressures in the L2 norm beside Hertz's.
+  (of a node: weighted with its shape function), the half-width from the second moment of the pressure, and the whole
+  field of pressures in the L2 norm against Hertz's.
 
 Two bodies: the one that carries the pressures takes them as they are, the other as the L2 projection on its own grid,
 whose position is free (`compliances.facing`). Two equal bodies have the mean of both compliances.
@@ -174,7 +174,7 @@ def _reaches(patch: Patch, traction: str, mesh: list[Array], spacing: tuple[floa
 def _seen(
     patch: Patch, traction: str, spacing: tuple[float, ...], opposite: tuple[float, ...], shape: tuple[int, ...]
 ) -> Array:
-    """Table of the body opposite, which sees the pressures on its own hats."""
+    """Table of the body opposite, which sees the pressures on its own nodes."""
     kernels = [facing(shift) for shift in opposite]
     reach = len(kernels[0]) // 2
     table = patch.table(traction, spacing, tuple(n + reach for n in shape))

@@ -40,7 +40,7 @@ FINER = {1: 2, 2: 4}  # distance of nodes of the meshes that grow, in those of t
 
 @dataclass(frozen=True)
 class RollerState:
-    """Line contact of a roller on its grid: relative errors of the force beside the finest mesh, worst position."""
+    """Line contact of a roller on its grid: relative errors of the force against the finest mesh, worst position."""
 
     order: int  # of the elements
     nodes: float  # their distance around, in half-widths
@@ -106,7 +106,7 @@ def press(body: ReducedBody, position: float, half_width: float, approach: float
 
 
 def window_compliance(surface: ContactSurface, frequencies: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """a_ij (n, n) [m^3/Pa] between hat columns of the same pressure on all rows: `M (D + Phi Omega^-2 Phi^T) M` summed
+    """a_ij (n, n) [m^3/Pa] between node columns of the same pressure on all rows: `M (D + Phi Omega^-2 Phi^T) M` summed
     over rows, columns `columns` (n,) of the grid, frequencies (m,) [Hz]."""
     grid = surface.grid
     per_sector, sectors = grid.columns_per_sector, len(surface.lags)
@@ -156,7 +156,7 @@ def roller_states(*, sectors: int = SECTORS, cache: bool = True) -> list[RollerS
 
 
 def layer_states(*, sectors: int = SECTORS, half_widths: tuple[float, ...] = (0.5, 1.0, 2.0)) -> list[LayerState]:
-    """Rollers whose layers grow, pressed to `half_widths` in those of the patch, beside the finest quadratic mesh."""
+    """Rollers whose layers grow, pressed to `half_widths` in those of the patch, against the finest quadratic mesh."""
     b = roller_half_width(sectors)
     finest = pressed_roller(sectors, order=2, growth=FINEST_GROWTH)
     found = []

@@ -1,4 +1,4 @@
-"""The mid-plane of a pressed pair beside Hertz's line contact, over the phases of the contact grid."""
+"""The mid-plane of a pressed pair against Hertz's line contact, over the phases of the contact grid."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class HertzErrors:
     elements: np.ndarray  # Hertz half-width over element
     half_width: np.ndarray  # twice the root of the second moment of the pressure
     peak: np.ndarray  # as results report it at mid-width
-    nodal_peak: np.ndarray  # largest hat
+    nodal_peak: np.ndarray  # largest node
 
     def worst(self) -> tuple[float, float]:
         """Largest error of half-width and of peak."""

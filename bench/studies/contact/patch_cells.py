@@ -1,4 +1,4 @@
-"""How much the cells of a patch add to the error, by their number: the rule behind `Contact(cell_error=)`.
+"""Error by the number of cells of a patch: the rule behind `Contact(cell_error=)`.
 
 Two hollow rollers of 4 mm hexahedra (`coarse_rollers`) at rest, straight and crowned, on cells of many numbers. Bodies
 and half-space are the same in all of them, so that cells are all that differs from the finest.
@@ -6,9 +6,7 @@ and half-space are the same in all of them, so that cells are all that differs f
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from studies.contact.coarse_rollers import PAIR, held, hexahedra, reduced
@@ -29,7 +27,7 @@ class Case:
     name: str
     radius: float | None
     approach: float
-    rows: int | None  # beside strips; None: as many
+    rows: int | None  # against strips; None: as many
 
 
 CASES = (
@@ -51,7 +49,7 @@ def found(body: ReducedBody, approach: float, cells: tuple[int, int]) -> tuple[f
 def errors(
     body: ReducedBody, approach: float, cells: list[tuple[int, int]], finest: tuple[int, int]
 ) -> list[tuple[float, float]]:
-    """Relative errors of force and largest pressure on each of `cells`, beside the `finest`."""
+    """Relative errors of force and largest pressure on each of `cells`, against the `finest`."""
     exact = found(body, approach, finest)
     return [
         (force / exact[0] - 1.0, pressure / exact[1] - 1.0)
@@ -84,22 +82,25 @@ def row_rows(bodies: dict[float | None, ReducedBody]) -> list[list[str]]:
     ]
 
 
-def page() -> str:
-    """The whole page."""
+def compute() -> dict[str, list[list[str]]]:
+    """Rows by strips across and by rows along."""
     bodies = {
         case.radius: reduced(
             hexahedra(4e-3) if case.radius is None else hexahedra(4e-3, 2, case.radius), case.radius
         )
         for case in CASES
     }  # fmt: skip
+    return {"strips": strip_rows(bodies), "rows": row_rows(bodies)}
+
+
+def page(found: dict[str, list[list[str]]]) -> str:
+    """The whole page."""
     head = [f"{case.name}: {what}" for case in CASES for what in ("force", "peak")]
     fixed = [f"{case.name}: {what}" for case in CASES if case.rows for what in ("force", "peak")]
     return f"""# Cells of a patch and their error
 
-Made by `python -m studies.contact.patch_cells`; do not edit.
-
 Two hollow steel rollers (R 50, bore 15, width 20 mm) of 4 mm hexahedra, bores held at an approach: force and largest
-pressure on cells that travel with the patch, beside the same on twice as many. The patch takes nine of eleven strips.
+pressure on contact-fixed cells, compared with the same on twice as many. The patch takes nine of eleven strips.
 Where rows follow the patch errors go up and down as cells lie under its edge; all stay below the rule by which
 `Contact(cell_error=)` chooses how many there are. Five strips can err by more in a patch that moves.
 
@@ -107,20 +108,10 @@ Where rows follow the patch errors go up and down as cells lie under its edge; a
 
 Rows along: 21 of the line, 45 of the crown on which rows are fixed, as many as strips where they follow the patch.
 
-{table(["strips", *head, "rule"], strip_rows(bodies))}
+{table(["strips", *head, "rule"], found["strips"])}
 ## Rows along
 
 Eleven strips. A crown of 2 m carries on a part of the width; the rule is for it. Rows of straight rollers are there for
 the pressure near their ends.
 
-{table(["rows", *fixed, "rule"], row_rows(bodies))}"""
-
-
-def main(folder: str = "docs/studies") -> None:
-    """Write the page."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    (Path(folder) / "patch_cells.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])
+{table(["rows", *fixed, "rule"], found["rows"])}"""

@@ -1,12 +1,11 @@
-r"""A tread pressed against its mirror image, pressures on cells that travel with the patch:
-`Contact(grid="contact_fixed")`.
+r"""A tread pressed against its mirror image, pressures on contact-fixed cells (`Contact(grid="contact_fixed")`).
 
 The same bodies, layers and forces as in `pressing`, by the program itself: two rollers whose bores are held, at rest,
-turned so that the line of centres stands at a given angle of the lower one's grid and at the opposite angle of the
+rotated so that the line of centres stands at a given angle of the lower one's grid and at the opposite angle of the
 upper one's, which makes them mirror images. The approach is found for which the pressures carry the wanted force.
 
-Cells are strips of 2 W/strips, W = 1.3 half-widths, in rows; their pressure p is constant in each. To stand beside
-pressures of hats it is meaned over the hats of the bodies' grid: the force of the hat i
+Cells are strips of 2 W/strips, W = 1.3 half-widths, in rows; their pressure p is constant in each. To be compared
+with pressures of hats it is averaged over the hats of the bodies' grid: the force of the hat i
 
     f_i = int psi_i p dA = R sum over cells  p_cell  int_strip psi_a dtheta  int_row psi_b dz,     i = (a, b),
 
@@ -83,7 +82,7 @@ class OnPatch:
 
 
 def hat_forces(pressing: Pressing, history: History) -> np.ndarray:
-    """Forces (nodes,) [N] of the hats at the last saved step, of a run on cells that travel with the patch."""
+    """Forces (nodes,) [N] of the hats at the last saved step, of a run on contact-fixed cells."""
     record = history.contacts[PAIR]
     cells = record.cells
     if cells is None:

@@ -1,10 +1,8 @@
-r"""Which of "semi" and "full" is wrong where a patch ends: both beside the law itself, and cells that travel.
-
-`python -m studies.contact.pressure_ends` writes docs/studies/pressure_ends.md. Ten minutes.
+r"""Errors at the edge of a patch, of nodes, shape functions and contact-fixed cells; ten minutes.
 
 Two equal treads (`evaluations.tread`) are pressed together by a given force with a layer between them, in the ways of
 `pressing`: at *nodes* ("full"), by *hats* ("semi"), by pressures constant in *cells*, at *points*; and by the program
-on STRIPS cells that travel with the patch (`patch_ends`), "patch 11" and so on, on the same bodies.
+on STRIPS contact-fixed cells (`patch_ends`), "patch 11" and so on, on the same bodies.
 
 The *reference* is `points` on a mesh of REFINED times as many sectors. Pressures are compared as everywhere, meaned
 over the hats of the coarse grid, f_i/a_i, which is what its forces can tell, in the L2 norm of the surface; the
@@ -17,7 +15,6 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -29,12 +26,11 @@ from warpffrf.model.contact import CELL_ERROR
 from warpffrf.model.reduced.far_field import LONGEST
 from warpffrf.study.markdown import table
 
-MADE = "Made by `python -m studies.contact.pressure_ends`; do not edit.\n"
 REFINED = 4  # times as many sectors of the reference: with errors of the order 3/2 it errs by an eighth
 GRADED = 5  # layers more, so that its outermost cells are square too: 1.3^5 is about 4
 PHASES = np.linspace(0.0, 0.5, 5)  # of a column: line of centres on a node, and half way between two
 HALF_WIDTH = 0.45  # over sqrt(approach R): where the stress points lie, as in bench/evaluations.py
-WIDER, BESIDE = 1.25, 6  # times the half-width, and columns beside it, that the tread has on each side
+WIDER, BESIDE = 1.25, 6  # times the half-width, and columns next to it, that the tread has on each side
 MESHES = ((2400, 17), (3840, 20))  # sectors, layers; 4 cells along the axis
 APPROACHES = (40e-6, 60e-6)  # m
 HARD = 300.0
@@ -104,7 +100,7 @@ def pressing(sectors: int, layers: int, approach: float, finer: int = 1) -> Pres
     return Pressing(body, columns)
 
 
-def study() -> list[tuple[int, float, float, Ends]]:
+def compute() -> list[tuple[int, float, float, Ends]]:
     """Sectors, approach [m], layer over a hat, and what was found."""
     rows = []
     for sectors, layers in MESHES:
@@ -139,9 +135,8 @@ def page(rows: list[tuple[int, float, float, Ends]]) -> str:
         *fixed, *(f"{way} / reference" for way in ("nodes", "hats", *PATCHES)),
         *(f"{way} / full" for way in ("hats", *PATCHES)), *(f"{way} / full, stress" for way in ("hats", *PATCHES)),
     ]  # fmt: skip
-    return f"""# Where a patch ends: "semi" and "full" beside the law itself
+    return f"""# Where a patch ends: "semi" and "full" compared with the law itself
 
-{MADE}
 Two equal steel rollers, R = {RADIUS * 1e3:.0f} mm, linear cells, pressed together by the force that "full" has
 at the approach, with a layer so many times as stiff as the surface under a hat. *Columns* of the grid, which is the
 mesh, in a half-width. The law of the layer is met at the *nodes* ("full"), by pressures in *hats* ("semi"), by
@@ -156,7 +151,7 @@ Stress under the patch, von Mises, the largest difference over the largest, on t
 
 {table([*fixed, *sides], stress)}
 {READ_MATERIAL}
-## On cells that travel with the patch
+## On contact-fixed cells
 
 The same bodies, layers, forces and reference with `Contact(grid="contact_fixed")`, on {
         ", ".join(map(str, STRIPS))
@@ -171,7 +166,7 @@ bodies' grid, as all others are.
 READ_MATERIAL = """\
 What to read from it. Nodes err where a patch ends between two of them: a node has its whole share of the surface or
 nothing. Hats that are not negative cannot end inside a cell: the outermost one reaches beyond the patch, or is missing,
-and its neighbours make up for it. Under a layer that yields like the penalties of practice both err by about the same,
+and its neighbours make up for it. Under a layer as compliant as the penalties of practice both err by about the same,
 in different ways, so that their difference is larger than either error; an evaluation without error would differ from
 "full" by as much as "full" errs. Under a layer that is hardly there nodes are the better ones, and most of the
 difference is an error of "semi": it excludes tension at every point of the surface, not only in the sum at a node.
@@ -198,7 +193,7 @@ def read_patch(rows: list[tuple[int, float, float, Ends]]) -> str:
     wrong = f" In the others it errs by up to {max(silent):.1%}." if silent else ""
     return f"""\
 What to read from it. On {MESHES[0][0]} sectors "semi" errs by {between("hats")} against the reference, "full" by
-{between("nodes")}, cells that travel by {counts}.
+{between("nodes")}, contact-fixed cells by {counts}.
 Their edge lies inside a cell too, but the cell is as narrow as is asked for, on the same body and mesh: the error falls
 with the strips, where that of hats and nodes falls with the mesh only. From "full" they differ by what "full" errs,
 with {most} strips by {beyond:.1%} more at most: the distance of "semi" from "full" is one of hats and nodes, which
@@ -207,19 +202,9 @@ quarter of the half-width, and a pressure that is constant in it makes steps whi
 chosen for force and largest pressure, right to {CELL_ERROR:.1%}; whoever wants the pressure at the edge takes more, by
 `Contact(cells=)` or `Contact(cell_error=)`.
 
-On {MESHES[1][0]} sectors the program *refuses* {refused} of {len(finer) * len(PATCHES)} cases.{wrong}
-These bodies are narrow arcs of a mesh finer than the cells, its own cells sixty times as long as wide; from {LONGEST:g}
-times on `Contact` takes no cells that travel. Without that bound they err by up to a fifth, or their compliance is not
+On {MESHES[1][0]} sectors the program *refuses* {refused} of {len(finer) * len(PATCHES)} cases.{wrong} These bodies are
+narrow arcs of a mesh finer than the cells, its own cells sixty times as long as wide; from {LONGEST:g} times on
+`Contact` takes no contact-fixed cells. Without that bound they err by up to a fifth, or their compliance is not
 positive definite. It is not their far field, which is that of {MESHES[0][0]} sectors to 1e-4 of the whole, nor that the
 arcs are narrow: why is not found out here. The cure is a mesh with squarer cells at the surface.
 """
-
-
-def main(folder: Path) -> None:
-    """Writes the page to `folder`."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "pressure_ends.md").write_text(page(study()), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path("docs/studies"))

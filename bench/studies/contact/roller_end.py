@@ -1,4 +1,4 @@
-r"""The pressure at the ends of a roller: reduced bodies and the step's contact beside finite elements (`free_end`).
+r"""Pressure at the ends of a roller compared with finite elements (`free_end`).
 
 The rollers are those of `free_end`, but whole: hex27 cells around, cells along the axis that grow from both ends
 inwards, a hat at every node of the rim, no modes but those of the hub. The hub is guided down and carries the load; the
@@ -21,9 +21,7 @@ over a length from the end.
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -36,10 +34,8 @@ from references.finite_elements.free_end import (
     EndPressure,
     Roller,
     press_pair,
-    solve_levels,
+    press_roller,
 )
-from references.finite_elements.free_end import LEVELS as FINITE_ELEMENTS
-from references.finite_elements.free_end import page as finite_elements
 from references.finite_elements.pin_in_bore import graded
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model.contact import Contact
@@ -55,6 +51,7 @@ Array = np.ndarray
 PAIR, GUIDE = "pair", "guide"
 RIM_LAYER = 0.8  # depth of the outer layer over the width of its cells
 OVERHANG = 0.01  # m, of a longer partner at each end: 13 half-widths
+FINITE_ELEMENTS = ((4.0, 0.25), (6.0, 0.25), (6.0, 0.125), (6.0, 0.0625), (8.0, 0.0625))  # cells in a, end cell over a
 LEVELS = ((4, 0.25), (6, 0.25), (6, 0.125))  # hats in a, end cell over a
 REFERENCE = FINITE_ELEMENTS[-1]  # cells in a, end cell over a
 PAIR_REFERENCES = ((4.0, 0.25), (5.0, 0.125))
@@ -144,12 +141,25 @@ def _row(name: list[str], f: EndPressure, half_width: float, reference: Array | 
     return [*name, *cells, f"{f.approach * 1e6:.3f}"]
 
 
-def page() -> str:
-    """The whole page."""
+def finite_element_rows(solved: dict[tuple[float, float], EndPressure]) -> list[list[str]]:
+    """The roller on a plane by finite elements, by level."""
+    line = LineContact(LINE_LOAD, STEEL_ROLLER.outer_radius, contact_modulus(STEEL_ROLLER.material))
+    rows = []
+    for (cells, end), f in solved.items():
+        # the load is that of the width, of which the middle has more than the mean
+        middle = LineContact(f.middle_line_load, STEEL_ROLLER.outer_radius, line.modulus)
+        row = [f"{cells:g}", f"{end:g} a", str(f.dofs), f"{f.middle / middle.peak_pressure - 1.0:+.2%}"]
+        near = [f.along(inside * line.half_width) / f.middle for inside in PLACES]
+        rows.append([*row, *(f"{p:.4f}" for p in near), f"{f.end_line_load:.4f}", f"{f.approach * 1e6:.3f}"])
+    return rows
+
+
+def compute() -> dict[str, list[list[str]]]:
+    """Rows of finite elements, of reduced bodies, and of a longer partner."""
     roller = STEEL_ROLLER
     load = LINE_LOAD * roller.width
     a = LineContact(LINE_LOAD, roller.outer_radius, contact_modulus(roller.material)).half_width
-    solved = solve_levels()
+    solved = {level: press_roller(roller, load, a, *level) for level in FINITE_ELEMENTS}
     fine = solved[REFERENCE]
     rows = [_row(["finite elements", f"{REFERENCE[0]:g}", f"{REFERENCE[1]:g} a"], fine, a, None)]
     for hats, end in LEVELS:
@@ -167,10 +177,27 @@ def page() -> str:
     for hats, end in LEVELS[:2]:
         f = pressed(roller, load, a, hats, end, OVERHANG)
         beyond.append(_row(["reduced", str(hats), f"{end:g} a"], f, a, figures(found[-1], a)))
-    head = ["", "in a", "end cell"]
-    head += ["end" if not place else f"{place:g} a" for place in PLACES]
+    return {"finite elements": finite_element_rows(solved), "reduced": rows, "longer": beyond}
+
+
+def page(found: dict[str, list[list[str]]]) -> str:
+    """The whole page."""
+    roller = STEEL_ROLLER
+    a = LineContact(LINE_LOAD, roller.outer_radius, contact_modulus(roller.material)).half_width
+    places = ["end" if not place else f"{place:g} a" for place in PLACES]
+    shown = ["cells", "end cell", "dofs", "middle over Hertz", *places, "line loads", "approach [µm]"]
+    head = ["", "in a", "end cell", *places]
     head += [f"mean over {length:g} a" for length in LENGTHS] + ["approach [µm]"]
-    return f"""{finite_elements("studies.contact.roller_end", solved)}
+    return f"""# Pressure at the free end of a roller
+
+A steel roller (R {roller.outer_radius * 1e3:g} mm, rigid hub {roller.inner_radius * 1e3:g} mm, width
+{roller.width * 1e3:g} mm) under {LINE_LOAD * roller.width / 1e3:g} kN on a rigid plane, or on its equal: full finite
+elements with quadratic cells and no modes. Cells in Hertz's half-width a = {a * 1e3:.4f} mm, and the first one at the
+end along the axis. *Middle over Hertz*: peak pressure at mid-width compared with Hertz's at the line load found there.
+Pressure on the line of contact over that in the middle: at the end, {PLACES[1]:g} a and {PLACES[2]:g} a from it. *Line
+loads*: end over middle. Approach of the hub.
+
+{table(shown, found["finite elements"])}
 ## Reduced bodies in the step
 
 The whole roller of quadratic cells, reduced, under the same load at rest. *In a*: hats (of finite elements cells) in
@@ -179,21 +206,11 @@ contact at the end, {PLACES[1]:g} a and {PLACES[2]:g} a from it, and mean line l
 {LENGTHS[1]:g} a, all over those in the middle; in brackets the difference from finite elements. *Its equal*: on a
 second reduced roller instead of the plane; the approach is that of both hubs.
 
-{table(head, rows)}
+{table(head, found["reduced"])}
 ## A longer partner
 
 The roller on one of the same radius that is {OVERHANG * 1e3:g} mm longer at each end. At the end the pressure is
 infinite, as r^-0.226 of a corner on a half-space, so that the figure there belongs to the mesh; the differences are
 from the finer finite elements.
 
-{table(head, beyond)}"""
-
-
-def main(folder: str = "docs/studies") -> None:
-    """Write the page."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    (Path(folder) / "roller_end.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])
+{table(head, found["longer"])}"""

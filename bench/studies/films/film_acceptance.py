@@ -1,22 +1,18 @@
-"""Oil films of the engine beside closed forms, quadrature and dry contact: what films are accepted by.
+"""Oil films of the engine compared with closed forms, quadrature and dry contact; a few minutes.
 
-`python -m studies.films.film_acceptance [FOLDER]` writes docs/studies/film_acceptance.md. A few minutes.
-
-The same cases as of `studies.films.oil_film`, which has the law by itself; here they are scenes, which `run`
-and `find_equilibrium` solve. The film stands on a flexible body, so that is one of `RIGID` times the modulus of steel,
+The same cases as of `studies.films.oil_film`, which has the law by itself; here they are scenes, which `run` and
+`find_equilibrium` solve. The film stands on a flexible body, so that is one of `RIGID` times the modulus of steel,
 and what it still yields is within the figures. A film of the engine ends on all sides: what is wide in a closed form is
-looked at in the middle row. Rows of hats stand `BESIDE` of the length L apart there: of a pressure sin(pi x/L) an end
-is felt by none but the first row then, as hats d apart along couple with d^2 pi^2/L^2 - 6, and other ones fall to a
+looked at in the middle row. Rows of nodes stand `BESIDE` of the length L apart there: of a pressure sin(pi x/L) an end
+is felt by none but the first row then, as nodes d apart along couple with d^2 pi^2/L^2 - 6, and other ones fall to a
 fifth or less from row to row. Forces are those of pressures alone, as the closed forms have them.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -31,8 +27,8 @@ from references.closed_forms.films import (
     squeezed_plate,
 )
 from references.films.grid import FilmGrid
-from studies.films.elastic_film import ASPERITIES, HEAVY
-from studies.films.film_engine import (
+from scenes.elastic_journal import ASPERITIES, HEAVY
+from scenes.film_bearing import (
     CLEARANCE,
     GROOVE,
     LENGTH,
@@ -59,7 +55,6 @@ from warpffrf.online import History, run
 from warpffrf.online.run import find_equilibrium
 from warpffrf.study.markdown import table
 
-MADE = "Made by `python -m studies.films.film_acceptance`; do not edit.\n"
 BESIDE = float(np.sqrt(6.0)) / np.pi  # of the length of the pressure, between rows
 ACROSS = 8  # cells from end to end, of pads
 THICK = 0.3  # of the length of a pad
@@ -97,7 +92,7 @@ def _percent(value: float) -> str:
 
 @dataclass(frozen=True)
 class Profile(films.Form):
-    """A gap h(theta) [m] of a pad, beside the distance of its plane."""
+    """A gap h(theta) [m] of a pad, against the distance of its plane."""
 
     gap: Callable[[Array], Array]
     kind: ClassVar[str] = "profile"
@@ -121,7 +116,7 @@ def wide(length: float, cells: int, across: int = ACROSS, pressed: float = 1.0) 
 @cache
 def plate(length: float, width: float, counts: tuple[int, int]) -> ReducedBody:
     """A stiff block under a film at z = 0 of the world, `length` along x and `width` along y [m] in so many cells. It
-    reaches one cell further along x at both ends: no hat of the film reaches beyond it."""
+    reaches one cell further along x at both ends: no node of the film reaches beyond it."""
     thick, more = THICK * length, (counts[0] + 2) / counts[0]
     mesh = box((more * length, width, thick), (counts[0] + 2, counts[1], 1), center=(0.0, 0.0, -0.5 * thick), order=1)
     return reduce(
@@ -173,7 +168,7 @@ def sliding(scene: Scene, guide: Any, speed: float) -> History:
 
 
 def trapezoid(x: Array, values: Array) -> float:
-    """Integral of hats."""
+    """Integral of nodes."""
     return float(np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(x)))
 
 
@@ -328,7 +323,7 @@ def long_rows(hats: tuple[int, int] = (128, 17)) -> list[Row]:
         found = completed(find_equilibrium(scene))
         grid = body.contact_surfaces["bore"].grid
         p = found.films["film"].pressure[-1][:, hats[1] // 2]
-        own = np.sinc(0.5 * grid.pitch / np.pi) ** 2 * grid.pitch  # of the hats with cos and sin
+        own = np.sinc(0.5 * grid.pitch / np.pi) ** 2 * grid.pitch  # of the nodes with cos and sin
         force = RADIUS * own * np.array([p @ np.cos(grid.theta), p @ np.sin(grid.theta)])
         exact = JournalBearing(RADIUS, 1.0, CLEARANCE, VISCOSITY, SPEED * RADIUS).long(e)
         rows.append(Row(f"long bearing, whole film (Sommerfeld), eccentricity {e:g}", f"{hats[0]} columns",
@@ -376,7 +371,7 @@ def on_shaft(hats: tuple[int, int], load: float, at: tuple[float, float]) -> Sce
 
 
 def grid_rows(hats: tuple[int, int] = (64, 9), load: float = 2e3, turns: int = 3) -> list[Row]:
-    """The same bearing with the grid on the shaft and in the bore: at rest, and turning by a column a step."""
+    """The same bearing with the grid on the shaft and in the bore: at rest, and turning by a column per step."""
     own = bearing(bore(hats, LENGTH, RIGID), (load, 0.0), cavitation="reynolds")
     exact = _place(completed(find_equilibrium(own)))
     still = _place(completed(find_equilibrium(on_shaft(hats, load, (0.3 * CLEARANCE, 0.0)))))
@@ -386,10 +381,10 @@ def grid_rows(hats: tuple[int, int] = (64, 9), load: float = 2e3, turns: int = 3
     x = found.bodies["shaft"].position[-hats[0] :]
     moving = np.array([x[:, 0].mean(), -x[:, 2].mean()]) / CLEARANCE
     size, on = float(np.hypot(*exact)), f"{hats[0]} x {hats[1]}"
-    case = "grid on the shaft beside grid in the bore"
+    case = "grid on the shaft compared with grid in the bore"
     return [
         Row(case, on, "place at rest, over the eccentricity", float(np.hypot(*(still - exact))) / size, 0.01),
-        Row(case, f"{on}, a column a step", "place, likewise", float(np.hypot(*(moving - exact))) / size, 0.01),
+        Row(case, f"{on}, a column per step", "place, likewise", float(np.hypot(*(moving - exact))) / size, 0.01),
     ]
 
 
@@ -399,7 +394,7 @@ def _place(found: History) -> Array:
 
 
 def dry_rows(hats: tuple[int, int] = (64, 9), speeds: Sequence[float] = (3.0, 0.3)) -> list[Row]:
-    """Asperities beside a film that hardly carries, and dry contact by the same law."""
+    """Asperities against a film that hardly carries, and dry contact by the same law."""
     body, rows = bore(hats), []
     scene = bearing(body, (HEAVY, 0.0), speed=0.0, feeds=[GROOVE], at=(0.9, 0.0))
     first, second = scene.films.pop().ports
@@ -413,7 +408,7 @@ def dry_rows(hats: tuple[int, int] = (64, 9), speeds: Sequence[float] = (3.0, 0.
             )
         )
         film, x = wet.films["film"], wet.bodies["shaft"].position[-1]
-        case, on = f"asperities and film at {speed:g} rad/s beside dry contact", f"{hats[0]} x {hats[1]}"
+        case, on = f"asperities and film at {speed:g} rad/s compared with dry contact", f"{hats[0]} x {hats[1]}"
         rows += [
             Row(case, on, "largest pressure of asperities", film.largest_asperity_pressure[-1] / largest - 1.0, 0.05),
             Row(case, on, "eccentricity", float(np.hypot(x[0], x[2])) / place - 1.0, 0.05),
@@ -427,20 +422,23 @@ CASES: dict[str, Callable[[], list[Row]]] = {
 }  # fmt: skip
 
 
-def page() -> str:
-    """Markdown."""
-    found = [row for case in CASES.values() for row in case()]
-    missed = [row for row in found if not row.reached]
-    return f"""# Oil films of the engine by their acceptance
+def compute() -> list[Row]:
+    """Rows of all cases."""
+    return [row for case in CASES.values() for row in case()]
 
-{MADE}
-Closed forms, quadrature and dry contact beside scenes that `find_equilibrium` and `run` solve; the law by itself beside
-the same is in [oil_film.md](oil_film.md), more of the engine in [film_engine.md](film_engine.md). The body under the
-film is {RIGID:g} times as stiff as steel, but for the asperities, which stand in a steel bore. Radius
-{1e3 * RADIUS:g} mm, clearance {1e6 * CLEARANCE:g} µm, {VISCOSITY:g} Pa s, {SPEED:g} rad/s where nothing else is said.
+
+def page(found: list[Row]) -> str:
+    """Markdown."""
+    missed = [row for row in found if not row.reached]
+    return f"""# Oil films of the engine compared with closed forms
+
+Closed forms, quadrature and dry contact compared with scenes that `find_equilibrium` and `run` solve; the law by itself
+compared with the same is in [oil_film.md](oil_film.md). The body under the film is {RIGID:g} times as stiff as steel,
+but for the asperities, which stand in a steel bore. Radius {1e3 * RADIUS:g} mm, clearance {1e6 * CLEARANCE:g} µm,
+{VISCOSITY:g} Pa s, {SPEED:g} rad/s unless stated otherwise.
 
 A film of the engine ends on all sides, so that pads and long bearings are looked at in their middle row. Rows stand
-{BESIDE:.2f} of the length of the pressure apart: there hats d apart along do not couple in a pressure that goes as a
+{BESIDE:.2f} of the length of the pressure apart: there nodes d apart along do not couple in a pressure that goes as a
 half sine, and the ends are not felt. Fewer rows farther apart would alternate.
 
 {len(found) - len(missed)} of {len(found)} targets are reached.
@@ -459,13 +457,3 @@ steps of a tenth of the whole time. The first of them are taken again in halves:
 0.15 %, accelerates a plate this light by far more than the film then lets it move, and throws it out of its place from
 step to step. What that leaves of 1/h² goes up and down with the number of steps.
 """
-
-
-def main(folder: Path) -> None:
-    """Writes the page to `folder`."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "film_acceptance.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path("docs/studies"))

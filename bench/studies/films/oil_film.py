@@ -1,14 +1,11 @@
-"""Writes docs/studies/oil_film.md: `python -m studies.films.oil_film [FOLDER]`. About two minutes.
+"""The law of oil films compared with closed forms, quadrature and finite volumes; two minutes.
 
-The law of films on hats (`verification.films`), by itself and between rigid surfaces, beside closed forms, quadrature
-and finite volumes. Kernels of films are held against it.
+The law of films on nodes (`references.films`), by itself and between rigid surfaces.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -28,7 +25,6 @@ from references.films.pads import pad, plates, square_plate
 from warpffrf.study.markdown import table
 
 FOLDER, PAGE = "docs/studies", "oil_film.md"
-MADE = "Made by `python -m studies.films.oil_film`; do not edit.\n"
 RADIUS, CLEARANCE, VISCOSITY, SPEED = 0.025, 25e-6, 0.01, 300.0  # m, m, Pa s, rad/s
 RATIOS, ECCENTRICITIES = (0.5, 1.0), (0.2, 0.5, 0.8, 0.9)
 HATS = ((64, 9), (128, 17), (180, 31))
@@ -58,7 +54,7 @@ def _off(found: float, exact: float) -> str:
 
 
 def finite_rows() -> list[list[str]]:
-    """Hats beside finite volumes: load, attitude, largest pressure."""
+    """Nodes against finite volumes: load, attitude, largest pressure."""
     rows = []
     for ratio in RATIOS:
         length = ratio * 2.0 * RADIUS
@@ -95,7 +91,7 @@ def mode_rows() -> list[list[str]]:
 
 
 def closed_rows() -> list[list[str]]:
-    """Beside closed forms."""
+    """Against closed forms."""
     rows = []
     for e in (0.5, 0.9):
         film = journal(1.0, 128, 2, mode="full_sommerfeld")
@@ -171,7 +167,7 @@ def standing(load: float, hats: tuple[int, int]) -> float:
 
 def turning(load: float, hats: tuple[int, int], per_turn: int) -> tuple[float, float]:
     """Eccentricity [m] under a load [N] that turns, after four turns of the shaft in so many steps each, and the mean
-    number of Newton iterations a step from the second turn on."""
+    number of Newton iterations per step from the second turn on."""
     film = JournalFilm(RADIUS, RADIUS, CLEARANCE, VISCOSITY, SPEED, *hats, mode="reynolds")
     place, step, counts = np.array([0.5, -0.3]) * CLEARANCE, 2.0 * np.pi / SPEED / per_turn, []
     film.begin(place)
@@ -183,7 +179,7 @@ def turning(load: float, hats: tuple[int, int], per_turn: int) -> tuple[float, f
 
 
 def turning_rows(load: float, steps: Sequence[int], hats: tuple[int, int] = (48, 9)) -> list[list[str]]:
-    """Beside the load that stands, by steps a turn."""
+    """Against the load that stands, by steps per revolution."""
     exact, rows = standing(load, hats), []
     for per_turn in steps:
         found, iterations = turning(load, hats, per_turn)
@@ -221,66 +217,68 @@ def balance_rows() -> list[list[str]]:
     return rows
 
 
-def page() -> str:
+def compute() -> dict[str, list[list[str]]]:
+    """The figures of the page."""
+    return {
+        "finite": finite_rows(),
+        "mode": mode_rows(),
+        "closed": closed_rows(),
+        "rupture": rupture_rows(),
+        "parting": parting_rows(),
+        "turning": turning_rows(3000.0, (30, 60, 120)),
+        "threshold": threshold_rows(),
+        "balance": balance_rows(),
+    }
+
+
+def page(found: dict[str, list[list[str]]]) -> str:
     """Markdown."""
-    hats = [f"{a} x {b} hats" for a, b in HATS]
+    hats = [f"{a} x {b} nodes" for a, b in HATS]
     return f"""# The law of oil films
 
-{MADE}
-Reynolds' equation on bilinear hats with the void volume per area as the unknown where the film is not full
+Reynolds' equation on bilinear shape functions with the cavity volume per area as the unknown where the film is not full
 (`tests/references/films`), by itself and between rigid surfaces. Radius {1e3 * RADIUS:g} mm, clearance
-{1e6 * CLEARANCE:g} µm, {VISCOSITY:g} Pa s, {SPEED:g} rad/s where nothing else is said.
+{1e6 * CLEARANCE:g} µm, {VISCOSITY:g} Pa s, {SPEED:g} rad/s unless stated otherwise.
 
-## Finite bearings beside finite volumes
+## Finite bearings compared with finite volumes
 
-Rupture by Reynolds' condition. Load [N] and attitude [deg] on {VOLUMES[0]} x {VOLUMES[1]} volumes, written apart from
-the hats; errors of load, attitude and largest pressure of the hats beside them.
+Rupture by Reynolds' condition. Load [N] and attitude [deg] on {VOLUMES[0]} x {VOLUMES[1]} volumes, implemented
+separately; errors of load, attitude and largest pressure of the film on nodes.
 
-{table(["L/D", "eccentricity", "load", "attitude", *hats], finite_rows())}
+{table(["L/D", "eccentricity", "load", "attitude", *hats], found["finite"])}
 ## Treatments of the cavity
 
-L/D 0.5, 128 x 17 hats, the film widest at 180°. Oil that is carried as void and film into the feed is right in mass;
-Reynolds' condition, which forgets what was lost at the rupture, comes next to it. *Sweeps*: how often the set of full
-hats was looked at.
+L/D 0.5, 128 x 17 nodes, the film widest at 180°. Oil that is carried as cavity and film into the feed conserves mass;
+Reynolds' condition, which forgets what was lost at the rupture, is closest to it. *Sweeps*: updates of the set of full
+nodes.
 
-{table(["eccentricity", "cavitation", "load [N]", "attitude [deg]", "sweeps"], mode_rows())}
+{table(["eccentricity", "cavitation", "load [N]", "attitude [deg]", "sweeps"], found["mode"])}
 ## Closed forms
 
-{table(["case", "hats", "error of the force"], closed_rows())}
+{table(["case", "nodes", "error of the force"], found["closed"])}
 ## Rupture and filling
 
-A parabolic slider, 76.2 mm long, 25.4 to 50.8 µm, 4.57 m/s, 0.04 Pa s, 0.336 MPa at its end: beside quadrature. The
-ends of the cavity are off by so many cells.
+A parabolic slider, 76.2 mm long, 25.4 to 50.8 µm, 4.57 m/s, 0.04 Pa s, 0.336 MPa at its end: compared with quadrature.
+The ends of the cavity are off by so many cells.
 
-{table(["cells", "force", "flux", "rupture", "refill", "sweeps"], rupture_rows())}
+{table(["cells", "force", "flux", "rupture", "refill", "sweeps"], found["rupture"])}
 Plates, 10 mm wide, 25 + 10 cos(wt) µm apart at 50 Hz, 1 bar around them: the largest cavity over the half-width, and
 when it collapses, in periods. BDF2.
 
-{table(["cells", "steps", "largest cavity", "collapse"], parting_rows())}
+{table(["cells", "steps", "largest cavity", "collapse"], found["parting"])}
 ## Motion
 
-A load of 3 kN on a bearing of L/D 0.5 that turns at a quarter of the shaft's speed: eccentricity beside that of a load
-that stands, at half of the speed. BDF2, 48 x 9 hats.
+A load of 3 kN on a bearing of L/D 0.5 that rotates at a quarter of the shaft's speed: eccentricity compared with that
+of a stationary load, at half of the speed. BDF2, 48 x 9 nodes.
 
-{table(["steps a turn", "eccentricity", "Newton iterations a step"], turning_rows(3000.0, (30, 60, 120)))}
+{table(["steps per revolution", "eccentricity", "Newton iterations per step"], found["turning"])}
 Short bearing, L/D 0.02, eccentricity 0.5, half film: where it begins to whirl. The film ends between two columns,
 which is of first order.
 
-{table(["hats", "m c ω²/W", "whirl/ω"], threshold_rows())}
+{table(["nodes", "m c ω²/W", "whirl/ω"], found["threshold"])}
 ## Balance
 
 A fed bearing at eccentricity 0.63: the torques about the axes of shaft and bore and the moment of the load between
-them, over the torque; and the power of the shaft beside the losses of shear and of flow.
+them, over the torque; and the power of the shaft compared with the losses of shear and of flow.
 
-{table(["hats", "torques", "power"], balance_rows())}"""
-
-
-def main() -> None:
-    """Write the page."""
-    path = Path(sys.argv[1] if len(sys.argv) > 1 else FOLDER) / PAGE
-    path.write_text(page(), encoding="utf-8")
-    print(path)
-
-
-if __name__ == "__main__":
-    main()
+{table(["nodes", "torques", "power"], found["balance"])}"""

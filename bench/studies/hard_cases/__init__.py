@@ -1,4 +1,4 @@
-"""Hard cases: what the solver does with scenes that are hard to step, over steps and tolerances.
+"""Hard cases over steps and tolerances: pass, degraded, fail, refused or silent; half an hour.
 
 case       what a case is, its settings and limits
 classes    pass, degraded, fail, refused, silent
@@ -13,12 +13,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from studies.hard_cases.suite import Stability
 
-__all__ = ["stability"]
+__all__ = ["stability", "write"]
 
 
 def stability(
@@ -29,7 +30,7 @@ def stability(
     overwrite: bool = False,
     progress: bool = True,
 ) -> Stability:
-    """Run hard cases over steps and tolerances and class what comes of them: `.rows`, `.report()`, `.of("silent")`.
+    """Run hard cases over steps and tolerances and classify the results: `.rows`, `.report()`, `.of("silent")`.
 
     folder: where rows are kept, so that a suite that was stopped goes on, and where stability.md, .csv and .png are
     written; None: nothing is kept. cases: names of `studies.hard_cases.cases.CASES`; None: all but the slow
@@ -44,3 +45,13 @@ def stability(
     if folder is not None:
         found.write(folder, overwrite=True)
     return found
+
+
+def write(folder: str | os.PathLike[str], cases: Sequence[str], *, quick: bool) -> list[Path]:
+    """Run all cases anew, or those of the named ones that FOLDER/stability has no rows of, and write page, table and
+    map there; half an hour for all, on a quiet machine."""
+    from studies.hard_cases.suite import MAP, PAGE, TABLE
+
+    folder = Path(folder) / "stability"
+    stability(folder, cases=cases or None, quick=quick, overwrite=not cases)
+    return [folder / name for name in (PAGE, TABLE, MAP)]

@@ -18,7 +18,7 @@ from warpffrf.online.settings import Settings
 from warpffrf.output.result import Result
 
 STEPS = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)  # s
-TOLERANCES = (1e-4, 1e-6, 1e-11)  # of the iteration, beside the usual one
+TOLERANCES = (1e-4, 1e-6, 1e-11)  # of the iteration, besides the usual one
 ERROR = 1e-4  # of a step, that halves it
 ACCURACY = 1e-3  # wanted of a run that finds its setting itself: what most comparisons pass to
 MOST_STEPS = 10_000

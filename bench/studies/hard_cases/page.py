@@ -11,7 +11,7 @@ from studies.hard_cases.classes import CLASSES, DEGRADED, FAIL, PASS, REFUSED, S
 from studies.hard_cases.run import Row
 from warpffrf.study.markdown import table
 
-MADE = "Made by `python -m studies.hard_cases`; do not edit."
+MADE = "Made by `python -m studies stability`; do not edit."
 COLORS = {PASS: "#4c9f70", DEGRADED: "#ffd166", FAIL: "#ef8354", REFUSED: "#9aa5b1", SILENT: "#7b1e3a"}
 BY_ACCURACY = "accuracy "  # how columns of that kind begin
 LONGEST = 240  # characters of a reason in the page; the table has all

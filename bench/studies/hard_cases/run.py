@@ -71,8 +71,8 @@ def run_case(case: Case, setting: Setting) -> tuple[Result | None, Row]:
 
 
 def _same_steps(case: Case, setting: Setting, result: Result) -> tuple[Case, Setting]:
-    """What a run beside one of `setting` that has found its own step is to do: as many steps of that size, with the
-    energy tolerance that it found."""
+    """The case and setting of a run that is compared with one of `setting`, which has found its own step: as many steps
+    of that size, with the energy tolerance that it found."""
     if setting.accuracy is None or len(result.time) < 2:
         return case, setting
     steps = len(result.time) - 1

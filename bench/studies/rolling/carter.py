@@ -1,4 +1,4 @@
-"""Writes docs/studies/carter.md: `python -m studies.rolling.carter [FOLDER]`. About two minutes.
+"""The friction law in body-fixed cells compared with Carter, Cattaneo and Mindlin; two minutes.
 
 Every figure is computed here by the reference of the friction law (`rolling` and `tangential_loading` in `half_space`),
 which shares nothing with the engine.
@@ -6,9 +6,7 @@ which shares nothing with the engine.
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -34,7 +32,6 @@ SHARES = (0.25, 0.5, 0.75, 0.99)  # Q/(mu P) of case C6
 CELLS = STEPS = (8, 16, 32)
 PHASES = (0.0, 0.25, 0.5, 0.75, 0.9)
 CROSSINGS = 10.0
-MADE = "Made by `python -m studies.rolling.carter`; do not edit.\n"
 
 
 @dataclass(frozen=True)
@@ -73,7 +70,7 @@ def creepage_error(share: float, cells: float, steps: int) -> float:
 
 
 def law_rows() -> list[list[str]]:
-    """Cells by steps; the cells travel, so that a fraction of a cell a step passes through the phases."""
+    """Cells by steps; the cells travel, so that a fraction of a cell per step passes through the phases."""
     rows = []
     for cells in CELLS:
         for steps in STEPS:
@@ -83,7 +80,7 @@ def law_rows() -> list[list[str]]:
 
 
 def phase_rows(late: bool) -> list[list[str]]:
-    """Over the phase, at whole cells a step, with and without the softness of cells that the patch reaches."""
+    """Over the phase, at whole cells per step, with and without the softness of cells that the patch reaches."""
     rows = []
     for cells, steps in ((8, 16), (8, 8), (16, 32)):
         for p in PHASES:
@@ -153,66 +150,68 @@ def _mindlin_row(patch: Patch, exact: MindlinLine | MindlinPoint, share: float, 
     return [str(cells), f"{share:g}", f"{stick:+.2f}", f"{shift:+.2%}", f"{loss:+.2%}"]
 
 
-def page() -> str:
+def compute() -> dict[str, list[list[str]]]:
+    """The figures of the page."""
+    return {
+        "law": law_rows(),
+        "phase": phase_rows(True),
+        "phase_2": phase_rows(False),
+        "forced": [[f"{q:g}", f"{creepage_error(q, 8, 16):+.2%}"] for q in SHARES],
+        "stick": stick_rows(),
+        "transient": transient_rows(),
+        "line": line_rows(),
+        "point": point_rows(),
+    }
+
+
+def page(found: dict[str, list[list[str]]]) -> str:
     """The whole page."""
     shares = [f"Q/μP {q:g}" for q in SHARES]
     mindlin = ["cells", "Q/μP", "stick, cells", "displacement", "loss per cycle"]
-    forced = [[f"{q:g}", f"{creepage_error(q, 8, 16):+.2%}"] for q in SHARES]
-    return f"""# Friction in cells beside Carter, Cattaneo and Mindlin
+    return f"""# Friction in body-fixed cells compared with Carter, Cattaneo and Mindlin
 
-{MADE}
 A reference of the friction law without bodies: exact elastic half-plane and half-space, Hertz's contact with its
-pressure in hats, traction constant in cells, slip in the mean over them, bounds half the way from the node to the mean
-of the pressure over the cell, one convex program a step (`friction_program.py`). Steel on steel, C1 of the verification
-cases (a = {LINE.half_width * 1e3:.4f} mm, R = 25 mm), μ = {FRICTION:g}.
+pressure in bilinear shape functions, traction constant in cells, slip in the mean over them, bounds half the way from
+the node to the mean of the pressure over the cell, one convex program per step (`friction_program.py`). Steel on steel,
+C1 of the verification cases (a = {LINE.half_width * 1e3:.4f} mm, R = 25 mm), μ = {FRICTION:g}.
 
 ## Carter: error of Q at his creepage
 
 After {CROSSINGS:g} crossings of the patch, mean over the last; a point at the depth 10 a fixed; cells travel with the
 material. Cells per half-width, steps per crossing, cells advanced per step.
 
-{table(["cells", "steps", "cells/step", *shares], law_rows())}
+{table(["cells", "steps", "cells/step", *shares], found["law"])}
 A cell that the patch reaches during a step resists by what is left of the step then (`half_space/rolling.py`): what is
 left of the error hardly depends on the step up to two cells, nor on where the cells lie against the patch. Here they
 stand with it, at a phase in cells (at 0 a centre is in the middle).
 
-{table(["cells", "cells/step", "phase", *shares], phase_rows(True))}
+{table(["cells", "cells/step", "phase", *shares], found["phase"])}
 The same with such cells charged with the whole step:
 
-{table(["cells", "cells/step", "phase", *shares], phase_rows(False))}
+{table(["cells", "cells/step", "phase", *shares], found["phase_2"])}
 Prescribed Q, 8 cells and 16 steps: error of the creepage.
 
-{table(["Q/μP", "creepage"], forced)}
+{table(["Q/μP", "creepage"], found["forced"])}
 ## Stick zone
 
 It touches the leading edge. Its ends against Carter's, in cells, one cell advanced per step: the leading end against
-a (the cell beside the patch has a small bound and sticks), the trailing end against a - 2 c.
+a (the cell next to the patch has a small bound and sticks), the trailing end against a - 2 c.
 
-{table(["cells", "Q/μP", "cells in 2 c", "leading end", "trailing end"], stick_rows())}
+{table(["cells", "Q/μP", "cells in 2 c", "leading end", "trailing end"], found["stick"])}
 ## Transient
 
 Q/μP = 0.5, 8 cells, 16 steps: Q against its own end value, by the depth L of the fixed point and the crossings rolled.
 The deeper the body, the longer it takes: its elastic shift is wound up by the creep.
 
-{table(["depth", "1", "2", "5", "10", "20"], transient_rows())}
+{table(["depth", "1", "2", "5", "10", "20"], found["transient"])}
 ## Cattaneo and Mindlin
 
 A standing patch is loaded to Q and back and forth once. Size of the stick zone (in cells), displacement at Q, work lost
 in the cycle, against the closed forms. *Line*, like steels:
 
-{table(mindlin, line_rows())}
+{table(mindlin, found["line"])}
 *Point*, case C3 (steel sphere on a rigid plane), both components of traction:
 
-{table(mindlin, point_rows())}
+{table(mindlin, found["point"])}
 The loss is made in a slip zone of width a - c: of two cells there it has some percent.
 """
-
-
-def main(folder: str = "docs/studies") -> None:
-    """Write the page."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    (Path(folder) / "carter.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])

@@ -1,7 +1,7 @@
-r"""Writes docs/studies/carter_rollers.md: `python -m studies.rolling.carter_rollers [FOLDER]`. Some minutes.
+r"""Carter's rolling with two rollers; some minutes.
 
 Two equal rollers under a load, the lower one driven, the upper one braked by a torque: Carter's rolling contact with
-friction, by the engine, beside his closed form (`closed_forms.CarterRolling`).
+friction, by the engine, against his closed form (`closed_forms.CarterRolling`).
 
 The upper roller has no drive: the torque T on it prescribes the tangential force, Q = T/R, from the first crossing on.
 With both speeds prescribed, the elastic twist of the two rollers would have to be wound up by the creep first, which
@@ -17,9 +17,7 @@ Near gross slip the first is insensitive to xi and the second very sensitive: d 
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -49,7 +47,6 @@ AXIS = (0.0, 1.0, 0.0)
 RAMP = 2.0  # crossings in which the torque rises
 CROSSINGS = 10
 CELLS, PER_CELL = (8, 16), (0.5, 1.0, 2.0)  # cells in a half-width; cells advanced per step
-MADE = "Made by `python -m studies.rolling.carter_rollers`; do not edit.\n"
 
 
 def rolling_body(cells: int, *, order: int = 2, cache: bool = True) -> ReducedBody:
@@ -120,7 +117,7 @@ class Rolled:
 
 
 def roll(body: ReducedBody, share: float, per_cell: float, *, crossings: int = CROSSINGS) -> tuple[Rolled, Result]:
-    """A run in which the patch advances by about `per_cell` cells a step."""
+    """A run in which the patch advances by about `per_cell` cells per step."""
     pitch = body.contact_surfaces["rim"].grid.pitch * RADIUS
     steps = int(round(2.0 * HALF_WIDTH / (pitch * per_cell)))
     h = 2.0 * HALF_WIDTH / steps / SPEED
@@ -166,8 +163,8 @@ def law_error(found: Rolled) -> float:
     return float(np.mean(shares[-steps:])) / share - 1.0
 
 
-def page() -> str:
-    """The whole page."""
+def compute() -> list[list[str]]:
+    """One row per grid, step and share of the bound."""
     rows = []
     for cells in CELLS:
         body = rolling_body(cells)
@@ -179,10 +176,14 @@ def page() -> str:
                     f"{found.share:.4f}", f"{found.creepage:.4e}", f"{found.force_error:+.2%}",
                     f"{found.creepage_error:+.2%}", f"{law_error(found):+.2%}", f"{found.drift:+.2%}",
                 ])  # fmt: skip
+    return rows
+
+
+def page(rows: list[list[str]]) -> str:
+    """The whole page."""
     head = ["cells", "steps", "cells/step", "Q/μP", "creepage", "error of Q", "error of creepage", "law alone", "drift"]
     return f"""# Carter's rolling with two rollers
 
-{MADE}
 Two steel rollers, R = {RADIUS * 1e3:g} mm, {WIDTH * 1e3:g} mm wide, quadratic cells, Hertz's half-width
 {HALF_WIDTH * 1e3:g} mm, μ = {FRICTION:g}; the lower one is driven, on the upper one acts a torque, so that Q is
 prescribed and the creepage found. After {CROSSINGS} crossings of the patch, mean over the last; *cells* in a
@@ -192,13 +193,3 @@ Carter's at the Q found. *Law alone*: the error of Q on an elastic half-plane in
 the last two crossings.
 
 {table(head, rows)}"""
-
-
-def main(folder: str = "docs/studies") -> None:
-    """Write the page."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    (Path(folder) / "carter_rollers.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])

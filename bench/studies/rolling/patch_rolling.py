@@ -1,4 +1,4 @@
-"""Writes docs/studies/patch_rolling.md: `python -m studies.rolling.patch_rolling [FOLDER]`. About three minutes.
+"""The friction law in contact-fixed cells compared with Carter, Kalker and CONTACT; three minutes.
 
 Every figure is computed here by the reference of the friction law on cells that stand with the patch
 (`half_space/patch_rolling.py`), which shares nothing with the engine.
@@ -6,10 +6,8 @@ Every figure is computed here by the reference of the friction law on cells that
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 from scipy.special import elliprd
@@ -38,13 +36,12 @@ from warpffrf.model.material import Material
 from warpffrf.study.markdown import table
 
 Array = np.ndarray
-ADVANCES = (0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 4.0)  # cells a step
+ADVANCES = (0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 4.0)  # cells per step
 PHASES = 8  # half-widths in cells between two whole numbers, so that the edge lies anywhere in a cell
 WIDTHS = (5, 6, 8, 12, 20, 40)  # whole cells in a half-width
 KALKER_COLUMNS = (17, 21, 25, 27)
 SMOOTH = tuple(range(13, 35, 2))
 NEARLY_HALF = 0.4999  # Poisson's ratio for Kalker's 1/2, which a material cannot have
-MADE = "Made by `python -m studies.rolling.patch_rolling`; do not edit.\n"
 
 
 def line(cells: float, *, order: int = 3, rings: int = RINGS, late: bool = True) -> PatchRolling:
@@ -57,7 +54,7 @@ def line(cells: float, *, order: int = 3, rings: int = RINGS, late: bool = True)
 def carter_error(
     share: float, cells: float, advance: float, *, order: int = 3, rings: int = RINGS, late: bool = True
 ) -> float:
-    """Steady Q at Carter's creepage against Carter's, over mu P, at `advance` cells a step."""
+    """Steady Q at Carter's creepage against Carter's, over mu P, at `advance` cells per step."""
     rolling = line(cells, order=order, rings=rings, late=late)
     creepage = (-CarterRolling.from_share(LINE, FRICTION, share).creepage, 0.0, 0.0)
     rolling.begin(advance * rolling.grid.size[0], creepage)
@@ -132,7 +129,7 @@ def swelling(columns: int, step: float, *, order: int = 3, late: bool = True) ->
 
 @cache
 def swelling_reference() -> tuple[Array, Array]:
-    """The same with 201 columns, one cell a step."""
+    """The same with 201 columns, one cell per step."""
     return swelling(201, 2.0 * SPAN / 201)
 
 
@@ -168,7 +165,7 @@ def ellipse(ratio: float, poisson: float) -> tuple[EllipticContact, Material]:
 def coefficients(
     ratio: float, poisson: float, columns: int, advance: float = 1.0, *, angle: float = 0.0, late: bool = True
 ) -> Array:
-    """C_11, C_22, C_23 of cells without slip at `advance` cells a step, rolling at an `angle` [rad] to the grid's x
+    """C_11, C_22, C_23 of cells without slip at `advance` cells per step, rolling at an `angle` [rad] to the grid's x
     (circles only)."""
     contact, material = ellipse(ratio, poisson)
     rolling = PatchRolling(contact, FRICTION, (columns, columns), HalfSpaces(material, material), late=late)
@@ -184,7 +181,7 @@ def coefficients(
 
 
 def kalker_error(ratio: float, poisson: float, columns: int, advance: float = 1.0, **kwargs) -> Array:
-    """Relative errors of C_11, C_22, C_23 beside Kalker's; kwargs: of `coefficients`."""
+    """Relative errors of C_11, C_22, C_23 against Kalker's; kwargs: of `coefficients`."""
     at = published.KALKER_POISSON.index(poisson)
     wanted = np.array([row[at] for row in published.KALKER[ratio]])
     return coefficients(ratio, min(poisson, NEARLY_HALF), columns, advance, **kwargs) / wanted - 1.0
@@ -270,14 +267,29 @@ def cattaneo_rows() -> list[list[str]]:
     return [[str(n), f"{shift:+.2%}", f"{stick:.3f}"] for n, (shift, stick) in found.items()]
 
 
-def page() -> str:
+def compute() -> dict[str, list[list[str]]]:
+    """The figures of the page."""
+    return {
+        "edge": edge_rows(),
+        "carter": carter_rows(True, WIDTHS),
+        "carter_2": carter_rows(False, (5, 8), (0.25, 0.5, 1.0, 2.0, 4.0)),
+        "ring": ring_rows(),
+        "swelling": swelling_rows(),
+        "kalker": kalker_rows(),
+        "smooth": smooth_rows(),
+        "step": step_rows(),
+        "eurosprinter": eurosprinter_rows(),
+        "cattaneo": cattaneo_rows(),
+    }
+
+
+def page(found: dict[str, list[list[str]]]) -> str:
     """The whole page."""
     widths = [f"{n} to {n + 1}" for n in WIDTHS[:-2]]
     few = ["cells/step", *widths, "20, 20.5", "40.25"]
     creepages = [f"{1e3 * xi:g}" for xi, _ in published.EUROSPRINTER_FORCES]
-    return f"""# Rolling friction on cells that stand with the patch
+    return f"""# Rolling friction on contact-fixed cells
 
-{MADE}
 A reference of the friction law without bodies (`half_space/patch_rolling.py`): exact elastic half-planes and
 half-spaces, like materials; a uniform grid about the middle of the patch, 1.3 times its half-widths to each side, with
 an odd number of cells; pressure and traction constant on a cell, bound μ times the cell's own pressure, slip judged at
@@ -295,16 +307,16 @@ With c cells advanced in the step and d cells from the centre of a cell to the e
 r and e: by Hertz lines whose pressures are found on the cells, at all phases. Error of e, in cells, by the cells in a
 half-width:
 
-{table(["cells", "error of the edge"], edge_rows())}
+{table(["cells", "error of the edge"], found["edge"])}
 ## Carter: error of Q at his creepage, % of μP
 
 Case C1, Q/μP of {", ".join(f"{q:g}" for q in SHARES)}: least and largest error over these and over the places of the
 edge in its cell, by the cells in a half-width (above) and the cells advanced in a step.
 
-{table(few, carter_rows(True, WIDTHS))}
+{table(few, found["carter"])}
 The same with cells at the edge charged with the whole step:
 
-{table(["cells/step", "5 to 6", "8 to 9"], carter_rows(False, (5, 8), (0.25, 0.5, 1.0, 2.0, 4.0)))}
+{table(["cells/step", "5 to 6", "8 to 9"], found["carter_2"])}
 Below one cell a step these errors do not vanish with the step: interpolation between a cell under pressure and a free
 one charges slip that went on before the edge.
 
@@ -312,45 +324,35 @@ one charges slip that went on before the edge.
 
 The same by the rings of cells on which displacements are kept, clamped beyond: three are enough to four cells a step.
 
-{table(["cells/step", "rings", "5 to 6", "8 to 9"], ring_rows())}
+{table(["cells/step", "rings", "5 to 6", "8 to 9"], found["ring"])}
 ## A patch that grows and shrinks
 
 Load P (1 + 0.6 sin), period three half-widths, creepage of Q/μP = 0.9 at the mean; the grid follows the patch in every
 step. Error of Q against 201 columns, % of μP: largest, root mean square. Cubic or linear: how displacements are read.
 
-{table(["columns", "cells/step", "cubic", "linear", "cubic, whole step charged"], swelling_rows())}
+{table(["columns", "cells/step", "cubic", "linear", "cubic, whole step charged"], found["swelling"])}
 ## Kalker's coefficients
 
-Steady rolling without slip, which small creepages tend to: C11, C22, C23 against Kalker's table, one cell a step, by
+Steady rolling without slip, which small creepages tend to: C11, C22, C23 against Kalker's table, one cell per step, by
 columns in each direction. The table is rounded to three digits, up to 0.5 %.
 
-{table(["a/b", "ν", *(f"{n} columns" for n in KALKER_COLUMNS)], kalker_rows())}
+{table(["a/b", "ν", *(f"{n} columns" for n in KALKER_COLUMNS)], found["kalker"])}
 Circle, ν = 0.25: by columns and cells across the patch, at three steps. What remains goes up and down with the area of
 the cells that are under pressure at the sides; forces with slip (next section) differ by 0.3 % of μN between grids.
 
-{table(["columns", "across", "0.25 cells/step", "1", "2"], smooth_rows())}
+{table(["columns", "across", "0.25 cells/step", "1", "2"], found["smooth"])}
 21 columns, by the cells advanced in a step: with the rule, charged with the whole step, and with the rule rolling at an
 angle to the grid. Spin is taken in the middle of the way inside the patch.
 
-{table(["cells/step", "rule", "whole step", "15°", "30°", "45°"], step_rows())}
+{table(["cells/step", "rule", "whole step", "15°", "30°", "45°"], found["step"])}
 ## CONTACT's Eurosprinter
 
-F_x at nine creepages (in 1e-3) against CONTACT's, % of μN, by columns and cells a step. CONTACT has cells, too: its
+F_x at nine creepages (in 1e-3) against CONTACT's, % of μN, by columns and cells per step. CONTACT has cells, too: its
 example of Carter is 0.8 % of μP high.
 
-{table(["columns", "cells/step", *creepages], eurosprinter_rows())}
+{table(["columns", "cells/step", *creepages], found["eurosprinter"])}
 ## Cattaneo
 
 CONTACT's sphere on a plane at 7/8 μN: shift against the closed form, radius of the stick zone over a (exactly 0.5).
 
-{table(["columns", "shift", "stick"], cattaneo_rows())}"""
-
-
-def main(folder: str = "docs/studies") -> None:
-    """Write the page."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    (Path(folder) / "patch_rolling.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])
+{table(["columns", "shift", "stick"], found["cattaneo"])}"""

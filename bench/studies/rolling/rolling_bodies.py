@@ -1,5 +1,5 @@
-"""Bodies under friction on cells of the patch, measured by simulation: the rows of `rolling_patches` on meshes, unlike
-bodies that roll freely, and gross slip. As `rolling_steady`.
+"""Friction on contact-fixed cells, by bodies: the rows of `rolling_patches` on meshes, unlike bodies that roll freely,
+and gross slip. As `rolling_steady`.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def on_mesh(name: str, crown: float | None, creepage: float) -> Rolled:
 
 
 def mesh_rows() -> list[list[str]]:
-    """Shapes, creepages and meshes down: Q/(mu N), beside the finest mesh, beside the half-space; Q beside the
+    """Shapes, creepages and meshes down: Q/(mu N), against the finest mesh, against the half-space; Q against the
     finest."""
     rows = []
     for crown in (None, CROWN):
@@ -166,12 +166,12 @@ def unlike_on(name: str, rows: int = FINE_ROWS, *, turned: bool = False) -> tupl
     return creepage, scaled(creepage, hertz)
 
 
-UNLIKE_HEAD = ["mesh", "steel driven", "beside 0.6 mm", "at one load", "aluminium driven", "beside 0.6 mm",
-               "at one load", f"{COARSE_ROWS} rows", "beside 0.6 mm"]  # fmt: skip
+UNLIKE_HEAD = ["mesh", "steel driven", "against 0.6 mm", "at one load", "aluminium driven", "against 0.6 mm",
+               "at one load", f"{COARSE_ROWS} rows", "against 0.6 mm"]  # fmt: skip
 
 
 def unlike_mesh_rows() -> list[list[str]]:
-    """Meshes down: creepage without force at one approach, beside the finest; the same over that of half-planes at the
+    """Meshes down: creepage without force at one approach, against the finest; the same over that of half-planes at the
     load found; steel driven and aluminium driven; with few rows."""
     rows = []
     for name in UNLIKE_MESHES:
@@ -222,35 +222,46 @@ def _angle(found: Any, wanted: Any) -> float:
     return float(np.degrees(np.arctan2(-cross, found[0] * wanted[0] + found[1] * wanted[1])))
 
 
-def section() -> str:
+def compute() -> dict[str, list[list[str]]]:
+    """The figures of the page."""
+    return {
+        "half_plane": half_plane_rows(),
+        "unlike": unlike_rows(),
+        "unlike_mesh": unlike_mesh_rows(),
+        "mesh": mesh_rows(),
+        "gross": gross_rows(),
+    }
+
+
+def section(found: dict[str, list[list[str]]]) -> str:
     """What the page says on bodies."""
     return f"""## Unlike bodies
 
-Steel driven, aluminium free to turn: the creepage xi without a force. Half-planes with continuous adhesion have
+Steel driven, aluminium free to rotate: the creepage xi without a force. Half-planes with continuous adhesion have
 -xi R'/(a beta) = 2/pi = {2 / np.pi:.4f} (beta small); half-planes in cells (`half_space.unlike_rolling`) have an error
 that goes away slowly where friction hardly slips, for the trailing edge is singular then:
 
-{table(["friction", "cells in a", "half-planes"], half_plane_rows())}
+{table(["friction", "cells in a", "half-planes"], found["half_plane"])}
 Rollers of finite size have less the larger their patch is, in proportion to a/R. What is to be compared is their limit
 at a/R = 0: a line through 322 and 104 µm ends 1 % below half-planes of as many cells (21 strips are 8 in a half-width):
 all rows creep alike, and the line load at mid-width, for which this is scaled, is 2.5 % above the mean of the width.
 
-{table(["a [µm]", "strips", "friction", "rollers"], unlike_rows())}
+{table(["a [µm]", "strips", "friction", "rollers"], found["unlike"])}
 By meshes, {WIDTH * 1e3:g} mm wide, 15 strips, {FINE_ROWS} rows along the axis: xi in 1e-3 at an approach of 12 µm,
-beside the finest mesh as it is, and at the same load (a mesh makes bodies stiffer or softer as a whole). Far fields
-are read and loaded in the middle of a row: rows longer than some three spacings of the contact grid, as {COARSE_ROWS}
-on these rollers (5 mm in the middle), leave out what lies between, which is seen on fine meshes.
+compared with the finest mesh as it is, and at the same load (a mesh makes bodies stiffer or softer as a whole). Far
+fields are read and loaded in the middle of a row: rows longer than some three spacings of the contact grid, as
+{COARSE_ROWS} on these rollers (5 mm in the middle), leave out what lies between, which is seen on fine meshes.
 
-{table(UNLIKE_HEAD, unlike_mesh_rows())}
+{table(UNLIKE_HEAD, found["unlike_mesh"])}
 ## Meshes
 
 Steel with its Poisson's ratio. Q/(mu N), its difference from the finest mesh and from half-spaces (Carter; the law on
-27 x 27 cells) in percent of mu N, and Q itself beside the finest mesh at the same approach.
+27 x 27 cells) in percent of mu N, and Q itself compared with the finest mesh at the same approach.
 
-{table(["rollers", "creepage", "mesh", "Q/(mu N)", "beside finest", "beside half-spaces", "Q"], mesh_rows())}
+{table(["rollers", "creepage", "mesh", "Q/(mu N)", "against finest", "against half-spaces", "Q"], found["mesh"])}
 ## Gross slip
 
 |Q|/(mu N) - 1, and the angle between force and slip in degrees.
 
-{table(["way", "force", "angle"], gross_rows())}
+{table(["way", "force", "angle"], found["gross"])}
 """

@@ -1,5 +1,5 @@
-r"""Histories of friction on cells of the patch, measured by simulation: the rows of `rolling_patches` on Cattaneo and
-Mindlin, work and energy, and patches that grow, shrink, part, split and leave an end.
+r"""Histories of friction on contact-fixed cells: the rows of `rolling_patches` on Cattaneo and Mindlin, work and
+energy, and patches that grow, shrink, part, split and leave an end.
 
 **Cattaneo.** The lower roller is shifted along x to Q = 0.5 mu P and back and forth. Its way is made of that of a patch
 that sticks, C Q with the compliance C of a run with much friction, and of what slip adds,
@@ -79,7 +79,7 @@ HUMP, HOLLOW, TILTED = (
     5e-3,
     2e-6,
     1e-6,
-)  # m: place of the humps off the middle, depth between them, one beside the other
+)  # m: place of the humps off the middle, depth between them, one next to the other
 ONE_PATCH, TWO_PATCHES, SPLIT_HALF_WIDTH = 6e-6, 1.5e-6, 2.2e-4  # m: approaches, a of the largest
 TILTED_APPROACHES = 4e-6, 0.5e-6  # m
 SPLITS, SPLIT_WAY = 2, 20.0  # times that a patch splits, half-widths rolled
@@ -89,7 +89,7 @@ NEAR = 3  # steps
 
 @dataclass(frozen=True)
 class Cattaneo:
-    """Errors beside the closed form, and the cell."""
+    """Errors against the closed form, and the cell."""
 
     way: float  # relative
     loss: float  # relative
@@ -370,8 +370,8 @@ def split(strips: int, advance: float, rows: int, *, friction: float = FRICTION,
     )  # fmt: skip
 
 
-SPLIT_HEAD = ["case", "strips", "rows", "strips a step", "force", "load", "load, no friction", "least load", "changes",
-              "open rows", "repeated"]  # fmt: skip
+SPLIT_HEAD = ["case", "strips", "rows", "strips per step", "force", "load", "load, no friction", "least load",
+              "changes", "open rows", "repeated"]  # fmt: skip
 
 
 def split_rows() -> list[list[str]]:
@@ -408,27 +408,38 @@ def change_rows() -> list[list[str]]:
     return rows
 
 
-def section() -> str:
+def compute() -> dict[str, Any]:
+    """The figures of the section."""
+    return {
+        "locked": locked(),
+        "cattaneo": cattaneo_rows(),
+        "work": work_rows(),
+        "change": change_rows(),
+        "split": split_rows(),
+    }
+
+
+def section(figures: dict[str, Any]) -> str:
     """What the page says on histories."""
-    found = locked()
+    found = figures["locked"]
     return f"""## Cattaneo and Mindlin
 
 Shifted to Q = {SHARE:g} mu P and back and forth twice: errors of the way at the first end (both without the rest of the
 bodies, see the module), of the loss in the second cycle; stick zone's c/a less the closed form's, and a cell over a.
 Points: rollers with a crown of their own radius.
 
-{table(["contact", "strips", "way", "loss", "c/a", "cell"], cattaneo_rows())}
+{table(["contact", "strips", "way", "loss", "c/a", "cell"], figures["cattaneo"])}
 ## Work
 
 Much friction, a traction locked in while both stand ({1e3 * found.stored:.3f} mJ), then a revolution at equal speeds.
-Friction takes {1e3 * found.lost:.3f} mJ, cells that travel move {1e3 * found.moved:+.3f} mJ; {found.passing:.0f} J of
+Friction takes {1e3 * found.lost:.3f} mJ, contact-fixed cells move {1e3 * found.moved:+.3f} mJ; {found.passing:.0f} J of
 elastic energy pass through the patch, so that friction takes {found.lost / found.passing:.1e} of it. It gains in no
 step (largest change {found.gained:.1e} J), and {found.share:.1e} of the force is left.
 
 One roller drives the other at a creepage of {DRIVEN:g} (0.41 mu N): contact grid and numerical lines of the ledger over
 the work of the drives, in percent.
 
-{table(["strips", "strips a step", "revolutions", "ledger"], work_rows())}
+{table(["strips", "strips per step", "revolutions", "ledger"], figures["work"])}
 ## Patches that change
 
 Off the end, a point contact loses load in steps, a row of cells at a time, with friction or without; the force follows
@@ -438,7 +449,7 @@ Largest jumps of the force beyond a smooth curve in percent of the largest mu N,
 least load in percent of that, steps that were repeated. Creepage {GENTLE:g} of gross slip's,
 crown {1e3 * CROWN:.0f} mm.
 
-{table(["case", "contact", "strips", "strips a step", "force", "load", "least load", "repeated"], change_rows())}
+{table(["case", "contact", "strips", "strips per step", "force", "load", "least load", "repeated"], figures["change"])}
 ## Patches that split
 
 A roller with two humps {2e3 * HUMP:g} mm apart and {1e6 * HOLLOW:g} µm high on a straight one, creepage {GENTLE:g} of
@@ -448,4 +459,4 @@ With one hump {1e6 * TILTED:g} µm lower its patch goes and comes too (from {1e6
 {1e6 * TILTED_APPROACHES[1]:g} µm). Jumps as above, of the load also without friction; how often the middle row opened
 or closed, open rows between two patches at the least load.
 
-{table(SPLIT_HEAD, split_rows())}"""
+{table(SPLIT_HEAD, figures["split"])}"""

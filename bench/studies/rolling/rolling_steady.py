@@ -1,5 +1,5 @@
-"""Steady rolling of rollers with friction on cells of the patch, measured by simulation: the rows of `rolling_patches`
-on Carter, CONTACT's Eurosprinter and Kalker's coefficients.
+"""Steady rolling of rollers with friction on contact-fixed cells: the rows of `rolling_patches` on Carter,
+CONTACT's Eurosprinter and Kalker's coefficients.
 
 Every function makes one table or one figure of it. What is prescribed is in `scenes.rolling_pairs`; forces are means
 over the last crossing of the patch. `strips`: of the grid, 1.3 half-widths either way.
@@ -42,13 +42,13 @@ from warpffrf.online.compile.patches.plan import span_of
 from warpffrf.study.markdown import table
 
 Array = np.ndarray
-SIZE = 4e-3  # m, of the cells of meshes unless told
+SIZE = 4e-3  # m, of the cells of meshes unless given
 APPROACH, HALF_WIDTH = 8e-6, 2.6e-4  # m, of straight rollers of steel
 STRIPS = (11, 15, 21, 31, 52)
-ADVANCES = (0.5, 1.0, 1.37, 2.0, 2.5)  # strips a step
+ADVANCES = (0.5, 1.0, 1.37, 2.0, 2.5)  # strips per step
 CREEPAGES = (6e-4, 1.5e-3)  # 0.35 and 0.73 mu N
 LONG, SHORT = 25.0, 8.0  # crossings after which line and point contacts are steady to 2e-4
-FINE = (52, 1.0)  # strips, strips a step of the solution that transients are held against
+FINE = (52, 1.0)  # strips, strips per step of the solution that transients are compared with
 STANDING, WOUND = 1e-3, 1.5e-6  # s of standing in which the lower roller is held back by that way [m]
 BESIDE = 10.0  # crossings of a transient
 NO_SLIP = 20.0  # coefficient of friction for Kalker's coefficients
@@ -76,7 +76,7 @@ def carter_error(strips: int, advance: float, creepage: float, crossings: float 
 
 
 def carter_rows() -> list[list[str]]:
-    """Steps down; by strips: errors at both creepages, and the same beside the finest cells."""
+    """Steps down; by strips: errors at both creepages, and the same against the finest cells."""
     rows = []
     finest = {xi: abs(float(carter_error(STRIPS[-1], 1.0, xi)[1].share[0])) for xi in CREEPAGES}
     for advance in ADVANCES:
@@ -125,7 +125,7 @@ def transient_rows() -> list[list[str]]:
 
 @cache
 def crowned(size: float = SIZE, order: int = 2) -> ReducedBody:
-    """A roller that is CONTACT's Eurosprinter beside its like."""
+    """A roller that is CONTACT's Eurosprinter, for a pair of equal ones."""
     return reduced(roller(size, order=order, crown_radius=CROWN), rail_steel(), crowned=True)
 
 
@@ -203,29 +203,39 @@ def _percents(values: list[float]) -> str:
     return ", ".join(f"{100 * v:+.2f}" for v in values)
 
 
-def section() -> str:
+def compute() -> dict[str, list[list[str]]]:
+    """The figures of the page."""
+    return {
+        "carter": carter_rows(),
+        "transient": transient_rows(),
+        "eurosprinter": eurosprinter_rows(),
+        "kalker": kalker_rows(),
+    }
+
+
+def section(found: dict[str, list[list[str]]]) -> str:
     """What the page says on steady rolling."""
     return f"""## Carter
 
 Two straight rollers without Poisson's ratio (plane strain), half-width {HALF_WIDTH * 1e3:.2f} mm, 4 mm mesh. Error of Q
 against Carter's at the prescribed creepages {CREEPAGES[0]:g} and {CREEPAGES[1]:g}, of mu N in percent, in brackets
-against {STRIPS[-1]} strips at one a step. Strips across over 1.3 of 2 a, steps in strips down.
+against {STRIPS[-1]} strips at one per step. Strips across over 1.3 of 2 a, steps in strips down.
 
-{table(["strips a step", *(str(n) for n in STRIPS)], carter_rows())}
+{table(["strips per step", *(str(n) for n in STRIPS)], found["carter"])}
 From pressing through standing (Cattaneo, about 0.6 mu N against the later creep) to rolling (Carter): largest
-difference at any instant from {FINE[0]} strips at {FINE[1]:g} a step, of mu N in percent.
+difference at any instant from {FINE[0]} strips at {FINE[1]:g} per step, of mu N in percent.
 
-{table(["strips a step", "11", "15", "21"], transient_rows())}
+{table(["strips per step", "11", "15", "21"], found["transient"])}
 ## CONTACT's Eurosprinter
 
 Two crowned rollers that are the Eurosprinter by similarity (R 50, crown {1e3 * CROWN:.1f} mm): F_x/(mu N); differences
 from CONTACT and from the law without bodies on the same cells, of mu N in percent.
 
-{table(["creepage", "cells", "CONTACT", "rollers", "from CONTACT", "from the law"], eurosprinter_rows())}
+{table(["creepage", "cells", "CONTACT", "rollers", "from CONTACT", "from the law"], found["eurosprinter"])}
 ## Kalker's coefficients
 
 Two crowned rollers, friction {NO_SLIP:g}, 21 x 21 cells, a b = (0.25 mm)^2; C_22 by a lateral speed, C_23 by an upper
-axle tilted by {1e3 * TILT:g} mrad. Relative errors beside the table (a parabola between its Poisson's ratios).
+axle tilted by {1e3 * TILT:g} mrad. Relative errors compared with the table (a parabola between its Poisson's ratios).
 
-{table(["a/b", "Poisson", "C11", "C22", "C23"], kalker_rows())}
+{table(["a/b", "Poisson", "C11", "C22", "C23"], found["kalker"])}
 """

@@ -1,19 +1,16 @@
-"""Writes docs/studies/joint_bases.md: `python -m studies.small_sliding.joint_bases [FOLDER]`. Some minutes on one core.
+"""Reducing a joint: coordinates for the bodies or cells of the joint; some minutes.
 
-Two ways of reducing a joint side by side: coordinates for the bodies (static and vibration modes, and trial vector
-derivatives of the joint), or the flexibility of the relative motion of the joint's cells, all of them or fewer. Held
-against full finite elements with contact and friction; every way goes through the same solver of the increment, so that
-what differs is the space.
+Two ways of reducing a joint compared: coordinates for the bodies (static and vibration modes, and trial vector
+derivatives of the joint), or the flexibility of the relative motion of the joint's cells, all of them or fewer. The
+reference is full finite elements with contact and friction; all spaces go through the same solver of the increment, so
+that only the space differs.
 """
 
 from __future__ import annotations
 
-import sys
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -64,7 +61,7 @@ def compared(joint: Joint, found: Sequence[Space], tip: dict[str, float] | None 
 
 
 def engine_table(both: Sequence[Both]) -> str:
-    """Section on laps of the engine."""
+    """Section on joint interfaces of the engine."""
     rows = []
     for one in both:
         for who, entry in (("study", one.study), ("engine", one.engine)):
@@ -77,20 +74,35 @@ def engine_table(both: Sequence[Both]) -> str:
             ])  # fmt: skip
     what = f"""The same joint in the engine, whose cells are made by `LapCells(size=)` and `LapCells(growth=, fine=)`,
 with {joint_engine.MODES} vibration modes and {SCALE:g} of the loads; *study*: the flexibility of the same cells in the
-solver of all rows above. Errors beside the full model, milliseconds a load step, of the engine with everything that
-belongs to one."""
+solver of all rows above. Errors compared with the full model, milliseconds per load step, of the engine with everything
+that belongs to one."""
     head = ["cells", "unknowns", "load", "by", "pressure", "friction", "slip", "loss", "amplitude", "ms"]
     pairs = [(one.study, one.engine) for one in both if one.study is not None]
     values = ("pressure", "traction", "slip", "loss", "amplitude")
     apart = max(abs(getattr(mine, v) - getattr(theirs, v)) for theirs, mine in pairs for v in values)
     ratio = np.median([theirs.milliseconds / max(mine.milliseconds, 1e-9) for theirs, mine in pairs])
-    said = f"""Study and engine differ by {apart:.0e} at most, which is the turning of bolts; the engine's load step
+    said = f"""Study and engine differ by {apart:.0e} at most, which is the rotation of bolts; the engine's load step
 takes 1/{ratio:.0f} of the time in the middle of the rows."""
-    return f"## Laps of the engine\n\n{textwrap.fill(what, 120)}\n\n{table(head, rows)}\n{textwrap.fill(said, 120)}\n"
+    paragraphs = textwrap.fill(what, 120), table(head, rows) + "\n" + textwrap.fill(said, 120)
+    return "\n\n".join(["## Small-sliding contact of the engine", *paragraphs]) + "\n"
 
 
-def page(joint: Joint, found: Sequence[Space], results: Sequence[Compared], both: Sequence[Both]) -> str:
+Figures = tuple[Joint, Sequence[Space], Sequence[Compared], Sequence[Both]]
+
+
+def compute() -> Figures:
+    """The joint, the spaces, errors of each space per load, and those of the engine."""
+    with one_thread():
+        joint = two_sheets()
+        found = spaces(joint)
+        results = compared(joint, found)
+        references = {one.name: (one.force, one.reference) for one in results}
+        return joint, found, results, joint_engine.compared(joint, joint_engine.sheets(COUNTS), references)
+
+
+def page(figures: Figures) -> str:
     """The Markdown page."""
+    joint, found, results, both = figures
     parts = []
     for one in results:
         rows = []
@@ -116,18 +128,16 @@ def page(joint: Joint, found: Sequence[Space], results: Sequence[Compared], both
 clamped at one end, pressed together by two bolts ({PRELOAD / 1e3:g} kN each, as forces under heads of
 {2e3 * HALF_WIDTH:g} mm at {BOLTS[0] * 1e3:g} and {BOLTS[1] * 1e3:g} mm), and bent by a force at the tip of the upper
 one: {joint.lap.model.size} dofs of hex27, {joint.cells.count} facets in the joint, friction {FRICTION:g}, a layer of
-{LAYER:g} Pa/m, which spaces of few coordinates need. The full model has every facet as a cell and the full
-flexibility between them. *Statics + modes*: the responses to preload and tip force, and the lowest modes of the open
-joint. *TVD*: with trial vector derivatives (`wf.bases.TrialVectorDerivatives`), half from pressures, half from
-tractions; what they leave out of the derivatives stands beside them, which says how far the set of derivatives is
-used up, not how good it is. *Cells*: the flexibility of the relative motion of larger cells, uniform tractions on
-each; graded ones grow with the distance from the ends and the edges of the heads, by "growth" times it. Errors in L2 at
-the peak, of slip that of its range in the last cycle where cells touch; loss and amplitude of that cycle. Solves:
-static ones before the first increment. Milliseconds an increment with the dense solver that all go through, in which
-the forces of the cells are the unknowns; a space of m coordinates still has all of them."""
+{LAYER:g} Pa/m, which spaces of few coordinates need. The full model has every facet as a cell and the full flexibility
+between them. *Statics + modes*: the responses to preload and tip force, and the lowest modes of the open joint. *TVD*:
+with trial vector derivatives (`wf.bases.TrialVectorDerivatives`), half from pressures, half from tractions; what they
+leave out of the derivatives is given next to them; it states how far the set of derivatives is used up, not how good it
+is. *Cells*: the flexibility of the relative motion of larger cells, uniform tractions on each; graded ones grow with
+the distance from the ends and the edges of the heads, by "growth" times it. Errors in L2 at the peak, of slip that of
+its range in the last cycle where cells touch; loss and amplitude of that cycle. Solves: static ones before the first
+increment. Milliseconds per increment with the dense solver that all go through, in which the forces of the cells are
+the unknowns; a space of m coordinates still has all of them."""
     return f"""# Reducing a joint: coordinates for the bodies or cells of the joint
-
-Made by `python -m studies.small_sliding.joint_bases`; do not edit.
 
 {textwrap.fill(what, 120)}
 
@@ -160,27 +170,8 @@ def _reading(results: Sequence[Compared]) -> str:
     points.append(
         "A basis cannot press where no mode presses: its errors of pressure stay, and do not fall evenly with its "
         "size. The flexibility of the cells is exact for the tractions that the cells can have, at the price of "
-        "one solve an unknown, and what is lost by larger cells is known: it is where the slip zone ends inside a "
+        "one solve per unknown, and what is lost by larger cells is known: it is where the slip zone ends inside a "
         "cell."
     )
     wrapped = (textwrap.fill(p, 120, initial_indent="- ", subsequent_indent="  ") for p in points)
     return "\n".join(wrapped) + "\n"
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Make the page."""
-    given: Sequence[Any] = sys.argv[1:] if arguments is None else arguments
-    folder = Path(given[0] if given else "docs/studies")
-    folder.mkdir(parents=True, exist_ok=True)
-    with one_thread():
-        joint = two_sheets()
-        found = spaces(joint)
-        results = compared(joint, found)
-        references = {one.name: (one.force, one.reference) for one in results}
-        both = joint_engine.compared(joint, joint_engine.sheets(COUNTS), references)
-    (folder / "joint_bases.md").write_text(page(joint, found, results, both))
-    print(folder / "joint_bases.md")
-
-
-if __name__ == "__main__":
-    main()

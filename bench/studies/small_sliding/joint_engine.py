@@ -1,8 +1,8 @@
-"""Laps of the engine in the study of joint bases: the same joint, its cells as `LapCells` makes them.
+"""Small-sliding contact of the engine in the study of joint bases: the same joint, its cells as `LapCells` makes them.
 
-The engine has the two sheets as one body that hangs together at its clamped root, where both are held, and solves laps
-with their body in Newton's method; the study has the flexibility of the same cells alone. Its loads are a thousandth,
-as its bolts keep their direction while sheets turn (`lap_bolts`); everything is in proportion.
+The engine has the two sheets as one body that is connected at its clamped root, where both are held, and solves joint
+interfaces with their body in Newton's method; the study has the flexibility of the same cells alone. Its loads are a
+thousandth, as its bolts keep their direction while sheets rotate (`lap_bolts`); everything is in proportion.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from studies.small_sliding.lap_stacks import Engine, Sheets, cell_of
 Array = np.ndarray
 SCALE = 1e-3  # of the loads
 GROWTHS = (2.0, 1.0, 0.5)  # of graded cells
-MODES = 4  # vibration modes, with which laps are exact as with any number
+MODES = 4  # vibration modes, with which joint interfaces are exact as with any number
 
 
 @dataclass(frozen=True)

@@ -1,21 +1,16 @@
-"""Laps of the engine beside closed forms: what joints that slide a little are accepted by.
+"""Small-sliding contact of the engine compared with closed forms; minutes.
 
-`python -m studies.small_sliding.lap_acceptance [FOLDER]` writes docs/studies/lap_acceptance.md. Minutes. Cases at rest
-are in `lap_cases`, those in motion in `lap_motion`.
+Cases at rest are in `lap_cases`, those in motion in `lap_motion`.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 from studies.small_sliding import lap_cases as cases
 from studies.small_sliding import lap_motion as motion
 from studies.small_sliding.lap_rows import Row
 from warpffrf.study.markdown import table
-
-MADE = "Made by `python -m studies.small_sliding.lap_acceptance`; do not edit.\n"
 
 CASES: dict[str, Callable[[], list[Row]]] = {
     "leaves": cases.leaf_rows, "steps": cases.many_steps_rows, "bar": cases.micro_slip_rows, "bolt": cases.bolt_rows,
@@ -23,16 +18,19 @@ CASES: dict[str, Callable[[], list[Row]]] = {
 }  # fmt: skip
 
 
-def page() -> str:
+def compute() -> list[Row]:
+    """Rows of all cases."""
+    return [row for case in CASES.values() for row in case()]
+
+
+def page(found: list[Row]) -> str:
     """Markdown."""
-    found = [row for case in CASES.values() for row in case()]
     missed = [row for row in found if not row.reached]
     head = ["case", "cells", "compared", "exact", "found", "error", "target", ""]
-    return f"""# Joints that slide a little by their acceptance
+    return f"""# Small-sliding contact of the engine compared with closed forms
 
-{MADE}
-Closed forms beside scenes that `simulate` solves, in load steps (`kind="static"`) and in time. Poisson's ratio is zero
-but in the press of two blocks; cells are facets of the mesh where nothing else is said.
+Closed forms compared with scenes that `simulate` solves, in load steps (`kind="static"`) and in time. Poisson's ratio
+is zero but in the press of two blocks; cells are facets of the mesh unless stated otherwise.
 
 {len(found) - len(missed)} of {len(found)} targets are reached.
 
@@ -42,16 +40,16 @@ but in the press of two blocks; cells are facets of the mesh where nothing else 
 
 READ = """\
 **Two leaves**, 200 x 20 x 4 mm each, are clamped at one end, pressed together from outside and loaded at the tip, half
-of the force on either. A cycle goes to twice the force of slip. What is off of the stuck deflection is shear, which the
+of the force on either. A cycle goes to twice the force of slip. The error of the stuck deflection is shear, which the
 closed form leaves out. Times are those of the whole call, after the program was compiled, the least of three; that of
 the processor counts where the machine does other work as well.
 
 **The bar**, 4 mm high, stands between rigid faces with interference, and is pulled at one end; cells grow from there.
 Behind the slip zone the bar sticks by its own shear, over less than half its height where the closed form has none: at
-the smallest force, with a slip zone of six heights, that is most of what the loss is off.
+the smallest force, with a slip zone of six heights, that is most of the error of the loss.
 
-**The press fit** has curved quadratic cells; what the seat is off is that of means over facets, which are flat to their
-cells, and falls with their number.
+**The press fit** has curved quadratic cells; the error of the seat is that of means over facets, which are flat to
+their cells, and falls with their number.
 
 **The pair that spins** is held by a spring alone, which pulls from the start; the first half of the flight, in which
 that has died away, is left out of the angular momentum, as steps of an impact turn while they last.
@@ -60,13 +58,3 @@ that has died away, is left out of the angular momentum, as steps of an impact t
 the same forces give D, and U as half of force times displacement; the damping is that by which the force of the spring
 falls from cycle to cycle.
 """
-
-
-def main(folder: Path) -> None:
-    """Writes the page to `folder`."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "lap_acceptance.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path("docs/studies"))

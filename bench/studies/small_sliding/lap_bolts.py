@@ -1,9 +1,9 @@
-r"""Bolts of stacked sheets, and what they make in the engine while sheets turn, which linear finite elements have not.
+r"""Bolts of stacked sheets: their work in the engine while sheets rotate, which linear finite elements do not have.
 
-A bolt pulls two heads together that are h apart along z. Linear finite elements have them move by d_z against each
+A bolt pulls two heads together that are h apart along z. In linear finite elements they move by d_z relative to each
 other along z, and the force F does the work -F d_z. In the engine heads move in the frame of their body, linearly, and
-the frame turns with the body, by phi about y (its mean axes: int rho r x u = 0, so that phi = p.u with p of the mass
-matrix). With d_x, how far heads move against each other along x, d_x - h phi of it is left in the frame.
+the frame rotates with the body, by phi about y (its mean axes: int rho r x u = 0, so that phi = p.u with p of the mass
+matrix). With d_x, the relative motion of the heads along x, d_x - h phi of it is left in the frame.
 
 *Pairs of forces* keep their direction in space. Along it heads are
 
@@ -17,14 +17,14 @@ apart; F times that is the potential, whose quadratic part is
 
     sqrt((h + d_z)^2 + (d_x - h phi)^2) = h + d_z + (d_x - h phi)^2/(2 h) + ...,      V = F/(2 h) (d_x - h phi)^2.
 
-These are stiffnesses of rank one: F/h along d_x - h p, and -F/h along d_x. Where sheets turn as one, by theta with
-d_x = h theta, a bolt that turns along should do no work. Pairs of forces make -F h theta^2/2 of it, a couple F h theta
-that bends on, and both kinds F h (theta - phi)^2/2, as displacements within the frame are straight lines. With bolts at
-1/4 and 3/4 of the length L of a cantilever under a force P at its tip, theta is 0.219 and 0.469, and phi 0.350, times
-P L^2/(EI): the amplitude changes by +0.71 F h L/(EI) of pairs, and by -0.094 F h L/(EI) of springs.
+These are stiffnesses of rank one: F/h along d_x - h p, and -F/h along d_x. Where sheets rotate together, by theta with
+d_x = h theta, a bolt that rotates with them should do no work. Pairs of forces do -F h theta^2/2, a couple F h theta
+that bends further, and both kinds F h (theta - phi)^2/2, as displacements within the frame are straight lines. With
+bolts at 1/4 and 3/4 of the length L of a cantilever under a force P at its tip, theta is 0.219 and 0.469, and phi
+0.350, times P L^2/(EI): the amplitude changes by +0.71 F h L/(EI) of pairs, and by -0.094 F h L/(EI) of springs.
 
-A joint that lets heads part along an axis only, with a `JointSpringDamper`, would hold them across and against each
-other's turning as well, as fitted bolts do; sheets are to slide here.
+A joint that lets heads part along an axis only, with a `JointSpringDamper`, would also constrain their relative
+transverse motion and rotation, as fitted bolts do; here sheets are to slide.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Laps of the engine beside closed forms, at rest: leaves, a bar, a bolt, a press fit, a press.
+"""Small-sliding contact of the engine against closed forms, at rest: leaves, a bar, a bolt, a press fit, a press.
 
 Part of `studies.small_sliding.lap_acceptance`; `references.closed_forms.joints` derives the closed forms. Poisson's
-ratio is zero, so that bodies of brick cells are beams, bars and plane stress; what they still are beside (shear of a
+ratio is zero, so that bodies of brick cells are beams, bars and plane stress; what they still are besides (shear of a
 beam, shear at the end of a slip zone) is within the figures. Pressures are uniform where the closed form has them so,
 by a force on an averaging interface, which is the same over all of its face, or by interference between rigid faces.
 """
@@ -37,7 +37,7 @@ LEAVES = TwoLeaves(length=0.2, width=0.02, thickness=0.004, youngs_modulus=210e9
 
 @cache
 def leaf(counts: tuple[int, int], joint: str, back: str) -> ReducedBody:
-    """A leaf in so many cells along and across, with a lap at the face `joint`, pressed at `back`."""
+    """A leaf in so many cells along and across, with a joint interface at the face `joint`, pressed at `back`."""
     return reduce(
         box((LEAVES.length, LEAVES.width, LEAVES.thickness), (*counts, 1), order=2), STEEL,
         interfaces=dict.fromkeys(("x_min", "x_max", back), "average"), laps={"face": joint}, modes=10, cache=False,
@@ -128,7 +128,7 @@ def graded(first: float, growth: float, largest: float) -> Array:
 
 @cache
 def bar(first: float, growth: float, largest: float) -> ReducedBody:
-    """The bar with laps at both faces."""
+    """The bar with joint interfaces at both faces."""
     y = 0.5 * WIDE * np.array([-1.0, 1.0])
     z = HIGH * np.array([-0.5, 0.0, 0.5])
     return reduce(
@@ -185,7 +185,7 @@ BOLT, TIGHTENED = 0.25 * CLAMPED, 1e4  # N/m, N: of the bolt before the blocks g
 
 @cache
 def block(counts: tuple[int, int, int], joint: str, head: str) -> ReducedBody:
-    """A block with a lap at the face `joint`, held over all of `head`."""
+    """A block with a joint interface at the face `joint`, held over all of `head`."""
     return reduce(
         box(BLOCK, counts, order=1), STEEL, interfaces={head: "average"}, laps={"face": joint}, modes=6, cache=False,
         progress=False,
@@ -288,7 +288,7 @@ LOAD = 1e4  # N
 
 @cache
 def half_block(counts: tuple[int, int, int], by: str, held: str, joint: str) -> ReducedBody:
-    """A block of steel, held rigidly at one end, with a lap by nodes or facets at the other."""
+    """A block of steel, held rigidly at one end, with a joint interface by nodes or facets at the other."""
     return reduce(
         box(BLOCK, counts, order=1), replace(STEEL, poisson_ratio=0.3), interfaces={held: "rigid"},
         laps={"face": LapCells(joint, by=by)}, modes=6, cache=False, progress=False,
@@ -296,7 +296,7 @@ def half_block(counts: tuple[int, int, int], by: str, held: str, joint: str) -> 
 
 
 def press_rows(counts: tuple[int, int, int] = (4, 4, 3)) -> list[Row]:
-    """Between ends that are alike no shear crosses the middle, so that a lap without friction is as if not there."""
+    """Between equal ends no shear crosses the middle: a joint interface without friction changes nothing."""
     size = (BLOCK[0], BLOCK[1], 2.0 * BLOCK[2])
     whole = reduce(
         box(size, (counts[0], counts[1], 2 * counts[2]), order=1), replace(STEEL, poisson_ratio=0.3),

@@ -1,11 +1,12 @@
-"""Laps of the engine in motion: joints that spin in free flight, and joints that ring down.
+"""Small-sliding contact of the engine in motion: joints that spin in free flight, and joints that ring down.
 
-Part of `studies.small_sliding.lap_acceptance`. A pair of blocks that a spring holds together flies and turns about an
-axis of no symmetry: nothing acts on it from outside, so that momentum stays, and the same pair turned as a whole has
-the same forces, turned. A mass on a spring at the end of the bar of `lap_cases` swings with few per cent of damping by
-the slip of the bar. Over a cycle the force F of the spring falls by pi 2 zeta, 2 zeta = D/(2 pi U) with the loss D and
-the energy U = F x/2 of the loop that load steps follow between the same forces (derived in tests/demos/lap_loops.py);
-the place of the mass falls faster, by secant over tangent of a joint that gets softer.
+Part of `studies.small_sliding.lap_acceptance`. A pair of blocks that a spring holds together flies and rotates about an
+axis of no symmetry: no external load acts on it, so that momentum is conserved, and the same pair rotated as a whole
+has the same forces, rotated. A mass on a spring at the end of the bar of `lap_cases` vibrates with a few per cent of
+damping by the slip of the bar. Over a cycle the force F of the spring falls by pi 2 zeta, 2 zeta = D/(2 pi U) with the
+loss D and the energy U = F x/2 of the loop that load steps follow between the same forces (derived in
+tests/demos/lap_loops.py); the displacement of the mass falls faster, by secant over tangent of a joint that gets
+softer.
 """
 
 from __future__ import annotations
@@ -136,7 +137,7 @@ def summits(x: Array) -> list[float]:
 
 
 def ring_down_rows(cycles: int = 3, steps: int = 150) -> list[Row]:
-    """Released from a static load; twice the damping ratio of each cycle beside that of the static loop."""
+    """Released from a static load; twice the damping ratio of each cycle against that of the static loop."""
     period = 2.0 * np.pi * np.sqrt(MASS / SPRING)
     pull = signals.Table([0.0, 1.0, 1.0 + 1e-9, 10.0], [0.0, SWUNG, 0.0, 0.0])
     scene = swinging(pull)

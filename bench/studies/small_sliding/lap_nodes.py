@@ -1,14 +1,11 @@
-"""Laps of the engine beside full finite elements with contact and friction: cells at nodes, facets and fewer, motion.
+"""Small-sliding contact of the engine compared with full finite elements; five minutes.
 
-`python -m studies.small_sliding.lap_nodes [FOLDER]` writes docs/studies/lap_nodes.md. Five minutes. Scenes and full
-models are those of `lap_stacks`.
+Cells at nodes, facets and fewer, and motion; contact and friction. Scenes and full models are those of `lap_stacks`.
 """
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -39,12 +36,11 @@ from warpffrf.online import Settings
 from warpffrf.output.simulate import simulate
 from warpffrf.study.markdown import table
 
-MADE = "Made by `python -m studies.small_sliding.lap_nodes`; do not edit.\n"
 PRELOAD = 4e3  # N, of each bolt
 SHANK = 2.6e8  # N/m, steel of 5 mm diameter, as long as the stack is high
 STEPS = (2, 8, 16)  # of preload, of a quarter and of half a cycle
 SHORTER = (2, 20, 40)
-SMALL = 1e-6  # of the loads, where laps are to be equal: what turning heads make is in proportion
+SMALL = 1e-6  # of the loads, where joint interfaces are to be equal: what turning heads make is in proportion
 FEWER = 1e-3  # of the loads where cells are fewer
 # of the loads of two bodies: their places round off to 1e-17 m, which is 1e-7 N of a cell
 APART = 0.1
@@ -67,7 +63,7 @@ def row(*names: str, found: Difference) -> list[str]:
 
 
 def equal_rows(scale: float) -> list[list[str]]:
-    """By sheets, cells and load: the engine with 4 vibration modes beside full finite elements."""
+    """By sheets, cells and load: the engine with 4 vibration modes against full finite elements."""
     rows = []
     for sheets, by, wide in ((2, "nodes", 1), (2, "nodes", 2), (4, "nodes", 1), (2, "facets", 1), (4, "facets", 1)):
         stacked = Sheets((ALONG, wide, 1), sheets)
@@ -80,7 +76,7 @@ def equal_rows(scale: float) -> list[list[str]]:
 
 
 def modes_rows() -> list[list[str]]:
-    """By sheets: static histories with 40 vibration modes beside full finite elements and beside 4 modes."""
+    """By sheets: static histories with 40 vibration modes against full finite elements and against 4 modes."""
     rows = []
     for sheets, tips in TIP.items():
         stacked = Sheets((ALONG, 1, 1), sheets)
@@ -105,7 +101,7 @@ class Reordered(FullModel):
 
 def round_off_rows() -> list[list[str]]:
     """Four sheets by facets near macro slip: the engine, by tolerance of Newton's method, and the full model eliminated
-    in another order, each beside the full model."""
+    in another order, each against the full model."""
     stacked = Sheets((ALONG, 1, 1), 4)
     lap, body = stacked.condensed("facets"), stacked.reduced(4, by="facets")
     cycle = Cycle.of(SMALL * PRELOAD, SMALL * TIP[4]["near macro slip"], STEPS)
@@ -121,8 +117,8 @@ def round_off_rows() -> list[list[str]]:
 
 
 def whole_rows() -> list[list[str]]:
-    """Two sheets by nodes under larger loads, by kind of bolts: beside linear full finite elements, and those with what
-    bolts make where sheets turn."""
+    """Two sheets by nodes under larger loads, by kind of bolts: against linear full finite elements, and those with
+    the terms of bolts on sheets that rotate."""
     rows = []
     for name, shank, scales in (("forces", None, (FEWER, 1.0)), ("springs", SHANK, (1.0,))):
         stacked = Sheets((ALONG, 1, 1), shank=shank)
@@ -135,14 +131,14 @@ def whole_rows() -> list[list[str]]:
             beside = [("linear", lap)]
             if scale == 1.0:
                 tension = np.full(len(BOLTS), PRELOAD) if shank is None else found.tension
-                beside.append(("with turning", StaticLap(stacked.turning(tension), lap.cells, FRICTION)))
+                beside.append(("with rotation", StaticLap(stacked.turning(tension), lap.cells, FRICTION)))
             for what, one in beside:
                 rows.append(row(name, f"{scale:g}", what, found=difference(found, one, stacked.loads, cycle)))
     return rows
 
 
 def two_bodies_rows() -> list[list[str]]:
-    """A body upon the other, meshes that match: beside the one body of full finite elements."""
+    """A body upon the other, meshes that match: against the one body of full finite elements."""
     rows = []
     stacked = Sheets((ALONG, 1, 1))
     lap, bodies = stacked.condensed("facets"), stacked.reduced_parts(4)
@@ -154,7 +150,7 @@ def two_bodies_rows() -> list[list[str]]:
 
 
 def mismatch_rows() -> list[list[str]]:
-    """By elements along the lower and the upper sheet: loss and amplitude beside the finest full finite elements."""
+    """By elements along the lower and the upper sheet: loss and amplitude against the finest full finite elements."""
     fine = Sheets((160, 1, 1))
     rows = []
     cycle = Cycle.of(APART * PRELOAD, APART * TIP[2]["partial slip"], STEPS)
@@ -176,7 +172,7 @@ def facet_means(facets: Cells, nodes: Cells) -> Array:
 
 
 def fewer_rows() -> list[list[str]]:
-    """Strips of square facets: cells of some facets beside full finite elements of every node and every facet."""
+    """Strips of square facets: cells of some facets against full finite elements of every node and every facet."""
     stacked = Sheets((SQUARES, 1, 1), width=NARROW)
     share = FEWER * NARROW / SIZE[1]
     facets, nodes = stacked.condensed("facets"), stacked.condensed("nodes")
@@ -271,19 +267,32 @@ def motion_rows() -> list[list[str]]:
         found = motion(stacked, modes, scale, RUN, shake, turned=turned)
         rows.append([
             name, "forces" if stacked.shank is None else "springs", f"{modes}", f"{scale:g}",
-            "with turning" if turned else "linear", f"{found.rms:.2%}", f"{found.loss:+.2%}", f"{found.states:.1%}",
+            "with rotation" if turned else "linear", f"{found.rms:.2%}", f"{found.loss:+.2%}", f"{found.states:.1%}",
         ])  # fmt: skip
     return rows
 
 
-def page() -> str:
-    """Markdown."""
-    return f"""# Laps beside full finite elements
+def compute() -> dict[str, list[list[str]]]:
+    """The figures of the page."""
+    return {
+        "equal": equal_rows(SMALL),
+        "round_off": round_off_rows(),
+        "whole": whole_rows(),
+        "modes": modes_rows(),
+        "two_bodies": two_bodies_rows(),
+        "mismatch": mismatch_rows(),
+        "fewer": fewer_rows(),
+        "motion": motion_rows(),
+    }
 
-{MADE}
+
+def page(found: dict[str, list[list[str]]]) -> str:
+    """Markdown."""
+    return f"""# Small-sliding contact compared with full finite elements
+
 Steel sheets, {SIZE[0] * 1e3:g} mm long and {SIZE[2] * 1e3:g} mm high together, in one body that hangs together at its
 clamped root, {ALONG} hex27 along each; two bolts as pairs of forces of {PRELOAD * 1e-3:g} kN, friction 0.2, a force at
-the tip of the upper sheet that goes up, down and up again (`studies.small_sliding.lap_stacks`). Held against
+the tip of the upper sheet that goes up, down and up again (`studies.small_sliding.lap_stacks`). Compared with
 `references.small_sliding`, which has every node of the same mesh and shares no code with engine or reduction.
 Pressures and tractions of all cells in all load steps, differences over the largest pressure; loss of the last cycle
 and amplitude at the tip relative. *Steps cut*: load steps that the engine cut in parts, which the full model follows.
@@ -292,79 +301,70 @@ and amplitude at the tip relative. *Steps cut*: load steps that the engine cut i
 
 Loads are {SMALL:g} of the above. Targets: 1e-6 at all nodes, 1e-8 with the same facets (pressures).
 
-{table(GIVEN, equal_rows(SMALL))}
+{table(GIVEN, found["equal"])}
 What stands of four sheets is round-off of stiff cells between slender sheets, not Newton's tolerance. Four sheets by
-facets near macro slip, beside the full model, which eliminated in another order differs from itself:
+facets near macro slip, compared with the full model, which eliminated in another order differs from itself:
 
-{table(["found", *GIVEN[3:7]], round_off_rows())}
+{table(["found", *GIVEN[3:7]], found["round_off"])}
 ## Larger loads
 
-Two sheets, cells at nodes, partial slip. Bolts of the engine follow their heads or do not while sheets turn, which
+Two sheets, cells at nodes, partial slip. Bolts of the engine follow their heads or do not while sheets rotate, which
 linear finite elements do not know, and differences grow with the load: *forces* are pairs that keep their direction,
-*springs* shanks of {1e-6 * SHANK:g} N/µm between the heads that pull with {PRELOAD * 1e-3:g} kN before anything gives
-way. *With turning*: the full finite elements have the quadratic part of the potential of either in addition,
+*springs* shanks of {1e-6 * SHANK:g} N/µm between the heads that pull with {PRELOAD * 1e-3:g} kN before anything
+deforms. *With rotation*: the full finite elements have the quadratic part of the potential of either in addition,
 two stiffnesses of rank one (`studies.small_sliding.lap_bolts` derives them).
 
-{table(["bolts", "of the loads", "full model", *GIVEN[3:]], whole_rows())}
+{table(["bolts", "of the loads", "full model", *GIVEN[3:]], found["whole"])}
 ## 40 vibration modes in place of 4
 
 Target: the same to 1e-6. Load steps are {STEPS[1] / SHORTER[1]:g} times as long as above: in longer ones Newton's
 method runs in circles with 40 modes and four sheets, and steps are cut, in parts of unequal length.
 
-{table([*GIVEN[:3], "beside", *GIVEN[3:]], modes_rows())}
+{table([*GIVEN[:3], "compared with", *GIVEN[3:]], found["modes"])}
 ## Two bodies, one upon the other
 
-Meshes that match, beside the full finite elements of the sheets together, {APART:g} of the loads:
+Meshes that match, compared with the full finite elements of the sheets together, {APART:g} of the loads:
 
-{table(GIVEN, two_bodies_rows())}
-Elements along the lower sheet, whose facets are the cells, and along the upper one, beside full finite elements with
-160 along both; partial slip, {APART:g} of the loads.
+{table(GIVEN, found["two_bodies"])}
+Elements along the lower sheet, whose facets are the cells, and along the upper one, compared with full finite elements
+with 160 along both; partial slip, {APART:g} of the loads.
 
-{table(["elements", "loss", "amplitude"], mismatch_rows())}
+{table(["elements", "loss", "amplitude"], found["mismatch"])}
 ## Fewer cells
 
-A strip of {SQUARES} square facets, {NARROW * 1e3:.3g} mm wide, loads in proportion to the width. Beside full finite
-elements with every facet, and with every node (two along a facet, three across). *Graded*: cells grow away from the
-edges of the bolts' heads through the sheet, `LapCells(growth=, fine=heads)`. Targets: pressure 5 %
-(L2), loss 15 % in partial slip and 1 % near macro slip, amplitude 0.5 %.
+A strip of {SQUARES} square facets, {NARROW * 1e3:.3g} mm wide, loads in proportion to the width. Compared with full
+finite elements with every facet, and with every node (two along a facet, three across). *Graded*: cells grow away from
+the edges of the bolts' heads through the sheet, `LapCells(growth=, fine=heads)`. Targets: pressure 5 % (L2), loss 15 %
+in partial slip and 1 % near macro slip, amplitude 0.5 %.
 
 {table(["cells", "count", "load", "pressure", "loss", "amplitude", "pressure, nodes", "loss, nodes",
-        "amplitude, nodes"], fewer_rows())}
+        "amplitude, nodes"], found["fewer"])}
 ## Motion
 
 Generalized-alpha of spectral radius {RHO:g} in both, steps of {STEP * 1e6:g} µs, {RUN} of them. Targets: 3 % of the
 rms of the motion, 3 % of the work of friction.
 
 {table(["motion", "bolts", "modes", "of the loads", "full model", "rms", "work of friction", "states that differ"],
-       motion_rows())}
+       found["motion"])}
 {READ}"""  # fmt: skip
 
 
 READ = """\
-With the same cells the engine is the full finite elements, to round-off times what cells beside each other are stiffer
-than one alone: pressures to 1e-8, tractions of four sheets to 6e-8, where the full model repeats itself to 1e-8. Larger
-loads: what differs from linear finite elements is the turning of bolts, and with its two stiffnesses of rank one the
-engine is the full model again to the next order, in statics and in motion. As pairs of forces that keep their direction
-bolts bend sheets on, +1.1 % of the amplitude and 4.7 % of the rms of a motion; as springs, which bolts are, they turn
-along, and -0.15 % and 1.7 % are left, for the straight lines of small displacements in a frame that has not turned as
-far. Pressures under springs differ by the squares of the turns too, which stretch them and change their tension.
+With the same cells the engine is the full finite elements, to round-off times what adjacent cells are stiffer than one
+alone: pressures to 1e-8, tractions of four sheets to 6e-8, where the full model repeats itself to 1e-8. Larger loads:
+what differs from linear finite elements is the rotation of bolts, and with its two stiffnesses of rank one the engine
+is the full model again to the next order, in statics and in motion. As pairs of forces that keep their direction bolts
+bend sheets on, +1.1 % of the amplitude and 4.7 % of the rms of a motion; as springs, which bolts are, they rotate with
+the sheets, and -0.15 % and 1.7 % are left, for the straight lines of small displacements in a frame that has not
+rotated as far. Pressures under springs differ by the squares of the rotations too, which stretch them and change their
+tension.
 
 Two bodies agree as well; that their loads are larger is for round-off of their places. Cells need not match: of meshes
 that do not, the coarser one sets the error, and 20 elements are too coarse for partial slip in themselves. Facets of
-3.3 mm, half of the nodes along the strip, meet all targets beside the nodes, and so do 32
+3.3 mm, half of the nodes along the strip, meet all targets compared with the nodes, and so do 32
 cells that are graded from the edges of the heads, where the pressure is steep. As many cells that are alike, of two
 facets, miss the target of the pressure; cells of four have lost partial slip.
 
 Motion: with a spectral radius of 0.8 the full finite elements themselves blow up, as faces that are open chatter in
 steps that do not resolve them; with 0 both agree.
 """
-
-
-def main(folder: Path) -> None:
-    """Writes the page to `folder`."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "lap_nodes.md").write_text(page(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path("docs/studies"))

@@ -1,9 +1,9 @@
-r"""Stacked sheets with laps: the engine's scenes and the full finite elements, of one and the same mesh.
+r"""Stacked sheets with joint interfaces: the engine's scenes and the full finite elements, of one and the same mesh.
 
 Strips clamped at their root, pressed together by two bolts, which are pairs of forces on their heads or springs between
 them, and loaded at the tip of the upper one. Loads F (dofs, 2) of the full model are one newton of each bolt and of the
-tip; a path is its factors (n, 2). Heads of the engine turn with their sheets, full finite elements are linear:
-differences that this makes (`lap_bolts`) grow with the load, so that where laps are to be equal loads are small. Faces
+tip; a path is its factors (n, 2). Heads of the engine rotate with their sheets, full finite elements are linear: the
+differences (`lap_bolts`) grow with the load, so that loads are small where joint interfaces are to be equal. Faces
 touch without load, hence pressures, slips and gaps are proportional to the load in both.
 
 A load step that the engine halves is two steps of friction: the full model follows the halves too.
@@ -92,7 +92,7 @@ class Sheets:
 
     @property
     def faces(self) -> dict[str, tuple[str, str]]:
-        """Laps of the one body by name: lower and upper face."""
+        """Joint interfaces of the one body by name: lower and upper face."""
         return {f"lap{k}": (f"sheet{k}_z_max", f"sheet{k + 1}_z_min") for k in range(self.layers - 1)}
 
     @property
@@ -121,7 +121,7 @@ class Sheets:
         return np.stack([np.sum(bolts, axis=0), tip], axis=1)
 
     def cells(self, by: str) -> Cells:
-        """Of all laps, one after the other."""
+        """Of all joint interfaces, one after the other."""
         return together([KINDS[by](self.full, (0, a), (0, b)) for a, b in self.faces.values()])
 
     def condensed(self, by: str, friction: float = FRICTION) -> StaticLap:
@@ -130,7 +130,7 @@ class Sheets:
         return StaticLap(self.full, self.cells(by), friction, normal_compliance=yields, tangential_compliance=yields)
 
     def reduced(self, modes: int, **cells: Any) -> ReducedBody:
-        """The one body with laps; cells: `by`, `size` and `growth` of `LapCells`."""
+        """The one body with joint interfaces; cells: `by`, `size` and `growth` of `LapCells`."""
         loaded = [f"sheet{k}_{name}" for k, name, _ in self.heads] + [f"sheet{self.layers - 1}_x_max"]
         return reduce(
             self.mesh, STEEL, interfaces={ROOT: "rigid"} | dict.fromkeys(loaded, "average"), modes=modes, cache=False,
@@ -197,7 +197,7 @@ class Engine:
 
     @cached_property
     def pressure(self) -> Array:
-        """(n, c) [Pa] of the cells of all laps."""
+        """(n, c) [Pa] of the cells of all joint interfaces."""
         return np.concatenate([lap.pressure for lap in self.history.laps.values()], axis=1)
 
     @cached_property

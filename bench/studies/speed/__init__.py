@@ -1,1 +1,1 @@
-"""Times of steps, runs kept for comparison, another program beside."""
+"""Times of steps, runs kept for comparison, and another program."""

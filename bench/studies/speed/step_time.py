@@ -1,13 +1,13 @@
 """Time of a step against the number of local modes, and against the size of the patch.
 
-*Against local modes*: two equal rollers press on each other at a constant approach. Hats cover an arc of the rim (the
+*Against local modes*: two equal rollers press on each other at a constant approach. Nodes cover an arc of the rim (the
 tread)
 that grows from row to row; mesh, contact grid, approach and speed stay the same, so that the patch is the same too. The
 rollers swing to and fro so far that the patch runs over the whole tread: what it touches is new to the caches. If the
 cost
 followed the number of local modes, the last row would be many times the first.
 
-*Against the active hats*: the same pair, whole rim, pressed deeper and deeper.
+*Against the active nodes*: the same pair, whole rim, pressed deeper and deeper.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from warpffrf.online import History, LocalDynamics, Settings, run
 
 RADIUS, BORE, WIDTH = 0.05, 0.015, 0.02  # m
 SAMPLES_PER_SWING = 12  # of the sine table: its spline is right to 1e-3, and a short table costs the step nothing
-SPARE_COLUMNS = 4  # hats that stay untouched at both ends of the tread
+SPARE_COLUMNS = 4  # nodes that stay untouched at both ends of the tread
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,8 @@ class StepTime:
     local_modes: int  # of one roller
     active_hats: float  # mean over the run
     outer_columns: int
-    iterations: float  # Newton iterations a step, mean
-    factorisations: float  # of the active block a step, mean
+    iterations: float  # Newton iterations per step, mean
+    factorisations: float  # of the active block per step, mean
     seconds_per_step: float
     steps: int
     outside_graph: float  # fraction of the run outside the graph's replay
@@ -60,8 +60,8 @@ def tread_body(
     modes: int = 0,
     local_dynamics: bool = False,
 ) -> ReducedBody:
-    """A roller of linear hexahedra whose hats cover `columns` grid columns about the angle zero; None: the whole rim.
-    Contact stands on these hats (no `contact_fixed`). `local_dynamics` keeps the inertia of its local modes."""
+    """A roller of linear hexahedra whose nodes cover `columns` grid columns about the angle zero; None: the whole rim.
+    Contact stands on these nodes (no `contact_fixed`). `local_dynamics` keeps the inertia of its local modes."""
     mesh = roller(RADIUS, BORE, WIDTH, sectors=sectors, layers=layers, axial=axial, grading=1.3, order=1)
     name = "rim"
     if columns is not None:

@@ -1,4 +1,4 @@
-"""Runs of the benchmarks beside stored ones of the same machine: what is slower, or takes more memory, by how much.
+"""Runs of the benchmarks against stored ones of the same machine: what is slower, or takes more memory, by how much.
 
 A document is what a script of bench/ writes: machine, `unit_seconds` U, and lists of rows. What of a row are words and
 counts named in IDENTITY says what was measured; times (names that contain "seconds", or are in TIMES) are compared in
@@ -110,7 +110,7 @@ class Comparison:
 def compare(
     now: dict[str, Document], before: dict[str, Document], *, slower: float = SLOWER, larger: float = LARGER
 ) -> Comparison:
-    """This run beside a stored one, documents by script; only scripts of this run count."""
+    """This run against a stored one, documents by script; only scripts of this run count."""
     found, new, gone = [], [], []
     for script, document in now.items():
         if script not in before:

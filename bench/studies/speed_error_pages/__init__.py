@@ -1,8 +1,7 @@
-"""Studies of speed against error of known machines: `python -m studies.speed_error_pages [FOLDER] [--study NAME]`.
+"""Studies of speed against error of known machines: `python -m studies speed_error [NAME ...]`.
 
-Each study runs a machine through a grid of settings beside a reference that it computes; every figure, table and
-picture of its page is of the runs made then. A study is one file here, with a `Study` and a line in `STUDIES`. A page,
-FOLDER/speed_error/NAME.md, is made by itself, and the index FOLDER/speed_error.md of those that are there.
+Each study runs a machine with a grid of settings and compares it with a reference that it computes. Every figure, table
+and picture of its page is from these runs. A study is one file here, with a `Study` and a line in `STUDIES`.
 
     study          what a study of these is
     reduced        bodies that several studies use

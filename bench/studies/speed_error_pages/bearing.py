@@ -43,7 +43,7 @@ def _rings(half_width: float) -> tuple[wf.ReducedBody, wf.ReducedBody]:
 
 
 def make(quick: bool, *, progress: bool = True) -> SpeedError:
-    """Run it; quick: without cells that travel, whose checks alone take seconds."""
+    """Run it; quick: without contact-fixed cells, whose checks alone take seconds."""
     finest = QUICK_REFERENCE if quick else REFERENCE
     known = {**CELLS, **QUICK_CELLS, REFERENCE: REFERENCE_CELLS, QUICK_REFERENCE: QUICK_REFERENCE_CELLS}
 

@@ -1,4 +1,4 @@
-"""The page of a study with its pictures and facts, and the index of all pages that are there.
+"""Speed against error of known machines: a page per study and an index; half an hour.
 
 FOLDER/speed_error/NAME.md, NAME.png, NAME_steps.png     the page of a study and its pictures
 FOLDER/speed_error/NAME.json                             what the index says of it
@@ -9,18 +9,32 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from studies.speed_error_pages import STUDIES
 from studies.speed_error_pages.study import Study
+from warpffrf.model.errors import unknown_name
 from warpffrf.study.markdown import table
 from warpffrf.study.speed_against_error.outcome import SpeedError, wanted_table
 
 PAGES, INDEX = "speed_error", "speed_error.md"
-MADE = "Made by `python -m studies.speed_error_pages`; do not edit.\n"
+MADE = "Made by `python -m studies speed_error`; do not edit.\n"
 COARSE = "Made with --quick: the machine is coarse, and figures only show that it runs.\n\n"
 SHOWN = ("1.0%", "0.1%")  # wanted errors in the index
+
+
+def write(folder: str | Path, cases: Sequence[str], *, quick: bool) -> list[Path]:
+    """Write the pages of the named studies, or of all, and the index after each."""
+    for name in cases:
+        if name not in STUDIES:
+            raise unknown_name("study 'speed_error': case", name, STUDIES)
+    paths = []
+    for name in cases or STUDIES:
+        paths.append(write_study(STUDIES[name], folder, quick=quick))
+        index = write_index(STUDIES, folder)
+    return [*paths, index]
 
 
 def write_study(study: Study, folder: str | Path, *, quick: bool, progress: bool = True) -> Path:
@@ -46,7 +60,7 @@ def page_of(study: Study, found: SpeedError, pictures: list[str], seconds: float
 {MADE}
 {COARSE if quick else ""}{study.text}
 
-What errors and times are is said in [the index](../{INDEX}).
+Errors and times are defined in [the index](../{INDEX}).
 
 {shown}
 
@@ -84,20 +98,19 @@ def write_index(studies: Mapping[str, Study], folder: str | Path) -> Path:
     index.write_text(
         f"""# Speed against error
 
-{MADE}
-Each machine runs with all combinations of some choices in one process, in rounds of changing order where there are
-several, and is held against a reference that the study computes itself, of a step four times finer than the finest.
-Errors are fractions of the whole history (`warpffrf.study.speed_against_error.errors`); times are wall time of the time
-loop per simulated second, the fastest run of each, and `step U` is the same for one step in units of U. What a run
-costs once stands beside: `set-up`, `checks` when it ends (cells that travel are held against finer ones, for the error
-that the run states), and the reduction, `offline`. A setting is on the front where none is both faster and at least as
-right, to three digits. Where rounds differ by more than fronts do (`fastest` beside `median`), the order of neighbours
-on a front is chance. Bodies are the same in all runs of a study but for what it chooses: what their meshes and modes
-leave out in the reference too is not in these errors.
+{MADE} Each machine runs with all combinations of some choices in one process, in rounds of changing order where there
+are several, and is compared with a reference that the study computes itself, of a step four times finer than the
+finest. Errors are fractions of the whole history (`warpffrf.study.speed_against_error.errors`); times are wall time of
+the time loop per simulated second, the fastest run of each, and `step U` is the same for one step in units of U. What a
+run costs once is given separately: `set-up`, `checks` when it ends (contact-fixed cells are compared with finer ones,
+for the error that the run states), and the reduction, `offline`. A setting is on the front where none is both faster
+and at least as right, to three digits. Where rounds differ by more than fronts do (compare `fastest` with `median`),
+the order of neighbours on a front is chance. Bodies are the same in all runs of a study but for what it chooses: what
+their meshes and modes leave out in the reference too is not in these errors.
 
 {table([*head, "made in s"], lines)}
-Figures of one machine, on which each page says what else ran; the table has the fastest setting with at most the error
-of its column in all measures against the reference, "none" where there is none or the reference cannot tell.
+Figures of one machine, each page states what else ran on it; the table has the fastest setting with at most the error
+of its column in all measures against the reference, "none" where there is none or the reference does not resolve it.
 """,
         encoding="utf-8",
     )

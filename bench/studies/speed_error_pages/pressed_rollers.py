@@ -29,7 +29,8 @@ def make(quick: bool, *, progress: bool = True) -> SpeedError:
 PRESSED_ROLLERS = Study(
     "pressed_rollers",
     "The two rollers without rolling",
-    "The machine of [the two rollers](two_rollers.md) on hats with its axles held: no hat passes the contact. What the "
-    "step must resolve is the vibration of the rollers on their contact that the load step leaves.",
+    "The machine of [the two rollers](two_rollers.md) on the body-fixed grid with its axles held: no node passes "
+    "the contact. What the step must resolve is the vibration of the rollers on their contact that the load "
+    "step leaves.",
     make,
 )

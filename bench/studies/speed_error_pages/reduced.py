@@ -13,7 +13,7 @@ QUICK_SECTORS = 600  # an element wider than half the patch: only to see that a 
 
 @cache
 def roller(quick: bool, size: rollers.Size = rollers.QUICK) -> wf.ReducedBody:
-    """For pressures on its mesh and on cells that travel; quick: no finer than to see that a study runs."""
+    """For pressures on its mesh and on contact-fixed cells; quick: no finer than to see that a study runs."""
     if quick and size.sectors > QUICK_SECTORS:
         size = rollers.Size(QUICK_SECTORS, layers=10, axial=2)
     return rollers.roller_body(size, contact_fixed=True, progress=False)

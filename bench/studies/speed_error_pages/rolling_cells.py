@@ -1,4 +1,4 @@
-"""The two rollers rolling on cells that travel, in steps that resolve their vibration on the contact."""
+"""The two rollers rolling on contact-fixed cells, in steps that resolve their vibration on the contact."""
 
 from __future__ import annotations
 

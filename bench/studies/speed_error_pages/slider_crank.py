@@ -9,7 +9,7 @@ from warpffrf.model.integrators import HHT, GeneralizedAlpha
 from warpffrf.study.speed_against_error.outcome import SpeedError
 
 STEPS = [4e-4, 2e-4, 1e-4, 5e-5]  # s, about that of the demo
-RUN = 0.12  # s: the spin-up and half a turn at speed
+RUN = 0.12  # s: the spin-up and half a revolution at speed
 ROUNDS = 2
 INTEGRATORS = [HHT(alpha=-0.3), GeneralizedAlpha(rho_inf=0.5), GeneralizedAlpha(rho_inf=crank.RHO_INF)]
 
@@ -32,7 +32,7 @@ SLIDER_CRANK = Study(
     "slider_crank",
     "Slider-crank with an elastic rod",
     f"The machine of the slider-crank demo over {RUN * 1e3:g} ms: the spin-up, {crank.SPIN_UP * 1e3:g} ms, "
-    "and half a turn at speed. Deformation is that of the rod at midspan. The rod has its geometric stiffening in "
-    "all runs; `inertia` is the level of its inertia terms.",
+    "and half a revolution at speed. Deformation is that of the rod at midspan. The rod has its geometric stiffening "
+    "in all runs; `inertia` is the level of its inertia terms.",
     make,
 )

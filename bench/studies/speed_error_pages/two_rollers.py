@@ -17,7 +17,7 @@ STEPS = [4e-4, 2e-4, 1e-4, 5e-5]  # s, about that of the demo
 RUN, LOAD_STEP = 0.024, 0.008  # s: the load step falls into the spin-up, and both are over at the end
 ROUNDS = 2
 SURFACE_SPEED = rollers.SPEED * rollers.OUTER_RADIUS  # m/s
-PITCH = 2.0 * np.pi * rollers.OUTER_RADIUS / rollers.QUICK.sectors  # m, of the hats
+PITCH = 2.0 * np.pi * rollers.OUTER_RADIUS / rollers.QUICK.sectors  # m, of the nodes
 
 
 @dataclass(frozen=True)

@@ -20,13 +20,11 @@ import numpy as np
 from skfem import Basis, ElementHex2, ElementVector, MeshHex, MeshHex2
 from skfem.models.elasticity import linear_elasticity
 
-from references.closed_forms import LineContact, contact_modulus
 from references.finite_elements.contact import SAME_PLACE, active_set, pressure_rows
 from references.finite_elements.pin_in_bore import graded
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.material import Material
 from warpffrf.offline.solvers import factorise
-from warpffrf.study.markdown import table
 
 Array = np.ndarray
 GROWTH_FROM_PATCH = 1.7  # of cells away from the patch and from the end
@@ -202,48 +200,3 @@ def _rim(roller: Roller, angles: Array, z: Array, h: float, reach: float, w: flo
 
 STEEL_ROLLER = Roller(Material(210e9, 0.3, 7800.0, name="steel"), 0.05, 0.015, 0.02)  # m
 LINE_LOAD = 2e6  # N/m: a/R = 0.015, a patch of 1/13 of half the width
-INSIDE, DEEPER = 0.5, 2.0  # half-widths from the end
-LEVELS = ((4.0, 0.25), (6.0, 0.25), (6.0, 0.125), (6.0, 0.0625), (8.0, 0.0625))  # cells in a, end cell over a
-
-
-def solve_levels() -> dict[tuple[float, float], EndPressure]:
-    """The roller of the page on a plane, by level."""
-    roller = STEEL_ROLLER
-    half_width = LineContact(LINE_LOAD, roller.outer_radius, contact_modulus(roller.material)).half_width
-    return {level: press_roller(roller, LINE_LOAD * roller.width, half_width, *level) for level in LEVELS}
-
-
-def page(script: str, found: dict[tuple[float, float], EndPressure]) -> str:
-    """The page as far as finite elements go; `script` is the module that writes it, `found` is from `solve_levels`."""
-    roller = STEEL_ROLLER
-    line = LineContact(LINE_LOAD, roller.outer_radius, contact_modulus(roller.material))
-    rows = []
-    for (cells, end), f in found.items():
-        # the load is that of the width, of which the middle has more than the mean
-        middle = LineContact(f.middle_line_load, roller.outer_radius, line.modulus)
-        row = [f"{cells:g}", f"{end:g} a", str(f.dofs), f"{f.middle / middle.peak_pressure - 1.0:+.2%}"]
-        near = [f.along(inside * line.half_width) / f.middle for inside in (0.0, INSIDE, DEEPER)]
-        rows.append([*row, *(f"{p:.4f}" for p in near), f"{f.end_line_load:.4f}", f"{f.approach * 1e6:.3f}"])
-    head = [
-        "cells",
-        "end cell",
-        "dofs",
-        "middle over Hertz",
-        "end",
-        f"{INSIDE:g} a",
-        f"{DEEPER:g} a",
-        "line loads",
-        "approach [µm]",
-    ]
-    return f"""# Pressure at the free end of a roller
-
-Made by `python -m {script}`; do not edit.
-
-A steel roller (R {roller.outer_radius * 1e3:g} mm, rigid hub {roller.inner_radius * 1e3:g} mm, width
-{roller.width * 1e3:g} mm) under {LINE_LOAD * roller.width / 1e3:g} kN on a rigid plane, or on its equal: full finite
-elements with quadratic cells and no modes. Cells in Hertz's half-width a = {line.half_width * 1e3:.4f} mm, and the
-first one at the end along the axis. *Middle over Hertz*: peak pressure at mid-width beside Hertz's at the line load
-found there. Pressure on the line of contact over that in the middle: at the end, {INSIDE:g} a and {DEEPER:g} a from it.
-*Line loads*: end over middle. Approach of the hub.
-
-{table(head, rows)}"""

@@ -1,7 +1,7 @@
 """Two steel bars meet end to end at 10 m/s: St Venant's impact (case C8 at a hundred times its speed).
 
 They exchange their velocities, and touch for 2 L/c; bodies of the closed form of a rod, with 20 modes and one column of
-hats (`verification.colliding_bars`).
+nodes (`studies.contact.colliding_bars`).
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@ r"""A roller bearing with clearance of 40.6 um (case P10): fourteen light roller
 
 The inner ring, 0.3 kg, falls under its load on rollers of 4 g that lie loose between the rings. Dampers in the pockets
 and under the ring take the energy of the fall; then the rollers share the load as the equations of bearings have it,
-solved roller by roller (`verification.scenes.lumped_bearings`).
+solved roller by roller (`scenes.lumped_bearings`).
 """
 
 from __future__ import annotations

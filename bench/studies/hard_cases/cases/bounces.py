@@ -117,7 +117,7 @@ def left_after(time: float) -> float | None:
 
 
 def check_damped(result: Result) -> list[Finding]:
-    """The energy that is left, beside the bounces one by one; later that the ball rests on the floor."""
+    """The energy that is left, against the bounces one by one; later that the ball rests on the floor."""
     left, force = mechanical(result), result.lumped_contact("contact").normal_force
     flying = np.flatnonzero(force == 0.0)[-1]
     wanted = left_after(float(result.time[flying]))

@@ -1,6 +1,6 @@
 """A contact grid with ten times as many columns as the mesh below it has, on a mesh far too coarse for the patch.
 
-Ten hats stand on one element: what they displace is no more than the element's own shapes, and the patch is that of a
+Ten nodes stand on one element: what they displace is no more than the element's own shapes, and the patch is that of a
 faceted body. The run must be refused, or say that its pressures are those of the mesh, or be right (Hertz).
 """
 
@@ -38,7 +38,7 @@ def build() -> Scene:
 
 
 def check(result: Result) -> list[Finding]:
-    """Half-width and peak at mid-width beside Hertz at the end, and the force."""
+    """Half-width and peak at mid-width against Hertz at the end, and the force."""
     contact = result.contact(PAIR)
     hertz = contact.hertz(-1)
     return [

@@ -5,7 +5,7 @@ g (sin(alpha) - mu cos(alpha)), once it has stretched the spring k of what stick
 
     x = (g sin(alpha)/w^2) (1 - cos w t),  w^2 = k/m,    until cos w t = 1 - mu/tan(alpha);    then a parabola.
 
-Each pair (mu, alpha) is a ball that hardly turns for its inertia, on a plane of its
+Each pair (mu, alpha) is a ball that hardly rotates for its inertia, on a plane of its
 own, so that one scene holds them all. They are put down at their depth at rest.
 """
 

@@ -1,7 +1,7 @@
 r"""A roller dips into a plate by 10 um and out, a thousand times: its patch grows from nothing and vanishes.
 
-Its way is prescribed, whole periods of 1 - cos by a cubic table, slow beside its modes: the force is that of the static
-state at the same depth, found by static solves that know nothing of time.
+Its displacement is prescribed, whole periods of 1 - cos by a cubic table, slow compared with its modes: the force is
+that of the static state at the same depth, found by static solves.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def _static() -> tuple[np.ndarray, np.ndarray]:
 
 
 def check(result: Result) -> list[Finding]:
-    """The force at every saved step beside the static one at its depth, over the largest."""
+    """The force at every saved step against the static one at its depth, over the largest."""
     depths, forces = _static()
     force, depth = result.history.contacts["pair"].force[:, 2], -result.joint("guide").named("translation") - ABOVE
     wanted = np.interp(depth, depths, forces, left=0.0)

@@ -1,6 +1,6 @@
 """Two rollers of steel with a Poisson's ratio of 0.4999, pressed together: half-width and peak by Hertz.
 
-Elements that lock would be far too stiff. The two figures are those at mid-width, beside Hertz's line contact at the
+Elements that lock would be far too stiff. The two figures are those at mid-width, against Hertz's line contact at the
 line load found there (a comparison that the load itself does not enter).
 """
 

@@ -1,4 +1,4 @@
-r"""Sliding blocks that jam: a slide in a guide of length L, pulled along it by a force P at the distance e beside it.
+r"""Sliding blocks that jam: a slide in a guide of length L, pulled along it by a force P, e away from its axis.
 
 The moment P e presses on both ends of the guide with P e/L, friction holds 2 mu P e/L: the slide jams, whatever P,
 where mu > L/(2 e), and else goes with (P - 2 mu P e/L)/m. Slides on either side of that bound, and a wedge between two

@@ -1,4 +1,4 @@
-"""Two rollers with friction that roll on each other for a million steps of 1e-4 s: a hundred seconds, 160 turns.
+"""Two rollers with friction that roll on each other for a million steps of 1e-4 s: a hundred seconds, 160 revolutions.
 
 The lower one is driven at a constant speed, the upper one is rolled along against a brake: 100 W go through the patch.
 Nothing may drift: the force, its ripple, the friction and the creep at the end are those at the beginning, what the

@@ -69,7 +69,7 @@ def check(result: Result) -> list[Finding]:
 
 
 def alike(result: Result, other: Result) -> list[Finding]:
-    """Force, moment and pressures beside those in the mirror, over the largest."""
+    """Force, moment and pressures against those in the mirror, over the largest."""
     a, b = (r.history.contacts[PAIR] for r in (result, other))
     mirror = np.array([1.0, -1.0, 1.0])
     size = max(float(np.abs(a.force).max()), 1e-9 * LOAD)

@@ -7,7 +7,7 @@ complex plane across the shaft, moves by
 
 with the disc's mass m and eccentricity e, the shaft's mass m_s as Rayleigh has it for this shape, damping c from the
 outside, and the prescribed angle phi. Integrated by an eighth-order Runge-Kutta method; what is compared is the largest
-amplitude so far, which a rotor that runs up reaches beyond its critical speed. The disc itself turns with next to no
+amplitude so far, which a rotor that runs up reaches beyond its critical speed. The disc itself rotates with next to no
 inertia.
 """
 

@@ -18,14 +18,14 @@ CRANK, FRAME, SPEED, START = 0.1, 0.3, 20.0, 0.7  # m, rad/s, rad
 
 
 def build() -> Scene:
-    """The parallelogram in motion; its coupler does not turn."""
+    """The parallelogram in motion; its coupler does not rotate."""
     end = CRANK * np.array([np.cos(START), np.sin(START)])
     frame = np.array([FRAME, 0.0])
     return linkage([np.zeros(2), end, end + frame, frame], [SPEED, 0.0, SPEED], SPEED)
 
 
 def check(result: Result) -> list[Finding]:
-    """The rocker turns with the crank."""
+    """The rocker rotates with the crank."""
     found = result.joint("last pin").named("rotation")
     off = np.abs(found - found[0]) - SPEED * result.time
     return [Finding("rocker's angle", float(np.abs(off).max()), 1e-6, 1e-3)]

@@ -1,7 +1,7 @@
 r"""A block on a running belt, held by a spring, with friction that falls with the slip speed: it sticks and slips.
 
 Falling friction is negative damping; amplitude and period of the cycle are found event by event
-(`verification.stick_slip.BeltOscillator`).
+(`references.stick_slip.BeltOscillator`).
 """
 
 from __future__ import annotations

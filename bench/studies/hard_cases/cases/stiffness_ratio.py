@@ -35,7 +35,7 @@ def exact(time: np.ndarray) -> np.ndarray:
     """Displacements (T, 2) [m], downwards."""
     K = np.array([[SOFT + STIFF, -STIFF], [-STIFF, STIFF]])
     w2, V = np.linalg.eigh(K / MASS)
-    soft = SOFT / (2.0 * MASS) * (1.0 - SOFT / (4.0 * STIFF))  # w^2 = 5e2 beside 2e9: eigh leaves 1e-7 of the latter
+    soft = SOFT / (2.0 * MASS) * (1.0 - SOFT / (4.0 * STIFF))  # w^2 = 5e2 against 2e9: eigh leaves 1e-7 of the latter
     w = np.sqrt(np.array([soft, w2[1]]))
     force = V.T @ np.full(2, MASS * GRAVITY) / MASS
     return (force / w**2 * (1.0 - np.cos(np.outer(time, w)))) @ V.T

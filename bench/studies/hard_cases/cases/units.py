@@ -96,7 +96,7 @@ def build_si() -> Scene:
 
 
 def alike(result: Result, other: Result) -> list[Finding]:
-    """Places, forces and energies beside the run in SI, over the largest change of each."""
+    """Places, forces and energies against the run in SI, over the largest change of each."""
     units = {"place": MM, "force": TONNE * MM, "energy": TONNE * MM**2, "pressure": TONNE / MM}
     pairs = {
         f"place of the {name}": ("place", lambda r, n=name: r.body(n).position) for name in ("block", "ball", "arm")
