@@ -118,7 +118,7 @@ def times(unit: float, full_steps: dict[str, int]) -> list[dict[str, Any]]:
                 contact = result.history.contacts[PAIR]
                 best[name] = {
                     "evaluation": name, "points": points_of(body, name), "seconds_per_step": seconds,
-                    "active": float(contact.active_hats.mean()),
+                    "active": float(contact.active_nodes.mean()),
                     "force": float(np.linalg.norm(contact.force[1])),
                     "iterations": result.history.counters["mean_iterations"],
                 }  # fmt: skip
@@ -148,7 +148,7 @@ def times(unit: float, full_steps: dict[str, int]) -> list[dict[str, Any]]:
         contact = result.history.contacts[PAIR]
         add({
             "evaluation": f"full, {variant}", "points": axial + 1, "seconds_per_step": step_seconds(result),
-            "active": float(contact.active_hats.mean()), "force": float(np.linalg.norm(contact.force[0])),
+            "active": float(contact.active_nodes.mean()), "force": float(np.linalg.norm(contact.force[0])),
             "iterations": result.history.counters["mean_iterations"],
         })  # fmt: skip
     return rows
@@ -185,7 +185,7 @@ def under_layers(unit: float) -> list[dict[str, Any]]:
         pairs = zip(hat_means(body, result, False), hat_means(body, semi, False), strict=True)
         row = {
             "law": law, "evaluation": name, "points": points_of(body, name),
-            "active": float(contact.active_hats.mean()), "iterations": result.history.counters["mean_iterations"],
+            "active": float(contact.active_nodes.mean()), "iterations": result.history.counters["mean_iterations"],
             "seconds_per_step": seconds[law, name], "over_semi": seconds[law, name] / seconds[law, "semi"],
             "force_off": float(np.abs(force / reference - 1.0).max()),
             "pressure_off": max(surface_norm(p - q, gram) / surface_norm(q, gram) for p, q in pairs),

@@ -74,7 +74,7 @@ def main() -> None:
         pairs = zip(pressures[key], pressures[cases[0]], strict=True)
         row = {
             "evaluation": name, "points": points_of(bodies[error], name), "case": error if name == "hyper" else None,
-            "active": float(last[key].history.contacts[PAIR].active_hats.mean()),
+            "active": float(last[key].history.contacts[PAIR].active_nodes.mean()),
             "iterations": last[key].history.counters["mean_iterations"], "seconds_per_step": best[key],
             "pressure_off": max(surface_norm(p - q, gram) / surface_norm(q, gram) for p, q in pairs),
         }  # fmt: skip

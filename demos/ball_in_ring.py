@@ -72,12 +72,12 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
         sectors=size.ring_sectors, layers=size.layers, axial=size.axial, tread=TREAD,
     )  # fmt: skip
     reduced_ball = wf.reduce(
-        ball_mesh, STEEL, interfaces={"bore": "rigid"},
-        contact={"tread": wf.surfaces.Sphere(axis_direction=(0, 1, 0))}, modes=0, tangential=True, progress=progress,
+        ball_mesh, STEEL, interfaces={"bore": "rigid"}, contact={"tread": wf.surfaces.Sphere(axis_direction=(0, 1, 0))},
+        modes=0, grid=wf.ContactGrid(tangential=True), progress=progress,
     )  # fmt: skip
     reduced_ring = wf.reduce(
-        ring_mesh, STEEL, interfaces={"outside": "rigid"},
-        contact={"tread": wf.surfaces.Ring(groove_radius=GROOVE)}, modes=0, tangential=True, progress=progress,
+        ring_mesh, STEEL, interfaces={"outside": "rigid"}, contact={"tread": wf.surfaces.Ring(groove_radius=GROOVE)},
+        modes=0, grid=wf.ContactGrid(tangential=True), progress=progress,
     )  # fmt: skip
     scene, at = wf.Scene(), (0, 0, -(BOTTOM - BALL))
     ball = scene.add_body(reduced_ball, name="ball", position=at)

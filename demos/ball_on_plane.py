@@ -55,7 +55,7 @@ def reduced_ball(size: Size, *, progress: bool = True) -> wf.ReducedBody:
     )
     return wf.reduce(
         mesh, STEEL, interfaces={"outside": "average"}, contact={"patch": wf.surfaces.Sphere()}, modes=0,
-        tangential=True, contact_fixed=False, progress=progress,
+        grid=wf.ContactGrid(tangential=True, contact_fixed=False), progress=progress,
     )  # fmt: skip
 
 

@@ -38,7 +38,7 @@ def build(*, progress: bool = True) -> wf.Scene:
     below = np.column_stack([0 * DEPTHS, 0 * DEPTHS, OUTER_RADIUS - DEPTHS])
     roller = wf.reduce(
         wf.mesh.read(MESH, length_unit="mm"), STEEL, interfaces={"bore": "rigid"},
-        contact={"rim": wf.surfaces.Cylinder()}, stress={"below": below}, contact_fixed=True,
+        contact={"rim": wf.surfaces.Cylinder()}, stress={"below": below}, grid=wf.ContactGrid(contact_fixed=True),
         max_frequency=MAX_FREQUENCY, cache=False, progress=progress,
     )  # fmt: skip
     scene = wf.Scene(gravity=(0, 0, -GRAVITY))

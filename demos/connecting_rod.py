@@ -57,7 +57,8 @@ def rod_body(material: wf.Material = STEEL, *, progress: bool = True) -> wf.Redu
     bore = wf.surfaces.Bore(radius=BIG, axis_point=(0, 0, 0), axis_direction=(0, -1, 0))
     return wf.reduce(
         wf.mesh.read(DATA / "connecting_rod.msh", length_unit="m"), material, interfaces={"eye": "rigid"},
-        contact={"bore": bore}, traction_spacing=SPACING, modes=12, contact_fixed=False, cache=False, progress=progress,
+        contact={"bore": bore}, grid=wf.ContactGrid(spacing=SPACING, contact_fixed=False), modes=12, cache=False,
+        progress=progress,
     )  # fmt: skip
 
 

@@ -117,7 +117,7 @@ def reduced(*, progress: bool = True) -> wf.ReducedBody:
     )
     return wf.reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.CrownedCylinder(crown_radius=CROWN)},
-        modes=0, tangential=True, contact_fixed=True, progress=progress,
+        modes=0, grid=wf.ContactGrid(tangential=True, contact_fixed=True), progress=progress,
     )  # fmt: skip
 
 

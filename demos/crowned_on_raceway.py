@@ -64,12 +64,12 @@ def build(crown: float | None = CROWN, *, size: Size = FULL, progress: bool = Tr
     )  # fmt: skip
     rim = wf.surfaces.Cylinder() if crown is None else wf.surfaces.CrownedCylinder(crown_radius=crown)
     of_ring = wf.reduce(
-        ring, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, contact_fixed=True,
-        progress=progress,
+        ring, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0,
+        grid=wf.ContactGrid(contact_fixed=True), progress=progress,
     )  # fmt: skip
     of_roller = wf.reduce(
         rolling, STEEL, interfaces={"journal_low": "average", "journal_high": "average"}, contact={"rim": rim},
-        modes=0, contact_fixed=True, progress=progress,
+        modes=0, grid=wf.ContactGrid(contact_fixed=True), progress=progress,
     )  # fmt: skip
     scene = wf.Scene()
     lower = scene.add_body(of_ring, name="ring")

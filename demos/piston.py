@@ -60,8 +60,8 @@ def piston_body(material: wf.Material = ALLOY, *, progress: bool = True) -> wf.R
     skirt = wf.surfaces.Cylinder(radius=BORE - CLEARANCE - OVAL, axis_point=(0, 0, 0), axis_direction=(1, 0, 0))
     return wf.reduce(
         wf.mesh.read(DATA / "piston.msh", length_unit="m"), material, interfaces={"pin": "rigid", "crown": "average"},
-        contact={THRUST: skirt, ANTI: skirt}, traction_spacing=SPACING, modes=20, contact_fixed=False, cache=False,
-        progress=progress,
+        contact={THRUST: skirt, ANTI: skirt}, grid=wf.ContactGrid(spacing=SPACING, contact_fixed=False), modes=20,
+        cache=False, progress=progress,
     )  # fmt: skip
 
 
@@ -79,7 +79,7 @@ def liner_body(*, progress: bool = True) -> wf.ReducedBody:
     """The reduced liner: contact surface `bore`, rigid interface `seats`."""
     return wf.reduce(
         liner_mesh(), IRON, interfaces={"seats": "rigid"}, contact={"bore": wf.surfaces.Bore()}, modes=20,
-        contact_fixed=False, cache=False, progress=progress,
+        grid=wf.ContactGrid(contact_fixed=False), cache=False, progress=progress,
     )  # fmt: skip
 
 

@@ -114,8 +114,8 @@ def build(size: Size = BIG_CELLS, *, progress: bool = True) -> wf.Scene:
         OUTER_RADIUS, BORE_RADIUS, WIDTH, sectors=size.sectors, layers=size.layers, axial=size.axial, order=2
     )
     roller = wf.reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, tangential=True,
-        contact_fixed=size.patch is not None, progress=progress,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0,
+        grid=wf.ContactGrid(tangential=True, contact_fixed=size.patch is not None), progress=progress,
     )  # fmt: skip
     scene = wf.Scene()
     lower = scene.add_body(roller, name="lower")

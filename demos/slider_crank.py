@@ -56,8 +56,8 @@ def rod_body(size: Size = FULL, *, progress: bool = True) -> wf.ReducedBody:
     for name, x in (("big_end", -0.5 * ROD), ("small_end", 0.5 * ROD)):
         mesh = mesh.select_plane(name, point=(x, 0, 0), normal=(1, 0, 0))
     return wf.reduce(
-        mesh, STEEL, interfaces={"big_end": "rigid", "small_end": "rigid"}, modes=6, stiffening=True, cache=False,
-        progress=progress,
+        mesh, STEEL, interfaces={"big_end": "rigid", "small_end": "rigid"}, modes=6,
+        options=wf.ReductionOptions(stiffening=True), cache=False, progress=progress,
     )  # fmt: skip
 
 

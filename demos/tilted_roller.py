@@ -55,7 +55,7 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
     )  # fmt: skip
     reduced = wf.reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"tread": wf.surfaces.CrownedCylinder(crown_radius=CROWN)},
-        modes=0, contact_fixed=False, progress=progress,
+        modes=0, grid=wf.ContactGrid(contact_fixed=False), progress=progress,
     )  # fmt: skip
     scene = wf.Scene()
     roller = scene.add_body(reduced, name="roller", position=(0, 0, RADIUS))

@@ -63,9 +63,9 @@ def roller_body(
         order=1,
     )  # fmt: skip
     return wf.reduce(
-        mesh, steel, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
-        max_frequency=MAX_FREQUENCY, contact_fixed=contact_fixed, local_dynamics=local_dynamics, cache=False,
-        progress=progress,
+        mesh, steel, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=MAX_FREQUENCY,
+        grid=wf.ContactGrid(contact_fixed=contact_fixed), options=wf.ReductionOptions(local_dynamics=local_dynamics),
+        cache=False, progress=progress,
     )  # fmt: skip
 
 

@@ -200,7 +200,7 @@ def test_a_body_keeps_its_points_in_its_file(tmp_path):
 def test_what_cannot_be_is_refused(rim):
     with pytest.raises(InputError, match="fraction below 1"):
         reduced(roller(0.05, 0.015, 0.02, sectors=18, layers=2, axial=2, order=1), sampling_error=2.0)
-    with pytest.raises(InputError, match="chosen for hats"):
+    with pytest.raises(InputError, match="chosen for tractions on nodes"):
         reduced(roller(0.05, 0.015, 0.02, sectors=18, layers=2, axial=2, order=1), sampling_error=0.1, traction="cells")
     good = choose_sampling(rim, 0.2)
     with pytest.raises(InputError, match="positive"):

@@ -14,7 +14,7 @@ from warpffrf.model import signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ALL_ALONG, ALL_AROUND, Sampling, gauss_points
 from warpffrf.model.scene import Scene
 from warpffrf.offline.contact.cubature import all_points, choose_sampling
@@ -101,7 +101,7 @@ def test_the_check_foretells_the_difference_at_a_held_approach(plain_body, other
     np.testing.assert_array_equal(semi.pressure[0] > 0.0, hyper.pressure[0] > 0.0)
     rim = first.contact_surfaces["rim"]
     weight = np.kron(
-        ContactGrid.gram_theta(replace(rim.grid, columns=semi.pressure.shape[1], periodic=False)), rim.gram_z
+        SurfaceGrid.gram_theta(replace(rim.grid, columns=semi.pressure.shape[1], periodic=False)), rim.gram_z
     )
     change, whole = (hyper.pressure[0] - semi.pressure[0]).ravel(), semi.pressure[0].ravel()
     pressure = float(np.sqrt(change @ weight @ change / (whole @ weight @ whole)))

@@ -119,7 +119,7 @@ def test_the_fullest_pair_is_named() -> None:
 
     wide, narrow = (-8, 8), (-2, 2)
     assert _fullest(engine([wide, narrow, wide]), 0) == (
-        "at contact 'third', which has 2 active hats; windows wide open too: 1"
+        "at contact 'third', which has 2 active nodes; windows wide open too: 1"
     )
-    assert _fullest(engine([narrow, narrow, narrow]), 0) == "at contact 'second', which has 3 active hats"
-    assert _fullest(engine([wide, wide, wide]), 0) == "at contact 'second', which has 3 active hats"
+    assert _fullest(engine([narrow, narrow, narrow]), 0) == "at contact 'second', which has 3 active nodes"
+    assert _fullest(engine([wide, wide, wide]), 0) == "at contact 'second', which has 3 active nodes"

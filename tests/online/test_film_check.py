@@ -52,7 +52,7 @@ def test_the_check_of_an_equilibrium_is_what_all_hats_change(load: float, powers
     assert check.feed_flow[0] == pytest.approx(semi.films["film"].feed_flow[-1], rel=OF_FLOWS + check.force)
     assert check.end_flow[0] == pytest.approx(check.feed_flow[0], rel=OF_FLOWS)
     assert not semi.film_checks
-    (note,) = [n for n in hyper.notes if "against all hats in 1 states" in n]
+    (note,) = [n for n in hyper.notes if "against all nodes in 1 states" in n]
     assert f"{check.gap:.2%} of the smallest gap and {check.pressure:.2%} of the largest pressure" in note
     assert ("or evaluation='semi'" in note) == check.too_large
 

@@ -134,9 +134,9 @@ def test_profiles_along_press_both() -> None:
     both = replace(expected, compliance=expected.compliance + more)
     settled = both.settle(np.array([0.3 * CLEARANCE, 0.0]), np.array([20e3, 0.0]))
     assert strips.status == "completed", strips.message
-    (note,) = [note for note in strips.notes if "not held beside all hats, as its second surface yields" in note]
+    (note,) = [note for note in strips.notes if "not compared with all nodes, as its second surface yields" in note]
     rough = bearing((20e3, 0.0), evaluation="hyper", axial_degrees=(0, 2), roughness_a=films.Roughness(0.2e-6))
-    (note,) = [note for note in find_equilibrium(rough).notes if "not held beside all hats" in note]
+    (note,) = [note for note in find_equilibrium(rough).notes if "not compared with all nodes" in note]
     assert "as its walls are rough" in note
     pressure = both.basis.to_hats @ settled.state.pressure
     np.testing.assert_allclose(

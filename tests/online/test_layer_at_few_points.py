@@ -11,7 +11,7 @@ import pytest
 from scenes.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 from warpffrf.model import laws, signals
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ALL_ALONG, ALL_AROUND, Sampling, gauss_points
 from warpffrf.model.scene import Scene
 from warpffrf.offline.contact.cubature import all_points, choose_sampling
@@ -106,7 +106,7 @@ def test_a_third_of_the_points_gives_the_same_pressure(
     assert 3 * rim.sampling.count <= len(gauss_points(rim.grid.rows, ALL_AROUND, ALL_ALONG)[0])
     sizes = [np.linalg.norm(c.force, axis=1) for c in found]
     weight = np.kron(
-        ContactGrid.gram_theta(replace(rim.grid, columns=semi.pressure.shape[1], periodic=False)), rim.gram_z
+        SurfaceGrid.gram_theta(replace(rim.grid, columns=semi.pressure.shape[1], periodic=False)), rim.gram_z
     )
     worst = 0.0
     for t in range(2):

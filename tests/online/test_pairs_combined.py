@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.linalg import null_space
 
+from scenes.flat_settings import reduce_flat
 from warpffrf.model import forces, joints, laws, surfaces
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
@@ -19,7 +20,6 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.arrays.declaration import numbers_of
 from warpffrf.online.history.history import History
@@ -43,7 +43,7 @@ GAINED = 0.01  # of the energy: promised
 
 def body(sectors: int, radius: float, width: float, modulus: float, axial: int = 2, **more: Any) -> ReducedBody:
     mesh = roller(radius, 0.015, width, sectors=sectors, layers=2, axial=axial, grading=1.4, order=1)
-    return reduce(
+    return reduce_flat(
         mesh, Material(modulus, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()},
         max_frequency=15e3, contact_fixed=False, cache=False, progress=False, **more,
     )  # fmt: skip

@@ -68,7 +68,7 @@ BODIES = (
 )
 
 JOINTS = (
-    Mistake("a body for a port", lambda w: joints.Fixed(w.lower, w.scene.ground), ("say where on body 'lower'",)),
+    Mistake("a body for a port", lambda w: joints.Fixed(w.lower, w.scene.ground), ("body 'lower' is flexible: name one of its interfaces",)),
     Mistake(
         "a contact surface for a port",
         lambda w: wf.joints.Fixed(w.lower["rim"], w.scene.ground),
@@ -173,7 +173,7 @@ CONTACTS = (
     Mistake(
         "friction without its modes",
         lambda w: wf.Contact(w.lower["rim"], w.floor, friction=0.1),
-        ("reduce(..., tangential=True)",),
+        ("reduce(..., grid=ContactGrid(tangential=True))",),
     ),
     Mistake(
         "friction in per cent",

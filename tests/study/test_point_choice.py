@@ -9,7 +9,7 @@ from scenes.rollers import STEEL
 from studies.contact import point_choice as pc
 from warpffrf.model.mesh import roller
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.offline.contact.cubature import choose_sampling
 
 ROUND_OFF = 1e-12  # of sums of some hundred numbers
@@ -20,8 +20,8 @@ CLOSED = 1e-4  # of the work in a cycle of 400 steps: forces linear by pieces, e
 def surface():
     mesh = roller(0.05, 0.015, 0.02, sectors=90, layers=3, axial=4, order=1)
     return reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=0, contact_fixed=False,
-        progress=False,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=0,
+        grid=ContactGrid(contact_fixed=False), progress=False,
     ).contact_surfaces["rim"]  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 """How a command ends where something goes wrong: a line on stderr, in words of the command line, and an exit code.
 
-The package speaks of arguments, as `part=` or `traction_spacing`; whoever uses the command line knows `--part` and
-`--traction-spacing`. So the names of a command's own options are put in their place.
+The package speaks of arguments, as `part=` or `expected_half_width`; whoever uses the command line knows `--part` and
+`--half-width`. So the names of a command's own options are put in their place.
 """
 
 from __future__ import annotations

@@ -148,7 +148,7 @@ class Contact(reprs.Item):
         if value == "hyper" and self.a.surface.sampling is None:
             raise InputError(
                 f"{self._label}: evaluation='hyper' needs points chosen offline, body {self.a.body.name!r} was reduced "
-                "without them; reduce(..., sampling_error=0.01), or take evaluation='semi'"
+                "without them; reduce(..., grid=ContactGrid(sampling_error=0.01)), or take evaluation='semi'"
             )
         self._evaluation = str(value)
         self._check_patch()
@@ -259,12 +259,12 @@ class Contact(reprs.Item):
             if far is None:
                 return (
                     f"grid='contact_fixed' needs the far field of {port.label}, body {port.body.name!r} was reduced "
-                    "without it; reduce(..., contact_fixed=True)"
+                    "without it; reduce(..., grid=ContactGrid(contact_fixed=True))"
                 )
             if self.friction.acts and far.tangential is None:
                 return (
                     f"friction on a patch needs the tangential far field of {port.label}, body {port.body.name!r} "
-                    "was reduced without it; reduce(..., contact_fixed=True, tangential=True)"
+                    "was reduced without it; reduce(..., grid=ContactGrid(contact_fixed=True, tangential=True))"
                 )
             if (long := _longer_than_wide(port.surface)) > LONGEST:
                 return (
@@ -298,7 +298,7 @@ class Contact(reprs.Item):
             if not port.rigid and port.surface.tangential is None:
                 raise InputError(
                     f"{label}: friction needs tangential modes, body {port.body.name!r} was reduced without them; "
-                    "reduce(..., tangential=True)"
+                    "reduce(..., grid=ContactGrid(tangential=True))"
                 )
 
 
@@ -309,11 +309,11 @@ def _require_surface(port: Any, place: str) -> None:
             "reduce(contact=...) or in add_rigid_body(surfaces=...), got "
             f"{getattr(port, 'label', None) or repr(getattr(port, 'name', port))}"
         )
-    kind = "hats" if port.rigid else port.surface.grid.kind
-    if kind != "hats":
+    kind = "nodes" if port.rigid else port.surface.grid.kind
+    if kind != "nodes":
         raise InputError(
             f"contact: the {place} surface, {port.label}, was reduced with traction={kind!r}; normal contact "
-            "is solved with hats: reduce the body with traction='hats'"
+            "is solved with tractions on nodes: reduce the body with traction='nodes'"
         )
 
 

@@ -89,9 +89,9 @@ def unknown_name(kind: str, name: object, known: Iterable[str]) -> InputError:
 
 def suggestion(name: str, known: Sequence[str]) -> str:
     """ "; did you mean 'x'? known: ..." for a name that does not exist, or the new name of a renamed one."""
-    now = [new for new in RENAMED.get(name, ()) if new in known]
+    now = [new for new in RENAMED.get(name, ()) if new.partition("=")[0] in known]
     if now:
-        return f"; it is called {now[0]!r} now"
+        return f"; it is {now[0]} now" if "=" in now[0] else f"; it is called {now[0]!r} now"
     close = get_close_matches(name, known, n=1)
     listed = ", ".join(repr(k) for k in known) or "none"
     return (f"; did you mean {close[0]!r}?" if close else ";") + f" known: {listed}"

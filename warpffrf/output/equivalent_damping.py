@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.bodies import Port
+from warpffrf.model.bodies import PortLike, as_port
 from warpffrf.model.errors import InputError, require_array, require_count, require_number
 from warpffrf.model.reduced.inertia import interface_motion, interface_slope
 from warpffrf.online.vibrations.eigenmodes import SceneModes
@@ -89,7 +89,7 @@ def equivalent_damping(
     i: int,
     amplitude: float | Sequence[float] | np.ndarray,
     *,
-    at: Port | None,
+    at: PortLike | None,
     cycles: int,
     steps: int,
 ) -> EquivalentDamping:
@@ -132,10 +132,11 @@ def equivalent_damping(
 
 def _displacement(modes: SceneModes, i: int, port: Any) -> float:
     """Length [m] of the displacement of a port in mode i."""
-    if not isinstance(port, Port) or port.point is None or port.body.name not in modes.shapes:
+    port = as_port(port, "equivalent_damping: at")
+    if port.point is None or port.body.name not in modes.shapes:
         raise InputError(
             "equivalent_damping: at must be a place on a body that moves, body['interface'] or body.at((x, y, z)), "
-            f"got {getattr(port, 'label', None) or repr(port)}"
+            f"got {port.label}"
         )
     name = port.body.name
     shape, A = modes.shapes[name][i], rot.matrix(modes.rotation[name])

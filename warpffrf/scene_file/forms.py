@@ -14,7 +14,7 @@ import inspect
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, wraps
 from types import ModuleType
 from typing import Any, NotRequired
 
@@ -107,6 +107,24 @@ def form_of(title: str, call: Callable[..., Any], roles: dict[str, str], leave_o
     config = ConfigDict(extra="forbid", strict=True, arbitrary_types_allowed=True)
     setattr(table, "__pydantic_config__", config)  # noqa: B010 (TypedDict as a call has no other way)
     return Form(title, call, found, TypeAdapter(table))
+
+
+def flat(call: Callable[..., Any], **objects: type) -> Callable[..., Any]:
+    """`call` that takes the fields of the option `objects` (argument -> class) in place of these: a flat table."""
+    kept = inspect.signature(call).parameters
+    fields = {name: inspect.signature(cls).parameters for name, cls in objects.items()}
+    added = [p.replace(kind=p.KEYWORD_ONLY) for own in fields.values() for p in own.values()]
+
+    @wraps(call)
+    def flattened(*args: Any, **given: Any) -> Any:
+        for name, own in fields.items():
+            if values := {key: given.pop(key) for key in own if key in given}:
+                given[name] = objects[name](**values)
+        return call(*args, **given)
+
+    parameters = [*(p for name, p in kept.items() if name not in objects), *added]
+    setattr(flattened, "__signature__", inspect.Signature(parameters))  # noqa: B010 (functions have no such attribute)
+    return flattened
 
 
 def _type_of(annotation: str) -> Any:
@@ -281,7 +299,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     from warpffrf.model.mesh.cut import cut
     from warpffrf.model.reduced.body import ReducedBody
     from warpffrf.model.scene import Scene
-    from warpffrf.offline import reduce
+    from warpffrf.offline import ContactGrid, ReductionOptions, reduce
     from warpffrf.online.stages import Stage
     from warpffrf.output.simulate import equilibrium, simulate
 
@@ -300,7 +318,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
         "reduced_bodies": {
             "reduce": form_of(
                 "reduction",
-                reduce,
+                flat(reduce, grid=ContactGrid, options=ReductionOptions),
                 {"mesh": "meshes", "material": "materials", "contact": "shapes", "stress": "value of reduce"},
                 ("progress",),
             ),

@@ -35,7 +35,7 @@ from warpffrf.model.reduced.contact_surface import ALL_ALONG, ALL_AROUND
 from warpffrf.model.reduced.stress_field import von_mises
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
@@ -86,7 +86,7 @@ def tread(
     stress = None if half_width is None else {POINTS: stress_points(half_width)}
     return reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"tread": Cylinder()}, modes=0, stress=stress,
-        sampling_error=sampling_error, contact_fixed=contact_fixed, progress=False,
+        grid=ContactGrid(sampling_error=sampling_error, contact_fixed=contact_fixed), progress=False,
     )  # fmt: skip
 
 

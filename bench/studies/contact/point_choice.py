@@ -40,7 +40,7 @@ from studies.speed.step_time import BORE, RADIUS, WIDTH
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.contact_surface import ContactSurface, Sampling
 from warpffrf.model.surfaces import CrownedCylinder, Cylinder
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.offline.contact.cubature import PATCHES, Places, all_points, choose_sampling, patch_fields
 from warpffrf.study.markdown import table
 
@@ -215,7 +215,7 @@ def bodies() -> dict[str, ContactSurface]:
     for name, shape, crown in (("straight", Cylinder(), None), ("crowned", CrownedCylinder(crown_radius=CROWN), CROWN)):
         body = reduce(
             roller(RADIUS, BORE, WIDTH, crown_radius=crown, **mesh), STEEL, interfaces={"bore": "rigid"},
-            contact={"rim": shape}, modes=10, contact_fixed=False, progress=False,
+            contact={"rim": shape}, modes=10, grid=ContactGrid(contact_fixed=False), progress=False,
         )  # fmt: skip
         found[name] = body.contact_surfaces["rim"]
     return found
@@ -271,8 +271,9 @@ def page(found: dict[str, list[tuple[float, Found]]]) -> str:
 {MADE}
 Contact surfaces of two rollers (R {RADIUS * 1e3:.0f} mm, width {WIDTH * 1e3:.0f} mm, 240 columns, 7 rows), straight
 and with a crown of {CROWN:g} m. A function on the surface, the gap or the pressure of a layer, is taken at few points
-of each strip between two columns. *Least squares*: points and positive weights of `reduce(sampling_error=)`. *DEIM*
-(Chaturantabut and Sorensen 2010), *Q-DEIM* (Drmac and Gugercin 2016): interpolation by modes of the same training set,
+of each strip between two columns. *Least squares*: points and positive weights of `ContactGrid(sampling_error=)`.
+*DEIM* (Chaturantabut and Sorensen 2010), *Q-DEIM* (Drmac and Gugercin 2016): interpolation by modes of the same
+training set,
 gaps and displacements of {PATCHES} patches, one point a mode; once with the fewest modes that reach the wanted error,
 once with as many points as least squares. *All*: the Gauss points of "semi". How each figure is defined:
 `bench/studies/contact/point_choice.py`.

@@ -53,7 +53,7 @@ def refuse_contacts(scene: Any, at_nodes: bool) -> None:
                 if not port.rigid and port.surface.tangential is None:
                     raise InputError(
                         f"{label}: friction needs tangential modes, body {port.body.name!r} was reduced without them; "
-                        "reduce(..., tangential=True)"
+                        "reduce(..., grid=ContactGrid(tangential=True))"
                     )
 
 

@@ -24,7 +24,7 @@ from warpffrf.model.laws import Law, as_law
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.oils import Oil, as_oil
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.surfaces.form_deviations import Form, as_form, refuse_form
 
@@ -124,7 +124,7 @@ class Film(reprs.Item):
         return self.a, self.b
 
     @property
-    def grid(self) -> ContactGrid:
+    def grid(self) -> SurfaceGrid:
         """The contact grid of the first surface, whose nodes carry the film."""
         return self.a.surface.grid
 
@@ -234,7 +234,7 @@ class Film(reprs.Item):
                 f"{self.label}: cavitation 'half_sommerfeld' cuts pressures at zero, which profiles do not do; {cure}"
             )
         if self.asperities is not None:
-            raise InputError(f"{self.label}: asperities stand at hats, which evaluation 'hyper' does not have; {cure}")
+            raise InputError(f"{self.label}: asperities stand at nodes, which evaluation 'hyper' does not have; {cure}")
         partly = self._held()[0][:, 1:-1]
         if np.any(partly.any(axis=1) != partly.all(axis=1)):
             raise InputError(
@@ -319,10 +319,10 @@ class Film(reprs.Item):
         if b.rigid:
             refuse_form(b, label)
         for port, place in ((a, "first"), (b, "second")):
-            if not port.rigid and port.surface.grid.kind != "hats":
+            if not port.rigid and port.surface.grid.kind != "nodes":
                 raise InputError(
                     f"{label}: the {place} surface, {port.label}, was reduced with traction={port.surface.grid.kind!r};"
-                    " a film stands on hats: reduce the body with traction='hats'"
+                    " a film stands on nodes: reduce the body with traction='nodes'"
                 )
 
     def _require_gap(self) -> None:
@@ -364,7 +364,7 @@ class Film(reprs.Item):
             raise InputError(
                 f"{self.label}: the contact grid of {self.a.label} has {grid.columns} columns and {max(free, 0)} rows "
                 f"between its ends, and a film needs {LEAST_COLUMNS} columns and {LEAST_ROWS} rows at least; reduce "
-                "the body with more cells at the surface, or a smaller traction_spacing"
+                "the body with more cells at the surface, or a smaller spacing of the contact grid"
             )
 
 

@@ -64,7 +64,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.half_space import FarSplines
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.far_field import FarField
 from warpffrf.model.reduced.local_mass import LocalMass
 
@@ -75,7 +75,7 @@ class ContactSurface:
 
     name: str
     shape: Any  # resolved surface of revolution, see `warpffrf.model.surfaces`
-    grid: ContactGrid
+    grid: SurfaceGrid
     lags: np.ndarray  # (sectors, c rows, c rows) m/N
     mode_normal: np.ndarray  # (columns rows, m) m per unit modal coordinate
     recovery: Recovery
@@ -152,7 +152,7 @@ class Tangential:
     block (s, s') of the operators is `lags[(s - s') mod L]`. Columns and rows are those of the normal grid.
     """
 
-    grid: ContactGrid
+    grid: SurfaceGrid
     lags_tt: np.ndarray
     lags_nt: np.ndarray
     mode_tangent: np.ndarray  # (2, columns rows, m) m per unit modal coordinate

@@ -1,4 +1,4 @@
-r"""Choice of few sampling points with positive weights for a contact surface: `reduce(..., sampling_error=)`.
+r"""Choice of few sampling points with positive weights for a contact surface: `ContactGrid(sampling_error=)`.
 
 From many candidates in a strip of the contact grid, those points are selected and weighted that integrate a training
 set (`warpffrf.offline.contact.cubature`) like all points do, to a required error:
@@ -384,12 +384,12 @@ def choose_sampling(surface: Any, wanted_error: float, *, patches: int = PATCHES
     """
     wanted = require_number(wanted_error, "reduce: sampling_error", positive=True)
     where = f"contact {label!r}" if label else "contact surface"
-    if surface.grid.kind != "hats":
-        raise InputError(f"{where}: sampling points are chosen for hats; use traction='hats' or no sampling_error")
+    if surface.grid.kind != "nodes":
+        raise InputError(f"{where}: sampling points require tractions on nodes; take traction='nodes'")
     if surface.grid.rows > MOST_ROWS:
         raise InputError(
             f"{where}: sampling points are chosen for up to {MOST_ROWS} rows of the contact grid, it has "
-            f"{surface.grid.rows}; use a coarser traction_spacing, or no sampling_error"
+            f"{surface.grid.rows}; use a larger spacing, or no sampling_error"
         )
     best: Sampling | None = None
     reached = np.inf

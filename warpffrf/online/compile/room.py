@@ -15,7 +15,7 @@ LEAST_SLOTS, USUAL_PATCH = 64, 4  # hats; windows a patch
 
 
 def slots_of(contact: Contact, hats: int) -> int:
-    """Hats in play of a pair of which `hats` can be, at most."""
+    """Active nodes of a pair of which `hats` can be active, at most."""
     if contact.capacity is not None:
         return min(hats, contact.capacity)
     return min(hats, max(LEAST_SLOTS, hats // USUAL_PATCH))

@@ -173,7 +173,7 @@ class FilmCheck:
     """What all hats change of a film in states at `time` (n,) [s], as fractions (n,): `forces` at the same places, as
     vectors; `gaps` and `pressures`, the smallest and the largest, with sign, under the same force, `held_gaps` and
     `held_pressures` at the same places. Of all hats: flows in through feeds and out at the ends (n,) [m3/s], at the
-    same places. missed: states of which no film of all hats was found, as where profiles close the gap at an end.
+    same places. missed: states of which no film of all nodes was found, as where profiles close the gap at an end.
     own: what rows of hats leave of the force."""
 
     time: Array
@@ -216,18 +216,18 @@ class FilmCheck:
     def note(self, film: Film) -> str:
         """The line for the report."""
         label, states = f"{film.label}: evaluation 'hyper', axial_degrees {film.axial_degrees}", len(self.time)
-        lost = f"no film of all hats was found in {self.missed} of {states + self.missed} states of the run"
+        lost = f"no film of all nodes was found in {self.missed} of {states + self.missed} states of the run"
         if not states:
             return (
                 f"{label}: {lost}; {cure_of(film)}" if self.missed else f"{label} was not checked, no state with a load"
             )
         text = (
-            f"{label}; against all hats in {states} states of the run at most {self.gap:.2%} of the smallest gap and "
+            f"{label}; against all nodes in {states} states of the run at most {self.gap:.2%} of the smallest gap and "
             f"{self.pressure:.2%} of the largest pressure under the same force; where the bodies are, "
             f"{self.force:.2%} of the force, {_most(self.held_gaps):.2%} of the gap and "
             f"{_most(self.held_pressures):.2%} of the pressure; worst at "
-            f"t = {self.worst:.6g} s; with all hats {1e9 * np.mean(self.feed_flow):.4g} mm3/s come in through feeds "
-            f"and {1e9 * np.mean(self.end_flow):.4g} leave at the ends, on average; hats of {film.grid.rows} rows "
+            f"t = {self.worst:.6g} s; with all nodes {1e9 * np.mean(self.feed_flow):.4g} mm3/s come in through feeds "
+            f"and {1e9 * np.mean(self.end_flow):.4g} leave at the ends, on average; nodes of {film.grid.rows} rows "
             f"err by about {self.own:.2%} of the force themselves"
         )
         if self.missed:
@@ -317,8 +317,8 @@ def film_check_notes(engine: Engine, checks: dict[str, FilmCheck]) -> list[str]:
             found.append(checks[str(film.name)].note(film))
         elif film.evaluation == "hyper":
             found.append(
-                f"{film.label}: evaluation 'hyper' was not held beside all hats, as {_beyond(film)}; what the profiles "
-                "cost shows beside evaluation='semi'"
+                f"{film.label}: evaluation 'hyper' was not compared with all nodes, as {_beyond(film)}; what the "
+                "profiles cost shows beside evaluation='semi'"
             )
     return found
 

@@ -176,7 +176,7 @@ class ContactHistory(reprs.Rows):
     load_second: np.ndarray  # (T, columns2, rows2) N, nodal forces on the second surface, positive inwards
     approach: np.ndarray  # (T,) m, rigid approach at mid-width: sum of radii minus the distance of the axes
     # ... or minus the smallest undeformed gap with closest-point kinematics
-    active_hats: np.ndarray  # (T,) int
+    active_nodes: np.ndarray  # (T,) int
     friction: FrictionHistory | None = None  # None if frictionless
     cells: CellHistory | None = None  # if `pressure` is constant on contact-fixed cells
 

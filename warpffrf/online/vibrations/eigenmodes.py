@@ -273,7 +273,7 @@ def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
         )
     if linear.closed:
         notes.append(
-            f"closed contacts stay closed ({linear.closed} pressure hats): the modes are those of vibrations too small "
+            f"closed contacts stay closed ({linear.closed} pressures): the modes are those of vibrations too small "
             "to open them, with the patch held in place; what rolls it along is at 0 Hz"
         )
     notes.extend(stuck_notes(engine, name))

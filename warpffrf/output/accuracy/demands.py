@@ -132,8 +132,8 @@ def _grids(scene: Scene, result: Any, limits: Limits) -> list[Choice]:
 def _told(force: float, pressure: float) -> str:
     """Errors of hats in words."""
     if np.isnan(force + pressure):
-        return "no rule tells how hats would err"
-    return f"hats would err by {percent(force)} of the force, {percent(pressure)} of pressures"
+        return "no rule gives the error of the body-fixed grid"
+    return f"error of the body-fixed grid: {percent(force)} of the force, {percent(pressure)} of pressures"
 
 
 def _hats_errors(contact: Any, loaded: Any) -> tuple[float, float]:

@@ -144,7 +144,7 @@ def _beside(line: BudgetLine, share: float) -> BudgetLine:
 
 def _of_hats(found: Any, quantity: str) -> BudgetLine:
     """By the rule, at the largest load."""
-    cure = "a finer grid (half_width= or traction_spacing= of reduce), or contact_fixed=True"
+    cure = "a finer grid (half_width= of the mesh, ContactGrid(spacing=)), or contact_fixed=True"
     of = f"{quantity} of contact {found.name!r}"
     if found.patch_kind not in PATCHES:
         return BudgetLine(GRID, of, np.nan, f"there is no rule for a patch that is {found.patch_kind!r}", cure)
@@ -232,7 +232,7 @@ def mesh_lines(result: Any) -> list[BudgetLine]:
         size = float(np.dot(errors, yields) / np.sum(yields)) if known else np.nan  # type: ignore[arg-type]
         basis = "rule of far fields and walls" if found.loaded == "cells" else "rule of the cells behind the surface"
         if not known:
-            basis = "there is no rule for the cells behind points on hats; needs the bodies on another mesh"
+            basis = "there is no rule for the cells behind contact in points on nodes; needs the bodies on another mesh"
         if not sides:
             size, basis = 0.0, "rigid bodies"
         lines.append(BudgetLine(MESH, _force(contact.name), size, basis, MESH_CURE))
@@ -330,9 +330,7 @@ def _missed(time: np.ndarray, force: np.ndarray, highest: float) -> tuple[float,
 
 SOURCE, OF = "energy ledger", "energy at hand"
 SHARE = 0.2  # of what was gained or lost: a line with less needs no cure
-FINER_GRID = (
-    "a finer contact grid (expected_half_width= or traction_spacing= of reduce), or more cells of a patch (cells=)"
-)
+FINER_GRID = "a finer contact grid (expected_half_width= or spacing= of ContactGrid), or more cells of a patch (cells=)"
 
 
 def energy_lines(result: Any) -> list[BudgetLine]:
@@ -373,9 +371,9 @@ def film_lines(history: History) -> list[BudgetLine]:
         check = history.film_checks.get(str(film.name))
         if check is None:
             continue
-        basis = f"all hats in {len(check.time)} states of the run"
+        basis = f"all nodes in {len(check.time)} states of the run"
         if not len(check.time):
-            basis = "the film of all hats was found in no state of the run"
+            basis = "the film of all nodes was found in no state of the run"
         for of, size, where in (
             ("force", check.force, "where the bodies are"),
             ("smallest gap", check.gap, "under the same force"),
@@ -383,6 +381,6 @@ def film_lines(history: History) -> list[BudgetLine]:
         ):
             told = basis
             if np.isfinite(size):
-                told += f", {where}; hats of {film.grid.rows} rows err by {check.own:.1%} themselves"
+                told += f", {where}; nodes of {film.grid.rows} rows err by {check.own:.1%} themselves"
             lines.append(BudgetLine(PROFILES, f"{of} of film {film.name!r}", float(size), told, cure_of(film)))
     return lines

@@ -64,7 +64,7 @@ def _below(found: Any, row: int, body: str) -> tuple[float, str]:
         return BELOW_CELLS, "the half-space under cells, by studies of cylinders and balls"
     known = found.stress_errors(row)
     if body not in known:
-        return np.nan, "the rule below contacts on hats is that of hexahedra"
+        return np.nan, "the rule below contacts on nodes is that of hexahedra"
     one = known[body]
     return one.von_mises, one.reason or f"{one.spacings:.2g} spacings of nodes in the half-width"
 

@@ -66,9 +66,9 @@ OPEN, STICK, SLIP = 0, 1, 2
 STATES = ("open", "stick", "slip")
 ROLLS = 1e-9  # of the largest rolling speed of the run: below it the pair stands, and creepage has no meaning
 MOVES = 1e-6  # columns a step: a patch that advances less stands still, what it seems to move is round-off
-MOST_CELLS = {"hats": 1.0, "cells": 2.5}  # columns a step up to which entering material is counted right
+MOST_CELLS = {"nodes": 1.0, "cells": 2.5}  # columns a step up to which entering material is counted right
 FRICTION_ERROR = 0.01  # of the largest friction force, up to there
-COARSER = {"hats": "a coarser contact grid", "cells": "fewer strips, Contact(..., cells=(strips, rows))"}
+COARSER = {"nodes": "a coarser contact grid", "cells": "fewer strips, Contact(..., cells=(strips, rows))"}
 
 # of a loss in micro-slip, over the cube of the cells across the zone that slips: two spheres pressed and moved along
 # each other, beside Mindlin and Deresiewicz: 58, 4.8, 15, 3.2, 1.0, -4.8, -0.9 % with 0.63, 0.81, 1.0, 1.1, 1.3, 1.4

@@ -73,7 +73,7 @@ class PairResult(reprs.Shown, ABC):
     tractions, slip and creepage of a pair with friction.
     """
 
-    loaded = "hats"  # what carries the pressure, in words
+    loaded = "nodes"  # what carries the pressure, in words
 
     _hidden = frozenset(
         {
@@ -98,7 +98,7 @@ class PairResult(reprs.Shown, ABC):
         "less the distance of the axes at mid-width, of pairs at points minus the smallest undeformed gap. Negative "
         "where they are apart."
     )
-    active_hats = Recorded("(T,) number of functions of the contact grid, or cells, that carry pressure.")
+    active_nodes = Recorded("(T,) number of functions of the contact grid, or cells, that carry pressure.")
 
     def __init__(self, history: Any, view: PairView, bodies: dict[str, Any] | None = None) -> None:
         """bodies: motions by name, `History.bodies`; without them both user frames are taken at the world's origin."""

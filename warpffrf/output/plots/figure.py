@@ -121,7 +121,7 @@ def _profile(ax: Any, contact: Any, x: np.ndarray, p: np.ndarray, lines: np.ndar
         ax.stairs(p, lines, lw=1.0, color=PROFILE, label="computed, on the cells")
         ax.plot(x, p, "o", ms=3.0, color=PROFILE)
     else:
-        ax.plot(x, p, "o-", ms=3.5, lw=1.0, color=PROFILE, label="computed, at the hats")
+        ax.plot(x, p, "o-", ms=3.5, lw=1.0, color=PROFILE, label="computed, at the nodes")
 
 
 def across(result: Any, ax: Any) -> None:

@@ -184,7 +184,9 @@ def applied(scene: Any, setting: Setting) -> Iterator[None]:
         raise InputError(f"no body is flexible, and there is no {' or '.join(asked)} to choose")
     stiffened = [body for body in flexible if can_stiffen(body)] if "stiffening" in setting else []
     if setting.get("stiffening") and not stiffened:
-        raise InputError("stiffening is asked for, and no body was reduced with it; reduce(..., stiffening=True)")
+        raise InputError(
+            "stiffening is asked for, and no body was reduced with it; use ReductionOptions(stiffening=True)"
+        )
     wanted = {name: setting[name] for name in CONTACT if name in setting}
     before = [(contact, {name: getattr(contact, name) for name in wanted}) for contact in scene.contacts]
     levels = [(body, body.level, body.stiffening) for body in flexible]

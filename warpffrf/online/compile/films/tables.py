@@ -184,7 +184,7 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
         collector.notes.append(f"{film.label}: {film.asperities.remark}")
     if film.evaluation == "hyper":
         collector.notes.append(
-            f"{film.label}: its pressure is made of {len(free)} profiles in place of {hats} hats, which balance "
+            f"{film.label}: its pressure is made of {len(free)} profiles in place of {hats} nodes, which balance "
             "its oil in means along: flows through feeds and ends are not recorded"
         )
     elif len(free) > MANY:

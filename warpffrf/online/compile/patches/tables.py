@@ -57,7 +57,7 @@ def patch_plans(
         i, port, other = beside
         if contacts[i].grid == "contact_fixed":
             raise InputError(
-                f"contact {contacts[i].name!r}: body {port.body.name!r} is loaded by {other.name!r} too, whose hats "
+                f"contact {contacts[i].name!r}: body {port.body.name!r} is loaded by {other.name!r} too, whose nodes "
                 "and the cells of a patch do not feel each other by its local modes; give both the same grid="
             )
         del plans[i]
