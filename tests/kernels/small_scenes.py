@@ -226,13 +226,13 @@ def rollers(
     first: ReducedBody,
     second: ReducedBody,
     *,
-    evaluation: str = "semi",
+    quadrature: str = "full",
     grid: str = "body_fixed",
     law: Any = None,
     **more: Any,
 ) -> Scene:
     scene = guided_pair(first, second, **{"load": 60e3, "speed": 60.0, "ramp": 0.02} | more)
-    scene.contacts[0].evaluation = evaluation
+    scene.contacts[0].quadrature = quadrature
     scene.contacts[0].grid = grid
     scene.contacts[0].law = law or scene.contacts[0].law
     return scene
@@ -456,10 +456,10 @@ CASES: dict[str, Case] = {
     "rollers, all round": Case(Scene, how=all_round),
     "rollers, two worlds": Case(lambda: rollers(rubbing(), rubbing(), friction=0.3), how=two_worlds),
     "crowned rollers": Case(lambda: rollers(roller(crown_radius=0.6, axial=5), roller()), options=REST),
-    "few points": Case(lambda: rollers(few_points(90), roller(), evaluation="hyper"), options=REST),
-    "few points elsewhere": Case(lambda: rollers(few_points(60), roller(), evaluation="hyper"), options=REST),
+    "few points": Case(lambda: rollers(few_points(90), roller(), quadrature="reduced"), options=REST),
+    "few points elsewhere": Case(lambda: rollers(few_points(60), roller(), quadrature="reduced"), options=REST),
     "few points, asperities": Case(
-        lambda: rollers(few_points(90), roller(), evaluation="hyper", law=ASPERITIES), options=REST
+        lambda: rollers(few_points(90), roller(), quadrature="reduced", law=ASPERITIES), options=REST
     ),
     "friction": Case(lambda: rollers(rubbing(), rubbing(), friction=0.3, load=300e3), options=REST),
     "friction, regularised": Case(
@@ -529,9 +529,9 @@ CASES: dict[str, Case] = {
         {"start": "equilibrium"},
     ),
     "journal, profiles, both yield": Case(
-        lambda: journal(yields=True, evaluation="hyper"), 1e-4, {"start": "equilibrium"}
+        lambda: journal(yields=True, quadrature="reduced"), 1e-4, {"start": "equilibrium"}
     ),
-    "journal, profiles": Case(lambda: journal(evaluation="hyper"), 1e-4, {"start": "equilibrium"}),
+    "journal, profiles": Case(lambda: journal(quadrature="reduced"), 1e-4, {"start": "equilibrium"}),
     "journal, other rules": Case(lambda: journal(cavitation="half_sommerfeld", load=50.0), 1e-4,
     {"start": "equilibrium"}),
     # runs that fail, each in another way
@@ -544,7 +544,7 @@ CASES: dict[str, Case] = {
         lambda: rollers(rubbing(), rubbing(), friction=0.3, load=suddenly(1e12)), options=HOPELESS, ends="capacity"
     ),
     "too deep elsewhere": Case(
-        lambda: rollers(few_points(60), roller(), evaluation="hyper", load=suddenly(1e12)), options=HOPELESS,
+        lambda: rollers(few_points(60), roller(), quadrature="reduced", load=suddenly(1e12)), options=HOPELESS,
         ends="capacity",
     ),
     "not finite": Case(

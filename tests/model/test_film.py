@@ -86,7 +86,7 @@ def test_what_is_no_option_is_named(pair: Pair) -> None:
     wrong: list[tuple[dict[str, Any], str]] = [
         ({"oil": 0.04}, "film 'bearing': oil must be one of oils.Newtonian"),
         ({"cavitation": "gumbel"}, "film 'bearing': cavitation 'gumbel' does not exist; known: 'jfo'"),
-        ({"evaluation": "whole"}, "film 'bearing': evaluation 'whole' does not exist; known: 'semi', 'hyper'"),
+        ({"quadrature": "whole"}, "film 'bearing': quadrature 'whole' does not exist; known: 'full', 'reduced'"),
         (
             {"boundary_friction": 0.1},
             "film 'bearing': boundary_friction is that of asperities.*asperities=laws.ExponentialAsperities",
@@ -120,12 +120,12 @@ def test_what_is_no_option_is_named(pair: Pair) -> None:
 def test_what_profiles_cannot_be_is_named(pair: Pair) -> None:
     _, bore, shaft = pair
     wrong: list[tuple[dict[str, Any], str]] = [
-        ({"ambient_pressure": 1e5}, "end without pressure, and ambient_pressure is 100000 Pa; take evaluation='semi'"),
+        ({"ambient_pressure": 1e5}, "end without pressure, and ambient_pressure is 100000 Pa; take quadrature='full'"),
         (
             {"cavitation": "half_sommerfeld"},
-            "cavitation 'half_sommerfeld' cuts pressures at zero.*take evaluation='semi'",
+            "cavitation 'half_sommerfeld' cuts pressures at zero.*take quadrature='full'",
         ),
-        ({"asperities": ASPERITIES}, "asperities stand at nodes.*take evaluation='semi'"),
+        ({"asperities": ASPERITIES}, "asperities stand at nodes.*take quadrature='full'"),
         ({"feeds": [films.CircumferentialGroove(0.0, 0.001, 1e5)]}, "must be a Groove over the whole length"),
         ({"axial_degrees": (1, 2)}, r"axial_degrees must rise from 0 to 8 at most, as \(0, 2\).*got \(1, 2\)"),
         ({"axial_degrees": 2}, "axial_degrees must rise from 0 to 8 at most.*got 2"),
@@ -133,7 +133,8 @@ def test_what_profiles_cannot_be_is_named(pair: Pair) -> None:
         ({"axial_degrees": (0, 10)}, "axial_degrees must rise"),
     ]
     for options, words in wrong:
-        given = {"evaluation": "hyper", "ambient_pressure": 0.0, "feeds": [films.AxialGroove(0.0, 0.01, 1e5)]} | options
+        feeds = [films.AxialGroove(0.0, 0.01, 1e5)]
+        given = {"quadrature": "reduced", "ambient_pressure": 0.0, "feeds": feeds} | options
         refused(words, bore, shaft, **given)
 
 
@@ -402,9 +403,9 @@ def test_every_parameter_is_part_of_the_hash(pair: Pair) -> None:
         {"form_a": films.LobedForm(1e-6, 3)}, {"form_b": films.LobedForm(1e-6, 2)},
         {"form_a": films.MeasuredForm([0.0], [0.0], [[1e-6]])}, {"form_a": films.MeasuredForm([0.0], [0.0], [[2e-6]])},
         {"form_a": films.LobedForm(1e-6, 2) + films.BarrelForm(1e-6, 0.02)}, {"name": "other"},
-        {"asperities": ASPERITIES, "boundary_friction": 0.1}, {"evaluation": "hyper", "feeds": feeds,
+        {"asperities": ASPERITIES, "boundary_friction": 0.1}, {"quadrature": "reduced", "feeds": feeds,
             "ambient_pressure": 0.0},
-        {"evaluation": "hyper", "feeds": feeds, "ambient_pressure": 0.0, "axial_degrees": (0, 2)},
+        {"quadrature": "reduced", "feeds": feeds, "ambient_pressure": 0.0, "axial_degrees": (0, 2)},
     ]  # fmt: skip
     without, hashes = scene.content_hash(), set()
     for options in variants:

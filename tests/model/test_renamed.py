@@ -14,7 +14,15 @@ from warpffrf.scene_file.forms import value_kinds
 
 MODULES: tuple[Any, ...] = (wf, wf.films, wf.forces, wf.laws, wf.bearings)
 CALLS: tuple[Callable[..., Any], ...] = (wf.Contact, wf.Film, wf.reduce, wf.ContactGrid)
-WORDS = {"contact_fixed", "body_fixed", "closest_point", "nodes", *wf.films.CAVITATIONS}  # values of arguments
+WORDS = {
+    "contact_fixed",
+    "body_fixed",
+    "closest_point",
+    "nodes",
+    "full",
+    "reduced",
+    *wf.films.CAVITATIONS,
+}  # values of arguments
 
 
 @pytest.mark.parametrize("old", RENAMED)

@@ -87,7 +87,7 @@ def test_a_rigid_body_is_a_port_at_its_origin() -> None:
     rod = scene.add_rigid_body(1.0, (1e-2, 1e-2, 1e-2), name="rod", position=(0.1, 0.2, 0.3))
     origin = rod.at((0.0, 0.0, 0.0))
     made = [
-        (joints.Revolute(scene.ground, port, axis=(0, 1, 0)), forces.PointForce(port, (0, 0, 1)), sensors.Position(port))
+        (joints.Spherical(scene.ground, port), forces.PointForce(port, (0, 0, 1)), sensors.Position(port))
         for port in (rod, origin)
     ]
     for itself, point in zip(*made, strict=True):

@@ -289,7 +289,7 @@ def test_a_run_goes_on_where_another_has_ended() -> None:
 @pytest.mark.parametrize(
     ("film", "options", "words"),
     [
-        ({"evaluation": "hyper"}, {}, "evaluation 'hyper'.*evaluation='semi'"),
+        ({"quadrature": "reduced"}, {}, "quadrature 'reduced'.*quadrature='full'"),
         ({"asperities": laws.ExponentialAsperities(2e9, 0.2e-6, 2.8e-6)}, {}, "asperities.*leave asperities out"),
         ({"roughness_a": films.Roughness(0.5e-6)}, {}, "smooth walls.*leave roughness out"),
         ({"oil": oils.Newtonian(VISCOSITY, density=oils.DowsonHigginson())}, {}, "constant density.*leave density"),

@@ -121,7 +121,7 @@ def test_more_points_for_a_smaller_error(rim):
     errors, counts = [p.training_error for p in found], [p.count for p in found]
     assert errors == sorted(errors, reverse=True) and errors[-1] < errors[0]
     assert counts == sorted(counts) and counts[0] < counts[-1]
-    assert 3 * counts[-1] <= len(gauss_points(rim.grid.rows, 3, 2)[0])  # a third of evaluation "semi"
+    assert 3 * counts[-1] <= len(gauss_points(rim.grid.rows, 3, 2)[0])  # a third of quadrature "full"
 
 
 def test_the_training_error_is_that_of_the_points(rim):

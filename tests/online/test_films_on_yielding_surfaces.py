@@ -127,7 +127,7 @@ def test_asperities_press_both() -> None:
 
 
 def test_profiles_along_press_both() -> None:
-    strips = find_equilibrium(bearing((20e3, 0.0), yielding=shaft_body(), evaluation="hyper", axial_degrees=(0, 2)))
+    strips = find_equilibrium(bearing((20e3, 0.0), yielding=shaft_body(), quadrature="reduced", axial_degrees=(0, 2)))
     expected = reference(powers=(0, 2))
     opposite = of_shaft()
     more = held_compliance(shaft_body(), "rim", "bore")[np.ix_(opposite, opposite)]
@@ -135,7 +135,7 @@ def test_profiles_along_press_both() -> None:
     settled = both.settle(np.array([0.3 * CLEARANCE, 0.0]), np.array([20e3, 0.0]))
     assert strips.status == "completed", strips.message
     (note,) = [note for note in strips.notes if "not compared with all nodes, as its second surface yields" in note]
-    rough = bearing((20e3, 0.0), evaluation="hyper", axial_degrees=(0, 2), roughness_a=films.Roughness(0.2e-6))
+    rough = bearing((20e3, 0.0), quadrature="reduced", axial_degrees=(0, 2), roughness_a=films.Roughness(0.2e-6))
     (note,) = [note for note in find_equilibrium(rough).notes if "not compared with all nodes" in note]
     assert "as its walls are rough" in note
     pressure = both.basis.to_hats @ settled.state.pressure

@@ -102,7 +102,7 @@ def layered(bodies: Bodies) -> wf.Scene:
 
 def few_points(bodies: Bodies) -> wf.Scene:
     scene = guided_pair(bodies["few"], bodies["other"], speed=60.0, ramp=0.02)
-    scene.contacts[0].evaluation = "hyper"
+    scene.contacts[0].quadrature = "reduced"
     return scene
 
 

@@ -9,6 +9,7 @@ RENAMED: dict[str, tuple[str, ...]] = {
     "patch_grid": ("contact_fixed", "grid=wf.ContactGrid(contact_fixed=...)"),
     "patch": ("contact_fixed",), "material": ("body_fixed",),
     "gaps": ("kinematics",), "points": ("closest_point",),
+    "evaluation": ("quadrature",), "semi": ("full",), "hyper": ("reduced",),
     # oil films
     "Groove": ("AxialGroove",), "Ring": ("CircumferentialGroove",), "Hole": ("SupplyHole",),
     "oil_groove": ("axial_groove",), "oil_ring": ("circumferential_groove",), "oil_hole": ("supply_hole",),

@@ -1,11 +1,11 @@
-r"""Which points for evaluation "hyper": non-negative least squares beside DEIM and Q-DEIM, on one training set.
+r"""Which points for quadrature "reduced": non-negative least squares beside DEIM and Q-DEIM, on one training set.
 
 `python -m studies.contact.point_choice` writes docs/studies/point_choice.md. A minute.
 
 A function f on a contact surface, a gap or the pressure of a layer, is taken at few points x_p of each strip between
 two columns; what the hats get of it is A f, A (hats of both columns, points) of a strip:
 
-    all points                 A = Psi^T W             Gauss points and their weights W, as "semi" has them
+    all points                 A = Psi^T W             Gauss points and their weights W, as "full" has them
     least squares (`cubature`) A = Psi_P^T W_P         weights W_P > 0 of a few points
     interpolation              A = Psi^T W U (P^T U)^-1      DEIM, Q-DEIM: f by modes U between few points
 
@@ -95,7 +95,7 @@ def hats_at(places: Places, rows: int) -> Array:
 
 
 def every_point(surface: ContactSurface) -> Rule:
-    """The Gauss points of evaluation "semi"."""
+    """The Gauss points of quadrature "full"."""
     places, weight = all_points(surface)
     return Rule("all", places, hats_at(places, surface.grid.rows) * weight)
 
@@ -275,7 +275,7 @@ of each strip between two columns. *Least squares*: points and positive weights 
 *DEIM* (Chaturantabut and Sorensen 2010), *Q-DEIM* (Drmac and Gugercin 2016): interpolation by modes of the same
 training set,
 gaps and displacements of {PATCHES} patches, one point a mode; once with the fewest modes that reach the wanted error,
-once with as many points as least squares. *All*: the Gauss points of "semi". How each figure is defined:
+once with as many points as least squares. *All*: the Gauss points of "full". How each figure is defined:
 `bench/studies/contact/point_choice.py`.
 
 - *error*: of the weak values of gaps and displacements, the worst patch, of those trained and of {PATCHES} others

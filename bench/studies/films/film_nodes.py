@@ -40,11 +40,11 @@ def node_rows() -> list[list[str]]:
             given: dict[str, Any] = {"feeds": [GROOVE]}
             scene = bearing(body, (load, 0.0), **given)
             cases = {
-                "semi, engine": at_rest(scene).films["film"],
-                "full": solved_whole(scene, at_nodes=True).films["film"],
+                "full, engine": at_rest(scene).films["film"],
+                "at nodes": solved_whole(scene, at_nodes=True).films["film"],
             }
             for name, film in cases.items():
-                at = 0 if name == "full" else -1
+                at = 0 if name == "at nodes" else -1
                 rows.append([
                     f"{nodes[0]} x {nodes[1]}", f"{grid.columns} x {grid.rows}", f"{1e-3 * load:g}", name,
                     f"{np.hypot(*film.eccentricity[at]) / CLEARANCE:.4f}", f"{1e6 * film.smallest_gap[at]:.3f}",
@@ -77,10 +77,10 @@ Target: 1e-6 by the same law. The steady bearing by `references.monolithic`, whi
 voids in one Newton system and shares no code with the engine; differences from the engine over the largest value.
 
 {table(["load [kN]", *SAME_LAW], same_rows())}
-Then with pressures at the nodes of the finite elements (*full*), where they are linear on triangles, beside the hats of
-the engine (*semi*). Hats as many as nodes have the displacements of the finite elements themselves.
+Then with pressures at the nodes of the finite elements (*at nodes*), linear on triangles, compared with the hats of
+the engine (*full*). Hats as many as nodes have the displacements of the finite elements themselves.
 
-{table(["nodes", "hats", "load [kN]", "evaluation", "eccentricity", "smallest film [µm]", "largest pressure [MPa]",
+{table(["nodes", "hats", "load [kN]", "quadrature", "eccentricity", "smallest film [µm]", "largest pressure [MPa]",
         "friction [W]", "flow at the ends [mm³/s]"], node_rows())}
 {READ}"""  # fmt: skip
 

@@ -1,8 +1,8 @@
 """Friction with the law at nodes beside cells and closed forms.
 
 `python -m studies.rolling.full_friction [FOLDER]` writes docs/studies/full_friction.md, in some minutes. A rigid
-cylinder on an exact elastic half-plane with a stiff layer between them, "full" (law at nodes, `references.monolithic`)
-and "semi" (hats and cells, the engine) with the same bodies, layer and steps: shifted to and fro (Cattaneo and
+cylinder on an exact elastic half-plane with a stiff layer between them, "at nodes" (`references.monolithic`)
+and "full" (hats and cells, the engine) with the same bodies, layer and steps: shifted to and fro (Cattaneo and
 Mindlin), and rolled along (Carter).
 """
 
@@ -34,7 +34,7 @@ from warpffrf.study.markdown import table
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")
 PAIR = "pair"
 FRICTION, WIDTH, HALF_WIDTH = 0.3, 0.01, 1.5e-3  # -, m, m
-RADIUS, FLAT_RADIUS = 0.05, 5.0  # m, shifted and rolled: in the second the surface bends little (test of "semi")
+RADIUS, FLAT_RADIUS = 0.05, 5.0  # m, shifted and rolled: in the second the surface bends little (test of "full")
 MASS, INERTIA = 0.1, (1e-4, 1e-4, 1e-4)  # kg, kg m2: small, and the runs are slow
 STEP, QUARTER = 1e-3, 4  # s, and steps to the peak of the shift
 SHARE = 0.5  # of mu P that the shift, or the creepage, asks for
@@ -84,7 +84,7 @@ class Shifted:
     loss: float
 
 
-def shifted(cells: int, evaluation: str, *, stiffer: float = 1.0, stick: float | None = None) -> Shifted:
+def shifted(cells: int, quadrature: str, *, stiffer: float = 1.0, stick: float | None = None) -> Shifted:
     """A rigid cylinder, pressed on the half-plane with `cells` in a half-width, shifted aside and once to and fro; the
     layer is `stiffer` times the default one of nodes, the stick stiffness `stick` times that (None: of the layer)."""
     line = line_contact(RADIUS)
@@ -102,7 +102,7 @@ def shifted(cells: int, evaluation: str, *, stiffer: float = 1.0, stick: float |
     scene.add(
         joints.Drive(side, signals.Table(STEP * np.arange(len(path)), shift * path, cubic=True), quantity="position")
     )
-    result = _run(scene, face, port, evaluation, 5 * QUARTER * STEP, STEP, stiffer, stick)
+    result = _run(scene, face, port, quadrature, 5 * QUARTER * STEP, STEP, stiffer, stick)
     c = result.history.contacts[PAIR]
     if c.friction is None:
         raise RuntimeError("no friction in the result")
@@ -118,7 +118,7 @@ def shifted(cells: int, evaluation: str, *, stiffer: float = 1.0, stick: float |
     )  # fmt: skip
 
 
-def rolled(cells: int, evaluation: str, crossings: int = 10, share: float = SHARE) -> tuple[float, float, Result]:
+def rolled(cells: int, quadrature: str, crossings: int = 10, share: float = SHARE) -> tuple[float, float, Result]:
     """A rigid cylinder rolls along, a cell a step: the error of Q at the creepage found, the creepage found over that
     asked for, and the run."""
     pitch, line = HALF_WIDTH / cells, line_contact(FLAT_RADIUS)
@@ -136,7 +136,7 @@ def rolled(cells: int, evaluation: str, crossings: int = 10, share: float = SHAR
     scene.add(forces.PointForce(middle, (0.0, 0.0, -line.load * WIDTH)))
     scene.add(joints.Drive(along, SPEED, quantity="velocity"))
     scene.add(joints.Drive(turn, turning, quantity="velocity"))
-    result = _run(scene, face, port, evaluation, steps * pitch / SPEED, pitch / SPEED, 1.0, None)
+    result = _run(scene, face, port, quadrature, steps * pitch / SPEED, pitch / SPEED, 1.0, None)
     c = result.history.contacts[PAIR]
     if c.friction is None:
         raise RuntimeError("no friction in the result")
@@ -166,7 +166,7 @@ def _cylinder(
 
 
 def _run(
-    scene: Scene, face: Any, port: Any, evaluation: Any, duration: float, step: float, stiffer: float,
+    scene: Scene, face: Any, port: Any, quadrature: Any, duration: float, step: float, stiffer: float,
     stick: float | None,
 ) -> Result:  # fmt: skip
     unit = default_layer(face.surface)
@@ -175,13 +175,13 @@ def _run(
     options: dict[str, Any] = {
         "step": step, "start": "equilibrium", "integrator": GeneralizedAlpha(rho_inf=0.0), "progress": False
     }  # fmt: skip
-    if evaluation == "full":
+    if quadrature == "at nodes":
         options |= {"variant": "low_rank", "stick_stiffness": None if stick is None else stick * unit}
         result = monolithic.simulate(scene, duration, at_nodes=True, **options)
     else:
         result = simulate(scene, duration, **options)
     if result.status != "completed":
-        raise RuntimeError(f"{evaluation}: {result.status}: {result.message}")
+        raise RuntimeError(f"{quadrature}: {result.status}: {result.message}")
     return result
 
 
@@ -189,40 +189,40 @@ def page() -> str:
     """The page."""
     rows, sticks, rolls = [], [], []
     for cells in (8, 16, 32):
-        for evaluation in ("semi", "full"):
-            s = shifted(cells, evaluation)
-            rows.append([str(cells), evaluation, f"{s.displacement:+.2%}", f"{s.stick:+.2f}", f"{s.loss:+.2%}"])
+        for quadrature in ("full", "at nodes"):
+            s = shifted(cells, quadrature)
+            rows.append([str(cells), quadrature, f"{s.displacement:+.2%}", f"{s.stick:+.2f}", f"{s.loss:+.2%}"])
     for stick in (0.1, 1.0, 10.0, 100.0):
-        s = shifted(16, "full", stick=stick)
+        s = shifted(16, "at nodes", stick=stick)
         iterations = f"{s.result.history.iterations[1:].mean():.1f}"
         sticks.append([f"{stick:g}", f"{s.displacement:+.2%}", f"{s.stick:+.2f}", f"{s.loss:+.2%}", iterations])
     for cells in (8, 16):
-        for evaluation in ("semi", "full"):
-            error, creep, _ = rolled(cells, evaluation)
-            rolls.append([str(cells), evaluation, f"{error:+.2%}", f"{creep:.4f}"])
+        for quadrature in ("full", "at nodes"):
+            error, creep, _ = rolled(cells, quadrature)
+            rolls.append([str(cells), quadrature, f"{error:+.2%}", f"{creep:.4f}"])
     head = ["displacement", "stick zone [spacings]", "loss of a cycle"]
     return f"""# Friction with the law at nodes
 
 {MADE}
 A rigid cylinder on an exact elastic half-plane (steel, half-width a = 1.5 mm, μ = 0.3) with a layer that yields by
-1/300 of what a hat yields. *semi*: hats and cells, friction solved for as a set-valued law; *full*: law and return
+1/300 of what a hat yields. *full*: hats and cells, friction solved for as a set-valued law; *at nodes*: law and return
 mapping at every node, all coordinates in one Newton system.
 
 ## Shifted aside and once to and fro
 
 Q = 0.5 μP, errors against Cattaneo and Mindlin at the first peak, and of the work of the cycle. Cells per half-width.
 
-{table(["cells", "evaluation", *head], rows)}
-*full*, 16 cells, by the stick stiffness over that of the layer (the default is 0.82 of it); Newton iterations a step.
+{table(["cells", "quadrature", *head], rows)}
+*at nodes*, 16 cells, by the stick stiffness over that of the layer (the default is 0.82 of it); iterations per step.
 
 {table(["stick stiffness", *head, "iterations"], sticks)}
 ## Rolled along
 
 A cell a step, ten crossings, the creepage of Q = 0.5 μP: error of Q against Carter at the creepage found, and that
-over the one asked for. `full` is of first order in cell and step; cells of `semi` that the patch reaches during a step
+over the one asked for. *at nodes* is of first order in cell and step; cells of *full* that the patch reaches in a step
 resist what is left of it (see [carter](carter.md)).
 
-{table(["cells", "evaluation", "Q", "creepage"], rolls)}"""
+{table(["cells", "quadrature", "Q", "creepage"], rolls)}"""
 
 
 def main(folder: str = "docs/studies") -> None:

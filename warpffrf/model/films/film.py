@@ -28,7 +28,7 @@ from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.surfaces.form_deviations import Form, as_form, refuse_form
 
-EVALUATIONS = ("semi", "hyper")
+QUADRATURES = ("full", "reduced")
 PROFILES = (0, 1, 2)  # axial degrees: a tilting shaft requires odd ones
 MOST_POWER = 8
 LEAST_ROWS, LEAST_COLUMNS = 3, 8  # rows between the ends, and columns: fewer resolve no pressure
@@ -48,8 +48,8 @@ class Film(reprs.Item):
     `laws.ExponentialAsperities` or `laws.GreenwoodTripp`; its pressure adds to that of the film; None for smooth walls.
     boundary_friction: the friction coefficient of the asperities, in addition to the drag of the oil. form_a, form_b:
     form deviations of the two surfaces (`warpffrf.films`). roughness_a, roughness_b: `films.Roughness` of the two
-    walls, with the flow factors of Patir and Cheng; None for smooth walls. evaluation: "semi", all nodes of the contact
-    grid with full quadrature, or "hyper", in each column a few axial profiles (1 - zeta^2) zeta^m with m of
+    walls, with the flow factors of Patir and Cheng; None for smooth walls. quadrature: "full", all nodes of the contact
+    grid at all points, or "reduced", in each column a few axial profiles (1 - zeta^2) zeta^m with m of
     `axial_degrees`, 0 first, at few points. name: default "<first body>-<second body>". Raises `InputError`.
     """
 
@@ -71,7 +71,7 @@ class Film(reprs.Item):
         form_b: Form | None = None,
         roughness_a: Roughness | None = None,
         roughness_b: Roughness | None = None,
-        evaluation: str = "semi",
+        quadrature: str = "full",
         axial_degrees: Sequence[int] = PROFILES,
         name: str | None = None,
     ) -> None:
@@ -84,10 +84,10 @@ class Film(reprs.Item):
         self._require_bodies()
         if cavitation not in CAVITATIONS:
             raise unknown_name(f"{label}: cavitation", cavitation, CAVITATIONS)
-        if evaluation not in EVALUATIONS:
-            raise unknown_name(f"{label}: evaluation", evaluation, EVALUATIONS)
+        if quadrature not in QUADRATURES:
+            raise unknown_name(f"{label}: quadrature", quadrature, QUADRATURES)
         self.cavitation = str(cavitation)
-        self.evaluation = str(evaluation)
+        self.quadrature = str(quadrature)
         self.oil: Oil = as_oil(oil, label)
         self.asperities: Law | None = None if asperities is None else _asperities(asperities, label)
         self.boundary_friction = require_number(boundary_friction, f"{label}: boundary_friction", non_negative=True)
@@ -192,8 +192,8 @@ class Film(reprs.Item):
             "cavitation": self.cavitation,
             "boundary_friction": self.boundary_friction,
             "ambient_pressure": self.ambient_pressure,
-            "evaluation": self.evaluation,
-            "axial_degrees": list(self.axial_degrees) if self.evaluation == "hyper" else None,
+            "quadrature": self.quadrature,
+            "axial_degrees": list(self.axial_degrees) if self.quadrature == "reduced" else None,
             **{n: wall.describe() for n, wall in self._walls.items() if wall is not None},
         }
 
@@ -221,12 +221,12 @@ class Film(reprs.Item):
                 f"{self.label}: axial_degrees must rise from 0 to {MOST_POWER} at most, as (0, 2) of a shaft that "
                 f"stays straight or (0, 1, 2), got {degrees!r}"
             )
-        if self.evaluation != "hyper":
+        if self.quadrature != "reduced":
             return found
-        cure = "take evaluation='semi'"
+        cure = "take quadrature='full'"
         if self.ambient_pressure:
             raise InputError(
-                f"{self.label}: the profiles of evaluation 'hyper' end without pressure, and ambient_pressure is "
+                f"{self.label}: the profiles of quadrature 'reduced' end without pressure, and ambient_pressure is "
                 f"{self.ambient_pressure:g} Pa; {cure}"
             )
         if self.cavitation == "half_sommerfeld":
@@ -234,11 +234,11 @@ class Film(reprs.Item):
                 f"{self.label}: cavitation 'half_sommerfeld' cuts pressures at zero, which profiles do not do; {cure}"
             )
         if self.asperities is not None:
-            raise InputError(f"{self.label}: asperities stand at nodes, which evaluation 'hyper' does not have; {cure}")
+            raise InputError(f"{self.label}: asperities stand at nodes, which quadrature 'reduced' lacks; {cure}")
         partly = self._held()[0][:, 1:-1]
         if np.any(partly.any(axis=1) != partly.all(axis=1)):
             raise InputError(
-                f"{self.label}: evaluation 'hyper' has a profile along for each column, and holds none of it: a feed "
+                f"{self.label}: quadrature 'reduced' has a profile along for each column, and holds none of it: a feed "
                 f"must be a Groove over the whole length; {cure}"
             )
         return found

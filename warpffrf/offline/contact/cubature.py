@@ -66,7 +66,7 @@ the integrand of the bracket, at the points, is a *snapshot*; it requires no sim
 with u, v along the axes of the patch. Semi-axes a, b, position, skew and the position of the opposite grid follow a
 low-discrepancy sequence (Halton), the same each time. Every family is scaled to size one.
 
-The targets are the integrals by *all* points, the Gauss points of evaluation "semi": the reduced set replaces the full
+The targets are the integrals by *all* points, the Gauss points of quadrature "full": the reduced set replaces the full
 set, and is not charged with the full set's own error for an opposite grid whose kinks lie inside a cell (2 % of a
 response if rows are far apart). Only the areas are those of the exact surface.
 """
@@ -203,7 +203,7 @@ class Family:
 
 
 def all_points(surface: Any, around: int = ALL_AROUND, along: int = ALL_ALONG) -> tuple[Places, np.ndarray]:
-    """Gauss points of a strip and their weights [m^2], with the number per cell of evaluation "semi" or as given."""
+    """Gauss points of a strip and their weights [m^2], with the number per cell of quadrature "full" or as given."""
     grid = surface.grid
     x, row, zeta, share = gauss_points(grid.rows, around, along)
     places = Places.of(surface, x, row, zeta)

@@ -80,7 +80,7 @@ class FilmGridError:
 def film_grid_errors(engine: Engine) -> dict[str, FilmGridError]:
     """By name, of films of hats, at the state of the last attempt of world 0."""
     films = enumerate(engine.scene.films)
-    return {str(film.name): _error_of(engine, i, film) for i, film in films if film.evaluation == "semi"}
+    return {str(film.name): _error_of(engine, i, film) for i, film in films if film.quadrature == "full"}
 
 
 class _Finer:
@@ -150,7 +150,7 @@ def _figures(engine: Engine, i: int, film: Film, by: tuple[int, int]) -> Array |
         slice(*(int(n) for n in getattr(films, f"{name}_start").numpy()[i : i + 2])) for name in ("function", "point")
     )
     finer, own = _Finer(film, by), basis_of(film)
-    basis: Basis = basis_of(finer, "semi")  # type: ignore[arg-type]
+    basis: Basis = basis_of(finer, "full")  # type: ignore[arg-type]
     shape = film.grid.columns, film.grid.rows
 
     def nodes(values: Array) -> Array:
@@ -305,11 +305,11 @@ def transport(basis: Basis, carried: Array) -> Any:
 
 
 class HatFilm:
-    """All hats of a film at all points, whatever its own evaluation is."""
+    """All hats of a film at all points, whatever its own quadrature is."""
 
     def __init__(self, film: Film) -> None:
         surface, body = film.a.surface, film.a.body
-        self.film, self.basis = film, basis_of(film, "semi")
+        self.film, self.basis = film, basis_of(film, "full")
         basis = self.basis
         columns = np.arange(film.grid.columns)
         self.opening = surface.compliance(columns) @ hat_gram(surface, 1)[0]  # (hats, hats) m/Pa

@@ -5,7 +5,7 @@ pressure of hats that are a RULE-th of it wide errs by ERROR at its peak, and by
 bearings, hats beside fine volumes: docs/studies/oil_film.md). An elastic surface flattens the place, so the figure is
 on the safe side there.
 
-Film check. The online check of films of evaluation "hyper": a few profiles along beside all hats, on states of the run.
+Film check. The online check of films of quadrature "reduced": a few profiles along compared with all nodes.
 
 A run leaves up to `SEEN` states on the way, an equilibrium its own: places, velocities, global coordinates, pressures
 and voids, and the rates of filling and voids of the step. On `SAMPLED` of them, those of the largest force and the
@@ -215,7 +215,7 @@ class FilmCheck:
 
     def note(self, film: Film) -> str:
         """The line for the report."""
-        label, states = f"{film.label}: evaluation 'hyper', axial_degrees {film.axial_degrees}", len(self.time)
+        label, states = f"{film.label}: quadrature 'reduced', axial_degrees {film.axial_degrees}", len(self.time)
         lost = f"no film of all nodes was found in {self.missed} of {states + self.missed} states of the run"
         if not states:
             return (
@@ -250,7 +250,7 @@ def cure_of(film: Film) -> str:
     even = tuple(range(0, max(film.axial_degrees) + 3, 2))
     more = even if not any(m % 2 for m in film.axial_degrees) else tuple(range(max(film.axial_degrees) + 2))
     tilts = "" if any(m % 2 for m in film.axial_degrees) else ", odd ones too where the shaft tilts"
-    return f"take more axial_degrees, as {more}{tilts}, or evaluation='semi'"
+    return f"take more axial_degrees, as {more}{tilts}, or quadrature='full'"
 
 
 @dataclass(frozen=True)
@@ -271,12 +271,12 @@ class _Seen:
 
 
 class FilmWatch:
-    """States of the films of evaluation "hyper" between smooth walls, the second rigid, of a run of user steps `first`
+    """States of films of quadrature "reduced" between smooth walls, the second rigid, of a run of user steps `first`
     to `last`."""
 
     def __init__(self, engine: Engine, first: int, last: int) -> None:
         self.films = [
-            i for i, film in enumerate(engine.scene.films) if film.evaluation == "hyper" and not _beyond(film)
+            i for i, film in enumerate(engine.scene.films) if film.quadrature == "reduced" and not _beyond(film)
         ]
         steps = np.unique(np.linspace(first, last, SEEN + 1).astype(int))[1:]
         self.steps = steps if self.films else steps[:0]
@@ -299,7 +299,7 @@ class FilmWatch:
 
 
 def check_films(engine: Engine, watch: FilmWatch, sampled: int = SAMPLED) -> dict[str, FilmCheck]:
-    """By name of the film, of evaluation "hyper"."""
+    """By name of the film, of quadrature "reduced"."""
     found = {}
     for i, seen in watch.seen.items():
         film = engine.scene.films[i]
@@ -310,15 +310,15 @@ def check_films(engine: Engine, watch: FilmWatch, sampled: int = SAMPLED) -> dic
 
 
 def film_check_notes(engine: Engine, checks: dict[str, FilmCheck]) -> list[str]:
-    """One note for each film of evaluation "hyper"."""
+    """One note for each film of quadrature "reduced"."""
     found = []
     for film in engine.scene.films:
         if str(film.name) in checks:
             found.append(checks[str(film.name)].note(film))
-        elif film.evaluation == "hyper":
+        elif film.quadrature == "reduced":
             found.append(
-                f"{film.label}: evaluation 'hyper' was not compared with all nodes, as {_beyond(film)}; what the "
-                "profiles cost shows beside evaluation='semi'"
+                f"{film.label}: quadrature 'reduced' was not compared with all nodes, as {_beyond(film)}; what the "
+                "profiles cost shows beside quadrature='full'"
             )
     return found
 

@@ -36,7 +36,7 @@ The lines have cures of their own: `numerical` is of the step, `contact_grid` of
 it, at any step. Between the rows of the largest rise or fall the one that changed more is named, with the other where
 that made more than `SHARE` of it.
 
-Films. Errors of oil films: of evaluation "hyper" a few profiles along beside all hats, in states of the run; of hats
+Films. Errors of oil films: of quadrature "reduced" a few profiles along beside all hats, in states of the run; of hats
 their grid beside finer ones, in the last state.
 
 The smallest gap and the largest pressure are those under the same force, the force that at the same places
@@ -204,10 +204,10 @@ def friction_lines(result: Any) -> list[BudgetLine]:
 
 
 def point_lines(result: Any) -> list[BudgetLine]:
-    """One line for each contact of evaluation "hyper"."""
+    """One line for each contact of quadrature "reduced"."""
     lines = []
     for contact in result.history.scene.contacts:
-        if contact.evaluation == "hyper" and np.any(result.contact(contact.name).touching):
+        if contact.quadrature == "reduced" and np.any(result.contact(contact.name).touching):
             check = check_sampling(contact, result.history)
             cure = "a smaller sampling_error of the first body"
             lines.append(BudgetLine(POINTS, _force(contact.name), check.force, "all points at sampled steps", cure))

@@ -208,7 +208,7 @@ def applied(scene: Any, setting: Setting) -> Iterator[None]:
 
 def _set_all(contact: Any, old: Mapping[str, Any], values: Mapping[str, Any]) -> None:
     """Set options of a contact that must fit together: first the grid to what allows all, the asked one last."""
-    if "grid" in values and "evaluation" in values:
+    if "grid" in values and "quadrature" in values:
         contact.grid = "body_fixed"
     for name in sorted(values, key=lambda name: name == "grid"):
         setattr(contact, name, values[name])

@@ -1,9 +1,9 @@
 r"""What the pressure of a film is made of, and the points where its equations are met.
 
-*Hats* ("semi"): a function a hat of the grid, each with a void of its own; Gauss points, `ACROSS` x `ALONG` in each
+*Hats* ("full"): a function a hat of the grid, each with a void of its own; Gauss points, `ACROSS` x `ALONG` in each
 cell, on the true surface.
 
-*Strips* ("hyper"): hats around times polynomials along, with zeta from -1 to 1 between the ends,
+*Strips* ("reduced"): hats around times polynomials along, with zeta from -1 to 1 between the ends,
 
     phi_jm = psi_j(theta) (1 - zeta^2) (zeta^m - c_m),
 
@@ -64,9 +64,9 @@ class Basis:
         return len(self.given)
 
 
-def basis_of(film: Film, evaluation: str | None = None) -> Basis:
-    """What the evaluation of a film asks for, its own or another one."""
-    return _strips(film, film.axial_degrees) if (evaluation or film.evaluation) == "hyper" else _hats(film)
+def basis_of(film: Film, quadrature: str | None = None) -> Basis:
+    """What the quadrature of a film asks for, its own or another one."""
+    return _strips(film, film.axial_degrees) if (quadrature or film.quadrature) == "reduced" else _hats(film)
 
 
 def radius_at(surface: ContactSurface, z: Array) -> Array:

@@ -182,7 +182,7 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
         )
     if film.asperities is not None and film.asperities.remark:
         collector.notes.append(f"{film.label}: {film.asperities.remark}")
-    if film.evaluation == "hyper":
+    if film.quadrature == "reduced":
         collector.notes.append(
             f"{film.label}: its pressure is made of {len(free)} profiles in place of {hats} nodes, which balance "
             "its oil in means along: flows through feeds and ends are not recorded"
@@ -190,7 +190,7 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     elif len(free) > MANY:
         collector.notes.append(
             f"{film.label}: {len(free)} unknown pressures, and each iteration factors a matrix of so many lines; "
-            "evaluation='hyper' takes a profile along in place of rows, whose number the load errs by as its square"
+            "quadrature='reduced' takes a profile along in place of rows, whose number the load errs by as its square"
         )
     if collector.local.count(body.index) or (not film.b.rigid and collector.local.count(film.b.body.index)):
         collector.notes.append(f"{film.label}: local modes move without inertia under its pressure")
@@ -236,7 +236,7 @@ def _presses(film: Film, basis: Basis) -> tuple[Array, Array, Array]:
     """Places by which a film loads a second body that yields: seats (places,), functions that do, -1 for none, and the
     area of each [m2] (places, some): points, or of profiles, which stand at few points, hats."""
     points = len(basis.weight)
-    if film.evaluation != "hyper":
+    if film.quadrature != "reduced":
         return np.arange(points), basis.function, basis.value * basis.weight[:, None]
     forces = sp.csr_matrix(sp.csr_matrix(hat_gram(film.a.surface, 1)[0]) @ basis.to_hats)
     counts = np.diff(forces.indptr)
