@@ -87,11 +87,11 @@ def machine(reduced: wf.ReducedBody) -> wf.Scene:
         angular_velocity=(0, CRANK / ROD * SPEED, 0),
     )  # fmt: skip
     piston = scene.add_rigid_body(PISTON_MASS, PISTON_INERTIA, name="piston", position=(CRANK + ROD, 0, 0))
-    axle = scene.add(wf.joints.Revolute(scene.ground, crank.at((0, 0, 0)), axis=(0, -1, 0), name="axle"))
-    scene.add(wf.joints.Revolute(rod["eye"], piston.at((0, 0, 0)), axis=(0, -1, 0), name="wrist"))
-    scene.add(wf.joints.Prismatic(scene.ground, piston.at((0, 0, 0)), axis=(1, 0, 0), name="liner"))
+    axle = scene.add(wf.joints.Revolute(scene.ground, crank, axis=(0, -1, 0), name="axle"))
+    scene.add(wf.joints.Revolute(rod["eye"], piston, axis=(0, -1, 0), name="wrist"))
+    scene.add(wf.joints.Prismatic(scene.ground, piston, axis=(1, 0, 0), name="liner"))
     scene.add(wf.joints.Drive(axle, wf.signals.Constant(SPEED), quantity="velocity"))
-    scene.add(wf.forces.PointForce(piston.at((0, 0, 0)), (gas(), (1, 0, 0)), name="gas"))
+    scene.add(wf.forces.PointForce(piston, (gas(), (1, 0, 0)), name="gas"))
     grooves = [wf.films.AxialGroove(at, 1e-3, 0.0) for at in GROOVES]  # narrower than a column of the grid
     scene.add(wf.Film(rod["bore"], crank["pin"], oil=OIL, feeds=grooves, name=FILM))
     return scene

@@ -81,12 +81,12 @@ def build(crown: float | None = CROWN, *, size: Size = FULL, progress: bool = Tr
     axle = scene.add(wf.joints.Revolute(scene.ground, lower["bore"], axis=(0, 1, 0), name="axle"))
     spin = wf.signals.SmoothStep(0.0, SPEED, duration=SPIN_UP, delay=LOADING + WAITING)
     scene.add(wf.joints.Drive(axle, spin, quantity="velocity"))
-    scene.add(wf.joints.Prismatic(scene.ground, carriage.at((0, 0, 0)), axis=(0, 0, 1), name=GUIDE))
+    scene.add(wf.joints.Prismatic(scene.ground, carriage, axis=(0, 0, 1), name=GUIDE))
     for name, side in (("journal_low", -0.5), ("journal_high", 0.5)):
         bush = carriage.at((0.0, side * LENGTH, 0.0))
         scene.add(wf.joints.Spherical(bush, upper[name], name=name))
     press = wf.signals.SmoothStep(LIGHT, HEAVY, duration=LOADING)
-    scene.add(wf.forces.PointForce(carriage.at((0, 0, 0)), (press, (0, 0, -1)), name="press"))
+    scene.add(wf.forces.PointForce(carriage, (press, (0, 0, -1)), name="press"))
     return scene
 
 

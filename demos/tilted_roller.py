@@ -63,8 +63,7 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
     scene.add(wf.Contact(roller["tread"], scene.ground.surface(plane, name="plane"), name=PAIR))
     at = roller["bore"].world_point()
     carriage, cradle = (
-        scene.add_rigid_body(CARRIAGE_MASS, CARRIAGE_INERTIA, name=name, position=at).at((0, 0, 0))
-        for name in ("carriage", "cradle")
+        scene.add_rigid_body(CARRIAGE_MASS, CARRIAGE_INERTIA, name=name, position=at) for name in ("carriage", "cradle")
     )
     scene.add(wf.joints.Prismatic(scene.ground, carriage, axis=(0, 0, 1), name=GUIDE))
     tilt = scene.add(wf.joints.Revolute(carriage, cradle, axis=(-1, 0, 0), name=TILTS))
