@@ -158,8 +158,7 @@ class ReductionOptions:
         if self.solver is not None:
             require_solver(self.solver)
         if self.memory_limit is not None:
-            limit = int(require_number(self.memory_limit, "ReductionOptions: memory_limit", positive=True))
-            object.__setattr__(self, "memory_limit", limit)
+            require_number(self.memory_limit, "ReductionOptions: memory_limit", positive=True)
 
 
 def require_modes(modes: Any, name: str) -> int:

@@ -353,7 +353,7 @@ def _product(
         "checkpoint": checkpoint,
     }
     named = list(choice.shapes.items())
-    memory = settings.options.memory_limit
+    memory = None if settings.options.memory_limit is None else int(settings.options.memory_limit)
     return reduce_general(mesh, assignment, joints, named, settings.basis, limits, spacing, memory, stages, **how)
 
 
