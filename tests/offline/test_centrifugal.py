@@ -288,5 +288,5 @@ def test_option_is_checked_and_known(small_roller):
     with pytest.raises(InputError, match="centrifugal must be True or False"):
         reduce(small_roller, STEEL, options=ReductionOptions(centrifugal=1))  # type: ignore[arg-type]
     body = free_of_contact(small_roller, centrifugal=True)
-    assert body.provenance["settings"]["centrifugal"] is True
+    assert body.provenance["settings"]["options"]["centrifugal"] is True
     assert body.provenance["key"] != free_of_contact(small_roller).provenance["key"]

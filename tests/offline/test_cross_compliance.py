@@ -311,7 +311,7 @@ def test_memory_counts_pairs_of_surfaces(sheet: Mesh) -> None:
     counts = [3 * 6 * 4, 3 * 6 * 4, 3 * 6 * 3]  # loads of the faces, with their edges
     skin = 3 * len(sheet.outer_facets().node_set) * 4  # of a load, single precision
     alone = sum(results_bytes([n], []) + skin * n for n in counts)
-    with pytest.raises(InputError, match="the dense compliance of 198 hats needs"):
+    with pytest.raises(InputError, match="the dense compliance of 198 functions of contact grids needs"):
         of_sheet(sheet, [], memory_limit=alone)
 
 

@@ -172,7 +172,7 @@ def test_too_little_memory_says_how_much_is_needed(mesh):
     needed = needed_memory(mesh)
     with pytest.raises(InputError, match="memory_limit of .* is too small.*raise memory_limit to"):
         general(mesh, memory_limit=needed - (1 << 20))
-    with pytest.raises(InputError, match="the dense compliance of 150 hats needs"):
+    with pytest.raises(InputError, match="the dense compliance of 150 functions of contact grids needs"):
         general(mesh, memory_limit=1 << 18)
 
 
