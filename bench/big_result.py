@@ -35,7 +35,7 @@ def make(file: str, sectors: int, rows: int) -> int:
     mesh = wf.mesh.roller(radius, 0.015, 0.02, sectors=sectors, layers=15, axial=27, order=1)
     body = wf.reduce(
         mesh, wf.Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
-        modes=4, stress={"skin": "skin"}, contact_fixed=False, cache=False, progress=False,
+        modes=4, stress={"skin": "skin"}, grid=wf.ContactGrid(contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
     scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
     roller = scene.add_body(

@@ -34,20 +34,20 @@ SLOWER, DIFFERENT = 0.03, 0.0
 # --- bodies, reduced once by the working tree
 
 
-def _roller(**options: Any) -> Any:
+def _roller(modes: int, grid: dict[str, Any] | None = None, options: dict[str, Any] | None = None) -> Any:
     import warpffrf as wf
 
     mesh = wf.mesh.roller(RADIUS, BORE, WIDTH, sectors=720, layers=8, axial=3, grading=1.6, order=1)
     return wf.reduce(
         mesh, wf.Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
-        progress=False, **options,
+        modes=modes, grid=wf.ContactGrid(**grid or {}), options=wf.ReductionOptions(**options or {}), progress=False,
     )  # fmt: skip
 
 
 BODIES: dict[str, Callable[[], Any]] = {
-    "roller": lambda: _roller(modes=0, tangential=True, contact_fixed=False),
+    "roller": lambda: _roller(modes=0, grid={"tangential": True, "contact_fixed": False}),
     "flexible": lambda: _roller(modes=6),
-    "dynamic": lambda: _roller(modes=2, local_dynamics=True),
+    "dynamic": lambda: _roller(modes=2, options={"local_dynamics": True}),
 }
 
 

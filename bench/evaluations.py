@@ -1,13 +1,14 @@
-"""Evaluations "semi" and "hyper" against the law at FE nodes.
+"""Quadratures "full" and "reduced" against the law at FE nodes.
 
 `python bench/evaluations.py [--json FILE] [--errors | --times | --layers]`
 
-*Errors* of "semi" and "hyper" against "full", two rollers with a stiff layer between them rolling over each other at a
-constant approach: force, pressure and stress, on finer and finer meshes, with two layers, on equal and unequal grids.
-*Times* of a step with 8,000 local modes, all three in the same run: "full" with each of its linear solvers, of which
-"full" is the conventional one, a dense LU of all coordinates in each iteration, and "low_rank" condenses the local
-modes; without options only the latter, and no errors. *Layers*: "hyper" against "semi" under laws whose yield is no
-constant, which are evaluated at points. See `bench/studies/contact/evaluations.py`.
+*Errors* of "full" and "reduced" against "at nodes", two rollers with a stiff layer between them rolling over each other
+at a constant approach: force, pressure and stress, on finer and finer meshes, with two layers, on equal and unequal
+grids.
+*Times* of a step with 8,000 local modes, all three in the same run: "at nodes" with each of its linear solvers, of
+which "full" is the conventional one, a dense LU of all coordinates in each iteration, and "low_rank" condenses the
+local modes; without options only the latter, and no errors. *Layers*: "reduced" against "full" under laws whose yield
+is no constant, which are evaluated at points. See `bench/studies/contact/evaluations.py`.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from studies.contact.evaluations import (
     layer_of,
     points_of,
     run_at_nodes,
-    run_evaluation,
+    run_quadrature,
     scene_of,
     step_seconds,
     surface_norm,
@@ -80,7 +81,7 @@ def main() -> None:
 
 def errors() -> list[dict[str, Any]]:
     """Errors on all meshes; printed as they come."""
-    print("sectors  upper  approach  layer  columns a half-width  evaluation  points  force  pressure  stress")
+    print("sectors  upper  approach  layer  columns a half-width  quadrature  points  force  pressure  stress")
     rows = []
     for sectors, layers, axial, columns, approach in MESHES:
         half_width = HALF_WIDTH * float(np.sqrt(approach * RADIUS))
@@ -96,14 +97,14 @@ def errors() -> list[dict[str, Any]]:
                 rows.append(row)
                 print(
                     f"{sectors:7d} {upper:6d} {approach * 1e6:6.0f} um {stiffer:6.0f} {one.half_width:21.1f} "
-                    f"{one.evaluation:>11s} {one.points:7d} {one.force:6.2%} {one.pressure:9.2%} {one.stress:7.2%}",
+                    f"{one.quadrature:>11s} {one.points:7d} {one.force:6.2%} {one.pressure:9.2%} {one.stress:7.2%}",
                     flush=True,
                 )
     return rows
 
 
 def times(unit: float, full_steps: dict[str, int]) -> list[dict[str, Any]]:
-    """Times of a step of all three, of "full" by the steps of each variant, and their ratios; printed as they come."""
+    """Times of a step of all three, "at nodes" by the steps of each variant, and their ratios; printed as they come."""
     sectors, layers, axial, columns, approach = SERIES
     body = tread(columns, sectors=sectors, layers=layers, axial=axial, sampling_error=SAMPLING_ERROR)
     pitch = 2.0 * np.pi / sectors
@@ -112,50 +113,50 @@ def times(unit: float, full_steps: dict[str, int]) -> list[dict[str, Any]]:
     for _ in range(ROUNDS):
         for name in SEPARATED:
             scene = scene_of(body, name, approach, swing, rate, SEPARATED_STEPS * STEP)
-            result = run_evaluation(scene, SEPARATED_STEPS)
+            result = run_quadrature(scene, SEPARATED_STEPS)
             seconds = step_seconds(result)
             if name not in best or seconds < best[name]["seconds_per_step"]:
                 contact = result.history.contacts[PAIR]
                 best[name] = {
-                    "evaluation": name, "points": points_of(body, name), "seconds_per_step": seconds,
-                    "active": float(contact.active_hats.mean()),
+                    "quadrature": name, "points": points_of(body, name), "seconds_per_step": seconds,
+                    "active": float(contact.active_nodes.mean()),
                     "force": float(np.linalg.norm(contact.force[1])),
                     "iterations": result.history.counters["mean_iterations"],
                 }  # fmt: skip
     print(f"U = {unit * 1e6:.1f} us, {2 * body.local_modes} local modes in the pair")
-    print("evaluation        points  active  iterations     us/step       U/step   over semi  over hyper  force off")
+    print("quadrature        points  active  iterations     us/step       U/step   over full   over red.  force off")
     rows = []
 
     def add(row: dict[str, Any]) -> None:
         seconds = row["seconds_per_step"]
-        row["over_semi"] = seconds / best["semi"]["seconds_per_step"]
-        row["over_hyper"] = seconds / best["hyper"]["seconds_per_step"]
-        row["force_off"] = abs(row["force"] / best["semi"]["force"] - 1.0)
+        row["over_full"] = seconds / best["full"]["seconds_per_step"]
+        row["over_reduced"] = seconds / best["reduced"]["seconds_per_step"]
+        row["force_off"] = abs(row["force"] / best["full"]["force"] - 1.0)
         rows.append(row)
         print(
-            f"{row['evaluation']:16s} {row['points']:7d} {row['active']:7.1f} {row['iterations']:11.2f} "
-            f"{seconds * 1e6:11.1f} {seconds / unit:12.2f} {row['over_semi']:11.2f} {row['over_hyper']:11.2f} "
+            f"{row['quadrature']:16s} {row['points']:7d} {row['active']:7.1f} {row['iterations']:11.2f} "
+            f"{seconds * 1e6:11.1f} {seconds / unit:12.2f} {row['over_full']:11.2f} {row['over_reduced']:11.2f} "
             f"{row['force_off']:10.2e}",
             flush=True,
         )
 
     for name in SEPARATED:
         add(best[name])
-    scene = scene_of(body, "semi", approach, swing, rate, SEPARATED_STEPS * STEP)
+    scene = scene_of(body, "full", approach, swing, rate, SEPARATED_STEPS * STEP)
     start = monolithic.run(scene, STEP, start="equilibrium", variant="low_rank", at_nodes=True, **OPTIONS)
     for variant, steps in full_steps.items():
         result = run_at_nodes(scene, steps, start=start, variant=variant)
         contact = result.history.contacts[PAIR]
         add({
-            "evaluation": f"full, {variant}", "points": axial + 1, "seconds_per_step": step_seconds(result),
-            "active": float(contact.active_hats.mean()), "force": float(np.linalg.norm(contact.force[0])),
+            "quadrature": f"at nodes, {variant}", "points": axial + 1, "seconds_per_step": step_seconds(result),
+            "active": float(contact.active_nodes.mean()), "force": float(np.linalg.norm(contact.force[0])),
             "iterations": result.history.counters["mean_iterations"],
         })  # fmt: skip
     return rows
 
 
 def under_layers(unit: float) -> list[dict[str, Any]]:
-    """A step of "semi" and "hyper" under three laws, and what few points change; printed as they come."""
+    """A step of "full" and "reduced" under three laws, and what few points change; printed as they come."""
     sectors, layers, axial, columns, approach = LAYER_SERIES
     body = tread(columns, sectors=sectors, layers=layers, axial=axial, sampling_error=SAMPLING_ERROR)
     pitch = 2.0 * np.pi / sectors
@@ -173,27 +174,27 @@ def under_layers(unit: float) -> list[dict[str, Any]]:
             for name in SEPARATED:
                 scene = scene_of(body, name, approach, swing, rate, SEPARATED_STEPS * STEP)
                 scene.contacts[0].law = laws[law]
-                result = results[law, name] = run_evaluation(scene, SEPARATED_STEPS)
+                result = results[law, name] = run_quadrature(scene, SEPARATED_STEPS)
                 seconds[law, name] = min(step_seconds(result), seconds.get((law, name), np.inf))
     print(f"U = {unit * 1e6:.1f} us")
-    print("law         evaluation  points  active  iterations    us/step  over semi  force off  pressure off")
+    print("law         quadrature  points  active  iterations    us/step  over full  force off  pressure off")
     rows, gram = [], np.asarray(body.contact_surfaces["tread"].gram_z)
     for (law, name), result in results.items():
-        semi = results[law, "semi"]
-        contact, beside = result.history.contacts[PAIR], semi.history.contacts[PAIR]
+        full = results[law, "full"]
+        contact, beside = result.history.contacts[PAIR], full.history.contacts[PAIR]
         force, reference = (np.linalg.norm(c.force, axis=1) for c in (contact, beside))
-        pairs = zip(hat_means(body, result, False), hat_means(body, semi, False), strict=True)
+        pairs = zip(hat_means(body, result, False), hat_means(body, full, False), strict=True)
         row = {
-            "law": law, "evaluation": name, "points": points_of(body, name),
-            "active": float(contact.active_hats.mean()), "iterations": result.history.counters["mean_iterations"],
-            "seconds_per_step": seconds[law, name], "over_semi": seconds[law, name] / seconds[law, "semi"],
+            "law": law, "quadrature": name, "points": points_of(body, name),
+            "active": float(contact.active_nodes.mean()), "iterations": result.history.counters["mean_iterations"],
+            "seconds_per_step": seconds[law, name], "over_full": seconds[law, name] / seconds[law, "full"],
             "force_off": float(np.abs(force / reference - 1.0).max()),
             "pressure_off": max(surface_norm(p - q, gram) / surface_norm(q, gram) for p, q in pairs),
         }  # fmt: skip
         rows.append(row)
         print(
             f"{law:12s}{name:>10s} {row['points']:7d} {row['active']:7.1f} {row['iterations']:11.2f} "
-            f"{seconds[law, name] * 1e6:10.1f} {row['over_semi']:10.2f} {row['force_off']:10.2e} "
+            f"{seconds[law, name] * 1e6:10.1f} {row['over_full']:10.2f} {row['force_off']:10.2e} "
             f"{row['pressure_off']:13.2e}",
             flush=True,
         )

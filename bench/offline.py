@@ -56,7 +56,7 @@ def measure(row: dict, solver: str | None = None) -> dict:
     from warpffrf.model.material import Material
     from warpffrf.model.mesh import roller
     from warpffrf.model.surfaces import Cylinder
-    from warpffrf.offline import reduce
+    from warpffrf.offline import ReductionOptions, reduce
 
     mesh = roller(
         0.05,
@@ -76,8 +76,7 @@ def measure(row: dict, solver: str | None = None) -> dict:
         contact={"rim": Cylinder()},
         max_frequency=None if "modes" in row else MAX_FREQUENCY,
         modes=row.get("modes"),
-        periodic=False if row["general"] else None,
-        solver=solver if row["general"] else None,
+        options=ReductionOptions(periodic=False if row["general"] else None, solver=solver if row["general"] else None),
         cache=False,
         progress=False,
     )

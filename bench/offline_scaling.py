@@ -38,7 +38,7 @@ def measure(row: tuple[str, str, int, int, int, int]) -> dict:
     from studies.speed.step_time import BORE, RADIUS, WIDTH
     from warpffrf.model.mesh import roller
     from warpffrf.model.surfaces import Cylinder
-    from warpffrf.offline import reduce
+    from warpffrf.offline import ContactGrid, ReductionOptions, reduce
 
     path, series, sectors, layers, axial, columns = row
     mesh = roller(RADIUS, BORE, WIDTH, sectors=sectors, layers=layers, axial=axial, order=1)
@@ -48,8 +48,9 @@ def measure(row: tuple[str, str, int, int, int, int]) -> dict:
         mesh, name = mesh.select("arc", "rim", lambda x: np.abs(np.arctan2(-x[:, 2], x[:, 0])) < half), "arc"
     start = time.perf_counter()
     body = reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={name: Cylinder()}, modes=MODES, contact_fixed=False,
-        periodic=False if path == "general" else None, cache=False, progress=False,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={name: Cylinder()}, modes=MODES,
+        grid=ContactGrid(contact_fixed=False), options=ReductionOptions(periodic=False if path == "general" else None),
+        cache=False, progress=False,
     )  # fmt: skip
     seconds = time.perf_counter() - start
     return {

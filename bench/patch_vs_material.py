@@ -24,7 +24,7 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.output.simulate import simulate
 from warpffrf.study.machine import machine
 
@@ -58,8 +58,8 @@ def fine(sectors: int, layers: int, axial: int, growth: float) -> ReducedBody:
         cr.R, cr.BORE, cr.WIDTH, sectors=sectors, layers=layers, axial=axial, grading=growth, order=2
     )  # fmt: skip
     return reduce(
-        mesh, cr.STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=0, contact_fixed=False,
-        cache=False, progress=False,
+        mesh, cr.STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=0,
+        grid=ContactGrid(contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -88,7 +88,7 @@ def measured(body_of: Callable[[], ReducedBody], contact: dict[str, Any], refere
     pair: Any = result.contact(cr.PAIR)
     return {
         "dofs": int(body.report["dofs"]),
-        "active": int(pair.history.active_hats[-1]),
+        "active": int(pair.history.active_nodes[-1]),
         "offline": offline,
         "online": online,
         "force": _largest(pair.force_magnitude[BEGUN:] / LOAD - 1.0),

@@ -119,7 +119,7 @@ def compare(name: str, scene: Any, steps: int, unit: float, rounds: int, laws: S
     print(f"{name}: {scene.bodies[0].reduced.local_modes} local modes a roller, {separated.status}, force {size:.0f} N")
     print(f"separated        {base * 1e6:10.1f} us/step {base / unit:8.2f} U   "
           f"{separated.iterations[1:].mean():.2f} iterations, "
-          f"{separated.contacts[PAIR].active_hats.mean():.1f} active")  # fmt: skip
+          f"{separated.contacts[PAIR].active_nodes.mean():.1f} active")  # fmt: skip
     print("variant    law     unknowns   us/step    times  iterations  factors    BLAS  equations  contact  force off")
     rows = list(best.values())
     for row in rows:

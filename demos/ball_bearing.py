@@ -67,9 +67,9 @@ def build() -> wf.Scene:
         materials=STEEL,
     )  # fmt: skip
     shaft: Any = bearing.inner
-    plane = scene.add(wf.joints.Planar(scene.ground.at((0, 0, 0)), shaft.at((0, 0, 0)), axis=(0, 1, 0), name="plane"))
+    plane = scene.add(wf.joints.Planar(scene.ground.at((0, 0, 0)), shaft, axis=(0, 1, 0), name="plane"))
     scene.add(wf.joints.Drive(plane, SPEED, name="drive"))
-    scene.add(wf.forces.PointForce(shaft.at((0, 0, 0)), (0, 0, -LOAD), name="load"))
+    scene.add(wf.forces.PointForce(shaft, (0, 0, -LOAD), name="load"))
     bearing.roll(SPEED, angle=0.0)
     return scene
 

@@ -72,19 +72,19 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
         sectors=size.ring_sectors, layers=size.layers, axial=size.axial, tread=TREAD,
     )  # fmt: skip
     reduced_ball = wf.reduce(
-        ball_mesh, STEEL, interfaces={"bore": "rigid"},
-        contact={"tread": wf.surfaces.Sphere(axis_direction=(0, 1, 0))}, modes=0, tangential=True, progress=progress,
+        ball_mesh, STEEL, interfaces={"bore": "rigid"}, contact={"tread": wf.surfaces.Sphere(axis_direction=(0, 1, 0))},
+        modes=0, grid=wf.ContactGrid(tangential=True), progress=progress,
     )  # fmt: skip
     reduced_ring = wf.reduce(
-        ring_mesh, STEEL, interfaces={"outside": "rigid"},
-        contact={"tread": wf.surfaces.Ring(groove_radius=GROOVE)}, modes=0, tangential=True, progress=progress,
+        ring_mesh, STEEL, interfaces={"outside": "rigid"}, contact={"tread": wf.surfaces.Ring(groove_radius=GROOVE)},
+        modes=0, grid=wf.ContactGrid(tangential=True), progress=progress,
     )  # fmt: skip
     scene, at = wf.Scene(), (0, 0, -(BOTTOM - BALL))
     ball = scene.add_body(reduced_ball, name="ball", position=at)
     ring = scene.add_body(reduced_ring, name="ring")
     scene.add(wf.Contact(ball["tread"], ring["tread"], friction=FRICTION, name=PAIR))
-    arm = scene.add_rigid_body(CARRIAGE_MASS, CARRIAGE_INERTIA, name="arm").at((0, 0, 0))
-    slide = scene.add_rigid_body(CARRIAGE_MASS, CARRIAGE_INERTIA, name="slide", position=at).at((0, 0, 0))
+    arm = scene.add_rigid_body(CARRIAGE_MASS, CARRIAGE_INERTIA, name="arm")
+    slide = scene.add_rigid_body(CARRIAGE_MASS, CARRIAGE_INERTIA, name="slide", position=at)
     scene.add(wf.joints.Fixed(scene.ground, ring["outside"], name="held"))
     pivot = scene.add(wf.joints.Revolute(scene.ground, arm, axis=(0, 1, 0), name=ARM))
     scene.add(wf.joints.Prismatic(arm, slide, axis=(0, 0, -1), name="slide"))

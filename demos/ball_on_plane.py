@@ -55,7 +55,7 @@ def reduced_ball(size: Size, *, progress: bool = True) -> wf.ReducedBody:
     )
     return wf.reduce(
         mesh, STEEL, interfaces={"outside": "average"}, contact={"patch": wf.surfaces.Sphere()}, modes=0,
-        tangential=True, contact_fixed=False, progress=progress,
+        grid=wf.ContactGrid(tangential=True, contact_fixed=False), progress=progress,
     )  # fmt: skip
 
 
@@ -69,8 +69,7 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
     scene.add(wf.Contact(ball["patch"], scene.ground.surface(plane, name="plane"), friction=FRICTION, name=PAIR))
     at = ball["outside"].world_point()
     lift, slide = (
-        scene.add_rigid_body(SLIDE_MASS, SLIDE_INERTIA, name=name, position=at).at((0, 0, 0))
-        for name in ("lift", "slide")
+        scene.add_rigid_body(SLIDE_MASS, SLIDE_INERTIA, name=name, position=at) for name in ("lift", "slide")
     )
     scene.add(wf.joints.Prismatic(scene.ground, lift, axis=(0, 0, 1), name=DOWN))
     scene.add(wf.joints.Prismatic(lift, slide, axis=(1, 0, 0), name=SIDE))

@@ -39,7 +39,7 @@ def build(*, progress: bool = True) -> wf.Scene:
     below = np.column_stack([0 * DEPTHS, 0 * DEPTHS, OUTER_RADIUS - DEPTHS])
     roller = wf.reduce(
         wf.mesh.read(MESH, length_unit="mm"), STEEL, interfaces={"bore": "rigid"},
-        contact={"rim": wf.surfaces.Cylinder()}, stress={"below": below}, contact_fixed=True,
+        contact={"rim": wf.surfaces.Cylinder()}, stress={"below": below}, grid=wf.ContactGrid(contact_fixed=True),
         max_frequency=MAX_FREQUENCY, cache=False, progress=progress,
     )  # fmt: skip
     scene = wf.Scene(gravity=(0, 0, -GRAVITY))
@@ -50,15 +50,14 @@ def build(*, progress: bool = True) -> wf.Scene:
     carriage = scene.add_rigid_body(
         CARRIAGE_MASS, CARRIAGE_INERTIA, name="carriage", position=upper["bore"].world_point()
     )
-    center = carriage.at((0, 0, 0))
     axle = scene.add(wf.joints.Revolute(scene.ground, lower["bore"], axis=(0, 1, 0), name="axle"))
-    guide = scene.add(wf.joints.Prismatic(scene.ground, center, axis=(0, 0, 1), name=GUIDE))
-    upper_axle = scene.add(wf.joints.Revolute(center, upper["bore"], axis=(0, 1, 0), name="upper_axle"))
+    guide = scene.add(wf.joints.Prismatic(scene.ground, carriage, axis=(0, 0, 1), name=GUIDE))
+    upper_axle = scene.add(wf.joints.Revolute(carriage, upper["bore"], axis=(0, 1, 0), name="upper_axle"))
     scene.add(wf.forces.JointSpringDamper(guide, GUIDE_STIFFNESS, GUIDE_DAMPING))
     for joint, end in ((axle, SPEED), (upper_axle, -SPEED)):
         scene.add(wf.joints.Drive(joint, wf.signals.SmoothStep(0.0, end, duration=SPIN_UP), quantity="velocity"))
     press = wf.signals.SmoothStep(LOAD, LOAD_AFTER, duration=LOAD_STEP_TAKES, delay=LOAD_STEP_AT)
-    scene.add(wf.forces.PointForce(center, (press, (0, 0, -1))))
+    scene.add(wf.forces.PointForce(carriage, (press, (0, 0, -1))))
     return scene
 
 

@@ -57,7 +57,8 @@ def rod_body(material: wf.Material = STEEL, *, progress: bool = True) -> wf.Redu
     bore = wf.surfaces.Bore(radius=BIG, axis_point=(0, 0, 0), axis_direction=(0, -1, 0))
     return wf.reduce(
         wf.mesh.read(DATA / "connecting_rod.msh", length_unit="m"), material, interfaces={"eye": "rigid"},
-        contact={"bore": bore}, traction_spacing=SPACING, modes=12, contact_fixed=False, cache=False, progress=progress,
+        contact={"bore": bore}, grid=wf.ContactGrid(spacing=SPACING, contact_fixed=False), modes=12, cache=False,
+        progress=progress,
     )  # fmt: skip
 
 
@@ -86,11 +87,11 @@ def machine(reduced: wf.ReducedBody) -> wf.Scene:
         angular_velocity=(0, CRANK / ROD * SPEED, 0),
     )  # fmt: skip
     piston = scene.add_rigid_body(PISTON_MASS, PISTON_INERTIA, name="piston", position=(CRANK + ROD, 0, 0))
-    axle = scene.add(wf.joints.Revolute(scene.ground, crank.at((0, 0, 0)), axis=(0, -1, 0), name="axle"))
-    scene.add(wf.joints.Revolute(rod["eye"], piston.at((0, 0, 0)), axis=(0, -1, 0), name="wrist"))
-    scene.add(wf.joints.Prismatic(scene.ground, piston.at((0, 0, 0)), axis=(1, 0, 0), name="liner"))
+    axle = scene.add(wf.joints.Revolute(scene.ground, crank, axis=(0, -1, 0), name="axle"))
+    scene.add(wf.joints.Revolute(rod["eye"], piston, axis=(0, -1, 0), name="wrist"))
+    scene.add(wf.joints.Prismatic(scene.ground, piston, axis=(1, 0, 0), name="liner"))
     scene.add(wf.joints.Drive(axle, wf.signals.Constant(SPEED), quantity="velocity"))
-    scene.add(wf.forces.PointForce(piston.at((0, 0, 0)), (gas(), (1, 0, 0)), name="gas"))
+    scene.add(wf.forces.PointForce(piston, (gas(), (1, 0, 0)), name="gas"))
     grooves = [wf.films.AxialGroove(at, 1e-3, 0.0) for at in GROOVES]  # narrower than a column of the grid
     scene.add(wf.Film(rod["bore"], crank["pin"], oil=OIL, feeds=grooves, name=FILM))
     return scene

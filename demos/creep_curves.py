@@ -118,7 +118,7 @@ def reduced(*, progress: bool = True) -> wf.ReducedBody:
     )
     return wf.reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.CrownedCylinder(crown_radius=CROWN)},
-        modes=0, tangential=True, contact_fixed=True, progress=progress,
+        modes=0, grid=wf.ContactGrid(tangential=True, contact_fixed=True), progress=progress,
     )  # fmt: skip
 
 
@@ -137,15 +137,14 @@ def build(
     contact = wf.Contact(lower["rim"], upper["rim"], friction=FRICTION, grid="contact_fixed", cells=cells, name=PAIR)
     scene.close_gap(scene.add(contact))
     fork = scene.add_rigid_body(FORK_MASS, FORK_INERTIA, name="fork", position=upper["bore"].world_point())
-    head = fork.at((0, 0, 0))
     axle = scene.add(wf.joints.Revolute(scene.ground, lower["bore"], axis=(0, 1, 0), name="axle"))
-    swivel = scene.add(wf.joints.Cylindrical(scene.ground, head, axis=(0, 0, 1), name="swivel"))
-    above = scene.add(wf.joints.Cylindrical(head, upper["bore"], axis=(0, 1, 0), name="upper_axle"))
+    swivel = scene.add(wf.joints.Cylindrical(scene.ground, fork, axis=(0, 0, 1), name="swivel"))
+    above = scene.add(wf.joints.Cylindrical(fork, upper["bore"], axis=(0, 1, 0), name="upper_axle"))
     scene.add(wf.joints.Drive(axle, rates["axle"]))
     scene.add(wf.joints.Drive(swivel, rates["fork"], coordinate="rotation"))
     scene.add(wf.joints.Drive(above, rates["roller"], coordinate="rotation"))
     scene.add(wf.joints.Drive(above, rates["slide"], coordinate="translation"))
-    scene.add(wf.forces.PointForce(head, (0, 0, -LOAD), name="press"))
+    scene.add(wf.forces.PointForce(fork, (0, 0, -LOAD), name="press"))
     return scene
 
 

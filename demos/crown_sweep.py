@@ -60,7 +60,13 @@ def roller(length: float, curvature: float) -> Any:
         axial=round(length / CELL), order=2, **crown,
     )  # fmt: skip
     return wf.reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": rim}, modes=0, contact_fixed=True, progress=False
+        mesh,
+        STEEL,
+        interfaces={"bore": "rigid"},
+        contact={"rim": rim},
+        modes=0,
+        grid=wf.ContactGrid(contact_fixed=True),
+        progress=False,
     )
 
 

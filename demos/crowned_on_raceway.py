@@ -64,12 +64,12 @@ def build(crown: float | None = CROWN, *, size: Size = FULL, progress: bool = Tr
     )  # fmt: skip
     rim = wf.surfaces.Cylinder() if crown is None else wf.surfaces.CrownedCylinder(crown_radius=crown)
     of_ring = wf.reduce(
-        ring, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, contact_fixed=True,
-        progress=progress,
+        ring, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0,
+        grid=wf.ContactGrid(contact_fixed=True), progress=progress,
     )  # fmt: skip
     of_roller = wf.reduce(
         rolling, STEEL, interfaces={"journal_low": "average", "journal_high": "average"}, contact={"rim": rim},
-        modes=0, contact_fixed=True, progress=progress,
+        modes=0, grid=wf.ContactGrid(contact_fixed=True), progress=progress,
     )  # fmt: skip
     scene = wf.Scene()
     lower = scene.add_body(of_ring, name="ring")
@@ -81,12 +81,12 @@ def build(crown: float | None = CROWN, *, size: Size = FULL, progress: bool = Tr
     axle = scene.add(wf.joints.Revolute(scene.ground, lower["bore"], axis=(0, 1, 0), name="axle"))
     spin = wf.signals.SmoothStep(0.0, SPEED, duration=SPIN_UP, delay=LOADING + WAITING)
     scene.add(wf.joints.Drive(axle, spin, quantity="velocity"))
-    scene.add(wf.joints.Prismatic(scene.ground, carriage.at((0, 0, 0)), axis=(0, 0, 1), name=GUIDE))
+    scene.add(wf.joints.Prismatic(scene.ground, carriage, axis=(0, 0, 1), name=GUIDE))
     for name, side in (("journal_low", -0.5), ("journal_high", 0.5)):
         bush = carriage.at((0.0, side * LENGTH, 0.0))
         scene.add(wf.joints.Spherical(bush, upper[name], name=name))
     press = wf.signals.SmoothStep(LIGHT, HEAVY, duration=LOADING)
-    scene.add(wf.forces.PointForce(carriage.at((0, 0, 0)), (press, (0, 0, -1)), name="press"))
+    scene.add(wf.forces.PointForce(carriage, (press, (0, 0, -1)), name="press"))
     return scene
 
 

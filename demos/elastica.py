@@ -48,7 +48,12 @@ def build(
     a second per load step, of which there are `steps` to `LARGEST`."""
     mesh = wf.mesh.box((LENGTH / parts, WIDTH, HEIGHT), (cells // parts, 1, 1))
     beam = wf.reduce(
-        mesh, STEEL, interfaces={"x_min": "rigid", "x_max": "rigid"}, modes=10, stiffening=True, progress=progress
+        mesh,
+        STEEL,
+        interfaces={"x_min": "rigid", "x_max": "rigid"},
+        modes=10,
+        options=wf.ReductionOptions(stiffening=True),
+        progress=progress,
     )
     scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
     port: Any = scene.ground

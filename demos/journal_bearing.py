@@ -104,11 +104,10 @@ def machine(reduced: wf.ReducedBody, running: Running) -> wf.Scene:
             radius=RADIUS - CLEARANCE, axis_point=(0, 0, 0), axis_direction=(0, 1, 0)
         )},
     )  # fmt: skip
-    axis = shaft.at((0, 0, 0))
     scene.add(wf.joints.Fixed(scene.ground, outer["outside"], axis=(0, 1, 0), name="held"))
-    plane = scene.add(wf.joints.Planar(scene.ground, axis, axis=(0, 1, 0), name="plane"))
+    plane = scene.add(wf.joints.Planar(scene.ground, shaft, axis=(0, 1, 0), name="plane"))
     scene.add(wf.joints.Drive(plane, wf.signals.Constant(running.speed), quantity="velocity"))
-    scene.add(wf.forces.PointForce(axis, (running.load, 0, 0), name="load"))
+    scene.add(wf.forces.PointForce(shaft, (running.load, 0, 0), name="load"))
     groove = wf.films.AxialGroove(2.0 * np.pi * running.groove / COLUMNS, 1e-4, 0.0)  # narrower than a column
     oil = wf.oils.Newtonian(running.viscosity)
     scene.add(wf.Film(outer["bore"], shaft["journal"], oil=oil, feeds=[groove], name=FILM))

@@ -92,7 +92,7 @@ def machine(strips: Strips, *, pull: wf.signals.Table | None = None, place: wf.s
     scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
     lower, upper = (scene.add_body(body, name=name) for body, name in zip(strips, ("lower", "upper"), strict=True))
     middle, inertia = (END, 0.0, 0.5 * THICKNESS), (0.05, 0.05, 0.05)
-    carriage = scene.add_rigid_body(CARRIAGE, inertia, name="carriage", position=middle).at((0, 0, 0))
+    carriage = scene.add_rigid_body(CARRIAGE, inertia, name="carriage", position=middle)
     scene.add(wf.joints.Fixed(scene.ground, lower["x_min"], name="clamp"))
     scene.add(wf.joints.Fixed(carriage, upper["x_max"], name="grip"))
     guide = scene.add(wf.joints.Prismatic(scene.ground, carriage, axis=(1, 0, 0), name="guide"))

@@ -60,8 +60,8 @@ def piston_body(material: wf.Material = ALLOY, *, progress: bool = True) -> wf.R
     skirt = wf.surfaces.Cylinder(radius=BORE - CLEARANCE - OVAL, axis_point=(0, 0, 0), axis_direction=(1, 0, 0))
     return wf.reduce(
         wf.mesh.read(DATA / "piston.msh", length_unit="m"), material, interfaces={"pin": "rigid", "crown": "average"},
-        contact={THRUST: skirt, ANTI: skirt}, traction_spacing=SPACING, modes=20, contact_fixed=False, cache=False,
-        progress=progress,
+        contact={THRUST: skirt, ANTI: skirt}, grid=wf.ContactGrid(spacing=SPACING, contact_fixed=False), modes=20,
+        cache=False, progress=progress,
     )  # fmt: skip
 
 
@@ -79,7 +79,7 @@ def liner_body(*, progress: bool = True) -> wf.ReducedBody:
     """The reduced liner: contact surface `bore`, rigid interface `seats`."""
     return wf.reduce(
         liner_mesh(), IRON, interfaces={"seats": "rigid"}, contact={"bore": wf.surfaces.Bore()}, modes=20,
-        contact_fixed=False, cache=False, progress=progress,
+        grid=wf.ContactGrid(contact_fixed=False), cache=False, progress=progress,
     )  # fmt: skip
 
 
@@ -115,9 +115,9 @@ def machine(piston_is: wf.ReducedBody, liner_is: wf.ReducedBody | None) -> wf.Sc
         piston_is, name="piston", position=(CRANK + ROD * np.cos(np.arcsin(lean)), 0, off), rotation=_about_y(tilt),
         velocity=(rate * off, 0, 0),
     )  # fmt: skip
-    axle = scene.add(wf.joints.Revolute(scene.ground, crank.at((0, 0, 0)), axis=(0, -1, 0), name="axle"))
+    axle = scene.add(wf.joints.Revolute(scene.ground, crank, axis=(0, -1, 0), name="axle"))
     scene.add(wf.joints.Drive(axle, wf.signals.Constant(SPEED), quantity="velocity"))
-    scene.add(wf.joints.Revolute(crank.at((CRANK, 0, 0)), rod.at((0, 0, 0)), axis=(0, -1, 0), name="big end"))
+    scene.add(wf.joints.Revolute(crank.at((CRANK, 0, 0)), rod, axis=(0, -1, 0), name="big end"))
     scene.add(wf.joints.PointOnLine(rod.at((ROD, 0, 0)), piston["pin"], axis=(0, -1, 0), name="wrist"))
     scene.add(wf.joints.Planar(scene.ground.at((CRANK + ROD, 0, 0)), piston["pin"], axis=(0, -1, 0), name="plane"))
     scene.add(wf.forces.PointForce(piston["crown"], (gas(), (1, 0, 0)), name="gas"))

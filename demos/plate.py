@@ -83,9 +83,8 @@ def build(
     chosen = size.loads if loads is None else loads
     half = half_lines(size)
     reduced = wf.reduce(
-        plate_mesh(np.concatenate([-half[:0:-1], half]), size), STEEL,
-        interfaces={"rim": "rigid", "face": "average"}, modes=MODES, stiffening="membrane", membrane_modes=MODES,
-        progress=progress,
+        plate_mesh(np.concatenate([-half[:0:-1], half]), size), STEEL, interfaces={"rim": "rigid", "face": "average"},
+        modes=MODES, options=wf.ReductionOptions(stiffening="membrane", membrane_modes=MODES), progress=progress,
     )  # fmt: skip
     scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
     damping = np.r_[FIRST, np.full(len(reduced.frequencies) - 1, HIGHER)] if damped else 0.0

@@ -92,9 +92,8 @@ def _rollers(scene: wf.Scene, outer: Any) -> wf.bearings.Bearing:
     )  # fmt: skip
     inner: Any = bearing.inner
     inner.position = np.array([0.0, 0.0, -SINKS[1]])
-    center = inner.at((0, 0, 0))
-    scene.add(wf.joints.Planar(scene.ground.at((0, 0, 0)), center, axis=(0, 1, 0), name="plane"))
-    scene.add(wf.forces.PointForce(center, (0, 0, -LOAD), name="load"))
+    scene.add(wf.joints.Planar(scene.ground.at((0, 0, 0)), inner, axis=(0, 1, 0), name="plane"))
+    scene.add(wf.forces.PointForce(inner, (0, 0, -LOAD), name="load"))
     return bearing
 
 

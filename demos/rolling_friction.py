@@ -114,8 +114,8 @@ def build(size: Size = BIG_CELLS, *, progress: bool = True) -> wf.Scene:
         OUTER_RADIUS, BORE_RADIUS, WIDTH, sectors=size.sectors, layers=size.layers, axial=size.axial, order=2
     )
     roller = wf.reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, tangential=True,
-        contact_fixed=size.patch is not None, progress=progress,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0,
+        grid=wf.ContactGrid(tangential=True, contact_fixed=size.patch is not None), progress=progress,
     )  # fmt: skip
     scene = wf.Scene()
     lower = scene.add_body(roller, name="lower")
@@ -126,15 +126,14 @@ def build(size: Size = BIG_CELLS, *, progress: bool = True) -> wf.Scene:
     place = upper["bore"].world_point()
     carriage = scene.add_rigid_body(CARRIAGE_MASS, CARRIAGE_INERTIA, name="carriage", position=place)
     flywheel = scene.add_rigid_body(FLYWHEEL_MASS, FLYWHEEL_INERTIA, name="flywheel", position=place)
-    center, disc = carriage.at((0, 0, 0)), flywheel.at((0, 0, 0))
     axle = scene.add(wf.joints.Revolute(scene.ground, lower["bore"], axis=(0, 1, 0), name="axle"))
-    scene.add(wf.joints.Prismatic(scene.ground, center, axis=(0, 0, 1), name="guide"))
-    scene.add(wf.joints.Revolute(center, upper["bore"], axis=(0, 1, 0), name="upper_axle"))
-    scene.add(wf.joints.Fixed(upper["bore"], disc, name="shaft"))
+    scene.add(wf.joints.Prismatic(scene.ground, carriage, axis=(0, 0, 1), name="guide"))
+    scene.add(wf.joints.Revolute(carriage, upper["bore"], axis=(0, 1, 0), name="upper_axle"))
+    scene.add(wf.joints.Fixed(upper["bore"], flywheel, name="shaft"))
     spin = wf.signals.SmoothStep(0.0, SPEED, duration=SPIN_UP)
     scene.add(wf.joints.Drive(axle, spin, quantity="velocity"))
-    scene.add(wf.forces.PointForce(center, (0, 0, -LOAD), name="press"))
-    scene.add(wf.forces.PointTorque(disc, (brake(), (0, 1, 0)), name=BRAKE))
+    scene.add(wf.forces.PointForce(carriage, (0, 0, -LOAD), name="press"))
+    scene.add(wf.forces.PointTorque(flywheel, (brake(), (0, 1, 0)), name=BRAKE))
     return scene
 
 

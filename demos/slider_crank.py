@@ -56,8 +56,8 @@ def rod_body(size: Size = FULL, *, progress: bool = True) -> wf.ReducedBody:
     for name, x in (("big_end", -0.5 * ROD), ("small_end", 0.5 * ROD)):
         mesh = mesh.select_plane(name, point=(x, 0, 0), normal=(1, 0, 0))
     return wf.reduce(
-        mesh, STEEL, interfaces={"big_end": "rigid", "small_end": "rigid"}, modes=6, stiffening=True, cache=False,
-        progress=progress,
+        mesh, STEEL, interfaces={"big_end": "rigid", "small_end": "rigid"}, modes=6,
+        options=wf.ReductionOptions(stiffening=True), cache=False, progress=progress,
     )  # fmt: skip
 
 
@@ -82,8 +82,8 @@ def machine(reduced: wf.ReducedBody, *, inertia: str = "full", stiffening: bool 
     pin = crank.at((0.5 * CRANK, 0, 0))
     axle = scene.add(wf.joints.Revolute(scene.ground, crank.at((-0.5 * CRANK, 0, 0)), axis=(0, -1, 0), name="axle"))
     scene.add(wf.joints.Revolute(pin, rod["big_end"], axis=(0, -1, 0), name="big_end"))
-    scene.add(wf.joints.Spherical(rod["small_end"], piston.at((0, 0, 0)), name="wrist"))
-    scene.add(wf.joints.Prismatic(scene.ground, piston.at((0, 0, 0)), axis=(1, 0, 0), name="liner"))
+    scene.add(wf.joints.Spherical(rod["small_end"], piston, name="wrist"))
+    scene.add(wf.joints.Prismatic(scene.ground, piston, axis=(1, 0, 0), name="liner"))
     scene.add(wf.joints.Drive(axle, spin(), quantity="velocity"))
     return scene
 

@@ -66,7 +66,7 @@ def clamped(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
     `crown`."""
     arch = wf.reduce(
         mesh(size), STEEL, interfaces={"x_min": "rigid", "x_max": "rigid", "crown": "average"}, modes=MODES,
-        inertia_modes=MODES, stiffening=True, progress=progress,
+        options=wf.ReductionOptions(inertia_modes=MODES, stiffening=True), progress=progress,
     )  # fmt: skip
     scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
     body = scene.add_body(arch, name="arch", damping=DAMPING, stiffening=True)

@@ -63,7 +63,13 @@ def build(size: Size = FULL, *, inertia: str = "full", stiffening: bool = True, 
     mesh = wf.mesh.box((LENGTH, SIDE, SIDE), (size.cells, 1, 1), center=(0.5 * LENGTH, 0, 0), name="beam")
     mesh = mesh.select_plane("hub", point=(0, 0, 0), normal=(1, 0, 0))
     beam = wf.reduce(
-        mesh, MATERIAL, interfaces={"hub": "rigid"}, modes=44, stiffening=True, cache=False, progress=progress
+        mesh,
+        MATERIAL,
+        interfaces={"hub": "rigid"},
+        modes=44,
+        options=wf.ReductionOptions(stiffening=True),
+        cache=False,
+        progress=progress,
     )
     scene = wf.Scene()
     body = scene.add_body(beam, name="beam", damping=0.0, inertia=inertia, stiffening=stiffening)

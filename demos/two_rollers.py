@@ -63,9 +63,9 @@ def roller_body(
         order=1,
     )  # fmt: skip
     return wf.reduce(
-        mesh, steel, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
-        max_frequency=MAX_FREQUENCY, contact_fixed=contact_fixed, local_dynamics=local_dynamics, cache=False,
-        progress=progress,
+        mesh, steel, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=MAX_FREQUENCY,
+        grid=wf.ContactGrid(contact_fixed=contact_fixed), options=wf.ReductionOptions(local_dynamics=local_dynamics),
+        cache=False, progress=progress,
     )  # fmt: skip
 
 
@@ -83,16 +83,15 @@ def machine(
     carriage = scene.add_rigid_body(
         CARRIAGE_MASS, CARRIAGE_INERTIA, name="carriage", position=upper["bore"].world_point()
     )
-    center = carriage.at((0, 0, 0))
     axle = scene.add(wf.joints.Revolute(scene.ground, lower["bore"], axis=(0, 1, 0), name="axle"))
-    guide = scene.add(wf.joints.Prismatic(scene.ground, center, axis=(0, 0, 1), name=GUIDE))
-    upper_axle = scene.add(wf.joints.Revolute(center, upper["bore"], axis=(0, 1, 0), name="upper_axle"))
+    guide = scene.add(wf.joints.Prismatic(scene.ground, carriage, axis=(0, 0, 1), name=GUIDE))
+    upper_axle = scene.add(wf.joints.Revolute(carriage, upper["bore"], axis=(0, 1, 0), name="upper_axle"))
     scene.add(wf.forces.JointSpringDamper(guide, GUIDE_STIFFNESS, GUIDE_DAMPING))
     for joint, end in ((axle, speed), (upper_axle, -speed)):
         spin = wf.signals.SmoothStep(0.0, end, duration=SPIN_UP)
         scene.add(wf.joints.Drive(joint, spin, quantity="velocity"))
     press = wf.signals.SmoothStep(load, load_after, duration=LOAD_STEP_TAKES, delay=load_step_at)
-    scene.add(wf.forces.PointForce(center, (press, (0, 0, -1))))
+    scene.add(wf.forces.PointForce(carriage, (press, (0, 0, -1))))
     return scene
 
 

@@ -118,7 +118,7 @@ mesh = "roller"
 material = "steel"
 interfaces = { ends = "average" }
 contact = { rim = { kind = "cylinder" } }
-traction_spacing = 0.01
+spacing = 0.01
 """
     text = BALL.replace('flanges = { kind = "flanges", clearance = 5e-5 }', 'element_body = "roller"')
     elements = loaded(tmp_path, text + roller).bearing("b").elements

@@ -63,8 +63,8 @@ def test_a_turning_flexible_body_with_its_options() -> None:
     """Damping, inertia level and stiffening from TOML are those of the same calls in Python."""
     mesh = wf.mesh.box((0.5, 0.02, 0.02), (6, 1, 1))
     beam = wf.reduce(
-        mesh, wf.Material(70e9, 0.3, 2700.0), interfaces={"x_min": "rigid"}, modes=6, stiffening=True, inertia_modes=5,
-        cache=False, progress=False,
+        mesh, wf.Material(70e9, 0.3, 2700.0), interfaces={"x_min": "rigid"}, modes=6,
+        options=wf.ReductionOptions(stiffening=True, inertia_modes=5), cache=False, progress=False,
     )  # fmt: skip
     scene = wf.Scene()
     body = scene.add_body(
@@ -86,8 +86,9 @@ def test_membrane_energy() -> None:
     text = BEAM.replace("stiffening = true\ninertia_modes = 5", wanted)
     mesh = wf.mesh.box((0.5, 0.02, 0.02), (6, 1, 1))
     beam = wf.reduce(
-        mesh, wf.Material(70e9, 0.3, 2700.0), interfaces={"x_min": "rigid"}, modes=6, stiffening="membrane",
-        membrane_modes=3, inertia_modes=5, cache=False, progress=False,
+        mesh, wf.Material(70e9, 0.3, 2700.0), interfaces={"x_min": "rigid"}, modes=6,
+        options=wf.ReductionOptions(stiffening="membrane", membrane_modes=3, inertia_modes=5), cache=False,
+        progress=False,
     )  # fmt: skip
     found = scene_of(text).scene.body("beam")
     assert found.stiffening and found.reduced.content_hash() == beam.content_hash()

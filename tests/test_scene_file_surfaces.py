@@ -57,7 +57,7 @@ a = "roller.rim"
 b = "ground.floor"
 law = { kind = "linear_layer", stiffness = 1e13 }
 friction = { kind = "regularised_coulomb", coefficient = 0.3, slip_velocity = 1e-3 }
-evaluation = "hyper"
+quadrature = "reduced"
 overlap = 1e-5
 capacity = 200
 
@@ -125,7 +125,7 @@ def test_a_pair_with_its_options_is_that_of_python() -> None:
     loaded = scene_of(MACHINE)
     pair = loaded.scene.contact("below")
     assert pair.friction == RegularisedCoulomb(0.3, slip_velocity=1e-3) and pair.law.kind == "linear_layer"
-    assert (pair.evaluation, pair.overlap, pair.capacity) == ("hyper", 1e-5, 200)
+    assert (pair.quadrature, pair.overlap, pair.capacity) == ("reduced", 1e-5, 200)
     assert loaded.scene.body("roller").position[2] == pytest.approx(0.050001, abs=1e-11)
     scene = wf.Scene()
     floor = scene.ground.surface(wf.surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
@@ -133,7 +133,7 @@ def test_a_pair_with_its_options_is_that_of_python() -> None:
     tread = wf.surfaces.CrownedCylinder(radius=0.05, crown_radius=0.3, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
     scene.add_rigid_body(1.0, (1, 1, 1), name="wheel", position=(0, 0, 0.15), surfaces={"tread": tread})
     law, friction = wf.laws.LinearLayer(1e13), RegularisedCoulomb(0.3, slip_velocity=1e-3)
-    options = {"evaluation": "hyper", "overlap": 1e-5, "capacity": 200, "name": "below"}
+    options = {"quadrature": "reduced", "overlap": 1e-5, "capacity": 200, "name": "below"}
     scene.close_gap(scene.add(wf.Contact(roller["rim"], floor, law=law, friction=friction, **options)),
                     along=(0, 0, -1), gap=1e-6)  # fmt: skip
     assert loaded.scene.content_hash() == scene.content_hash()
@@ -170,7 +170,7 @@ WRONG = [
     (FRICTION, "friction = true", "friction must be a coefficient or one of"),
     ('law = { kind = "linear_layer", stiffness = 1e13 }', 'law = "linear_layer"', "law must be a table {kind = ...}"),
     ('kind = "crowned_cylinder"', 'kind = "coulomb"', "there is no kind 'coulomb'; known: 'cylinder', 'crowned_cyl"),
-    ('evaluation = "hyper"', 'evaluation = "best"', "evaluation 'best' does not exist"),
+    ('quadrature = "reduced"', 'quadrature = "best"', "quadrature 'best' does not exist"),
     ("overlap = 1e-5", "overlap = -1e-5", "overlap must not be negative"),
     ('a = "roller.rim"', 'a = "wheel.tread"', "both rigid"),
     ('contact = { rim = "cylinder" }', 'contact = { rim = "cilinder" }', "no surface 'cilinder'; did you mean"),

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from warpffrf.model.reduced.body import ReducedBody
     from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.scene import Scene
-    from warpffrf.offline import bases, reduce
+    from warpffrf.offline import ContactGrid, ReductionOptions, bases, reduce
     from warpffrf.offline.contact.contact_grid import contact_spacing
     from warpffrf.online import GeneralizedAlpha, LocalDynamics
     from warpffrf.online.stages import Stage
@@ -54,6 +54,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Contact",
+    "ContactGrid",
     "Film",
     "GeneralizedAlpha",
     "InputError",
@@ -63,6 +64,7 @@ __all__ = [
     "LumpedContact",
     "Material",
     "ReducedBody",
+    "ReductionOptions",
     "Result",
     "RunError",
     "Scene",
@@ -100,6 +102,7 @@ __all__ = [
 # public name -> module, and the attribute there (None: the module itself)
 _WHERE: dict[str, tuple[str, str | None]] = {
     "Contact": ("warpffrf.model.contact", "Contact"),
+    "ContactGrid": ("warpffrf.offline", "ContactGrid"),
     "Film": ("warpffrf.model.films", "Film"),
     "GeneralizedAlpha": ("warpffrf.online", "GeneralizedAlpha"),
     "InputError": ("warpffrf.model.errors", "InputError"),
@@ -109,6 +112,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "LumpedContact": ("warpffrf.model.lumped_contact", "LumpedContact"),
     "Material": ("warpffrf.model.material", "Material"),
     "ReducedBody": ("warpffrf.model.reduced.body", "ReducedBody"),
+    "ReductionOptions": ("warpffrf.offline", "ReductionOptions"),
     "Result": ("warpffrf.output.result", "Result"),
     "RunError": ("warpffrf.model.errors", "RunError"),
     "Scene": ("warpffrf.model.scene", "Scene"),

@@ -51,8 +51,8 @@ def body(pair: Rollers) -> wf.ReducedBody:
     """A roller with tangential modes."""
     mesh = wf.mesh.roller(RADIUS, BORE, pair.width, **pair.mesh)
     return wf.reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, tangential=True,
-        contact_fixed=pair.cells is not None, progress=False,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0,
+        grid=wf.ContactGrid(tangential=True, contact_fixed=pair.cells is not None), progress=False,
     )  # fmt: skip
 
 
@@ -89,7 +89,7 @@ def measure(pair: Rollers, roller: wf.ReducedBody, friction: float, saturation: 
         if seconds < best["seconds_per_step"]:
             rubbing = contact.friction
             best = {
-                "seconds_per_step": seconds, "status": result.status, "active": int(contact.active_hats[-1]),
+                "seconds_per_step": seconds, "status": result.status, "active": int(contact.active_nodes[-1]),
                 "iterations": float(result.history.iterations[steps // 2 :].mean()),
                 "stick": 0 if rubbing is None else int((rubbing.state[-1] == 1).sum()),
                 "slip": 0 if rubbing is None else int((rubbing.state[-1] == 2).sum()),

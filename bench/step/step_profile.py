@@ -197,7 +197,7 @@ def profile(scene: Scene, step: float, duration: float, rounds: int) -> dict[str
     return {
         "status": history.status,
         "seconds_per_step": min(seconds),
-        "active": float(history.contacts[demo.PAIR].active_hats.mean()),
+        "active": float(history.contacts[demo.PAIR].active_nodes.mean()),
         "iterations": float(history.iterations[1:].mean()),
         "solves": float(history.factorisations[1:].mean()),
         "launches_per_step": sum(calls for _, calls in found.values()) / counted_steps,

@@ -54,7 +54,7 @@ def main() -> None:
     print("table    sectors  active  gap columns  iterations  factorisations  us/step   U/step  status")
     for r in rows:
         r["unit_seconds"] = unit
-        place = f"{r['table']:8s} {r.get('sectors', 960):7d} {r['active_hats']:7.1f} {r['gap_columns']:12d}"
+        place = f"{r['table']:8s} {r.get('sectors', 960):7d} {r['active_nodes']:7.1f} {r['gap_columns']:12d}"
         counts = f"{r['iterations']:11.2f} {r['factorisations']:15.2f}"
         print(f"{place} {counts} {r['seconds_per_step'] * 1e6:8.1f} {r['seconds_per_step'] / unit:8.2f}  {r['status']}")
     if given.json:

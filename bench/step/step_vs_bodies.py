@@ -52,7 +52,7 @@ def time_train(body: ReducedBody, count: int, steps: int) -> dict:
     c = best.counters
     return {
         "bodies": count, "pairs": count - 1, "local_modes": body.local_modes, "status": best.status,
-        "active": float(np.sum([contact.active_hats.mean() for contact in best.contacts.values()])),
+        "active": float(np.sum([contact.active_nodes.mean() for contact in best.contacts.values()])),
         "outer_columns": int(c["outer_columns"]), "iterations": c["mean_iterations"],
         "seconds_per_step": c["seconds_in_graph"] / max(c["steps"], 1),
     }  # fmt: skip

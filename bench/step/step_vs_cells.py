@@ -22,7 +22,7 @@ from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online import run
 from warpffrf.study.machine import machine
 
@@ -38,8 +38,8 @@ def body() -> ReducedBody:
     """A roller of eight-node hexahedra, its far field with it."""
     mesh = roller(RADIUS, BORE, WIDTH, sectors=SECTORS, layers=4, axial=3, order=1)
     return reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, max_frequency=12e3, contact_fixed=True,
-        progress=False,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, max_frequency=12e3,
+        grid=ContactGrid(contact_fixed=True), progress=False,
     )  # fmt: skip
 
 
@@ -81,7 +81,7 @@ def main() -> None:
     print(f"U = {unit * 1e6:.1f} us")
     print("  cells  active  outer columns  iterations  factorisations  us/step   U/step  status")
     for r in rows:
-        place = f"{r['cells'][0]:3d}x{r['cells'][1]:<3d} {r['active_hats']:7.1f} {r['outer_columns']:14d}"
+        place = f"{r['cells'][0]:3d}x{r['cells'][1]:<3d} {r['active_nodes']:7.1f} {r['outer_columns']:14d}"
         counts = f"{r['iterations']:11.2f} {r['factorisations']:15.2f}"
         print(f"{place} {counts} {r['seconds_per_step'] * 1e6:8.1f} {r['seconds_per_step'] / unit:8.2f}  {r['status']}")
     if given.json:

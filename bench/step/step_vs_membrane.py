@@ -20,7 +20,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh, box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online.run import run
 from warpffrf.study.machine import machine
 
@@ -41,7 +41,8 @@ def plate(stiffening: Any) -> ReducedBody:
     rim = FacetSet({kind: np.concatenate([s.blocks[kind] for s in sides]) for kind in sides[0].blocks})
     return reduce(
         Mesh(plain.points, plain.cells, {"rim": rim}), MATERIAL, interfaces={"rim": "rigid"}, modes=14,
-        stiffening=stiffening, membrane_modes=MODES if stiffening == "membrane" else None, progress=False,
+        options=ReductionOptions(stiffening=stiffening, membrane_modes=MODES if stiffening == "membrane" else None),
+        progress=False,
     )  # fmt: skip
 
 

@@ -14,13 +14,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from scenes.flat_settings import reduce_flat
 from scenes.planets import planets
 from scenes.rollers import STEEL
 from scenes.two_rings import two_rings
 from warpffrf.model import mesh
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Bore, Cylinder
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online import run
 from warpffrf.study.machine import machine
 
@@ -35,7 +36,7 @@ def suns() -> dict[int, list[Callable[[float], Scene]]]:
     body = reduce(
         mesh.roller(RADIUS, 0.015, WIDTH, sectors=240, layers=5, axial=4, grading=1.6, order=1), STEEL,
         interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=20,
-        tangential=True, contact_fixed=False, progress=False,
+        grid=ContactGrid(tangential=True, contact_fixed=False), progress=False,
     )  # fmt: skip
     return {
         pairs: [lambda mu, pairs=pairs: planets(body, pairs, LOAD, friction=mu, creepage=CREEPAGE)]
@@ -49,13 +50,13 @@ def rings() -> dict[int, list[Callable[[float], Scene]]]:
     options: dict[str, Any] = {"tangential": True, "contact_fixed": False, "progress": False}
     bore = RADIUS + 2.0 * ROLLER - INTERFERENCE
     roller, inner = (
-        reduce(
+        reduce_flat(
             mesh.roller(radius, hole, WIDTH, sectors=sectors, **cells), STEEL, interfaces={"bore": "rigid"},
             contact={"rim": Cylinder()}, modes=modes, **options,
         )
         for radius, hole, sectors, modes in ((ROLLER, 0.003, 120, 10), (RADIUS, 0.035, 480, 20))
     )  # fmt: skip
-    outer = reduce(
+    outer = reduce_flat(
         mesh.sleeve(bore, 0.085, WIDTH, sectors=480, **cells), STEEL, interfaces={"outside": "rigid"},
         contact={"bore": Bore()}, modes=20, **options,
     )  # fmt: skip
@@ -78,7 +79,7 @@ def timed(scene: Scene, steps: int) -> dict[str, Any]:
     best = min(runs, key=lambda h: h.counters["seconds_in_graph"])
     c = best.counters
     return {
-        "status": best.status, "active": sum(float(contact.active_hats.mean()) for contact in best.contacts.values()),
+        "status": best.status, "active": sum(float(contact.active_nodes.mean()) for contact in best.contacts.values()),
         "iterations": c["mean_iterations"], "seconds_per_step": c["seconds_in_graph"] / max(c["steps"], 1),
     }  # fmt: skip
 

@@ -1,7 +1,7 @@
 """Step time against sampling points: `python bench/step/step_vs_points.py [--json FILE] [--steps N] [--rounds N]`.
 
-One pair of treads under a stiff layer, a power law (its yield is evaluated at the points in every iteration): "semi"
-with all points of a strip, then "hyper" with those that `reduce` chose for smaller and smaller errors. All in turn.
+One pair of treads under a stiff layer, a power law (its yield is evaluated at the points in every iteration): "full"
+with all points of a strip, then "reduced" with those that `reduce` chose for smaller and smaller errors. All in turn.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from studies.contact.evaluations import (
     layer_of,
     on_grid,
     points_of,
-    run_evaluation,
+    run_quadrature,
     scene_of,
     step_seconds,
     surface_norm,
@@ -55,31 +55,31 @@ def main() -> None:
     law = power_layer(bodies[SAMPLING_ERRORS[0]])
     pitch = 2.0 * np.pi / SECTORS
     rate, swing = COLUMNS_A_STEP * pitch / STEP, 0.4 * COLUMNS * pitch
-    cases = [("semi", SAMPLING_ERRORS[0]), *(("hyper", error) for error in SAMPLING_ERRORS)]
+    cases = [("full", SAMPLING_ERRORS[0]), *(("reduced", error) for error in SAMPLING_ERRORS)]
     best: dict[tuple[str, float], float] = {}
     last = {}
     for _ in range(given.rounds):
         for name, error in cases:
             scene = scene_of(bodies[error], name, APPROACH, swing, rate, given.steps * STEP)
             scene.contacts[0].law = law
-            result = last[name, error] = run_evaluation(scene, given.steps)
+            result = last[name, error] = run_quadrature(scene, given.steps)
             best[name, error] = min(step_seconds(result), best.get((name, error), np.inf))
     gram = np.asarray(bodies[SAMPLING_ERRORS[0]].contact_surfaces["tread"].gram_z)
     pressures = {key: on_grid(bodies[key[1]], result) for key, result in last.items()}
     print(f"U = {unit * 1e6:.1f} us")
-    print("evaluation  wanted error  points  active  iterations    us/step   U/step  pressure off")
+    print("quadrature  wanted error  points  active  iterations    us/step   U/step  pressure off")
     rows = []
     for key in cases:
         name, error = key
         pairs = zip(pressures[key], pressures[cases[0]], strict=True)
         row = {
-            "evaluation": name, "points": points_of(bodies[error], name), "case": error if name == "hyper" else None,
-            "active": float(last[key].history.contacts[PAIR].active_hats.mean()),
+            "quadrature": name, "points": points_of(bodies[error], name), "case": error if name == "reduced" else None,
+            "active": float(last[key].history.contacts[PAIR].active_nodes.mean()),
             "iterations": last[key].history.counters["mean_iterations"], "seconds_per_step": best[key],
             "pressure_off": max(surface_norm(p - q, gram) / surface_norm(q, gram) for p, q in pairs),
         }  # fmt: skip
         rows.append(row)
-        wanted = f"{error:.1%}" if name == "hyper" else "-"
+        wanted = f"{error:.1%}" if name == "reduced" else "-"
         print(
             f"{name:10s} {wanted:>13s} {row['points']:7d} {row['active']:7.1f} {row['iterations']:11.2f} "
             f"{best[key] * 1e6:10.1f} {best[key] / unit:8.2f} {row['pressure_off']:13.2e}"

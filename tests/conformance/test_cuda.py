@@ -128,8 +128,8 @@ wp.launch_tiled(count_lanes, dim=(1,), inputs=[lanes], block_dim=64, device="cpu
 bodies = [
     wf.reduce(
         wf.mesh.roller(0.05, 0.015, 0.02, sectors=36, layers=2, axial=2, order=1), wf.Material(modulus, nu, 7850.0),
-        interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3, tangential=True,
-        contact_fixed=True, cache=False, progress=False,
+        interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3,
+        grid=wf.ContactGrid(tangential=True, contact_fixed=True), cache=False, progress=False,
     )
     for modulus, nu in ((210e9, 0.3), (70e9, 0.34))
 ]

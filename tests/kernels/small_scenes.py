@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from scenes.flat_settings import reduce_flat
 from scenes.rollers import STEEL, Path, guided_pair, roller_body, solve_path
 from warpffrf.model import films, forces, joints, laws, mesh, oils, signals, surfaces
 from warpffrf.model.contact import Contact
@@ -20,7 +21,7 @@ from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, ReductionOptions, reduce
 from warpffrf.offline.contact.cubature import choose_sampling
 from warpffrf.online import Engine, Settings, run
 from warpffrf.online.load_steps import run_static
@@ -54,7 +55,7 @@ def rubbing() -> ReducedBody:
 def patched(**options: Any) -> ReducedBody:
     """A roller whose mesh is much coarser than its patches."""
     made = mesh.roller(RADIUS, 0.015, 0.02, sectors=36, layers=2, axial=2, grading=1.6, order=1)
-    return reduce(
+    return reduce_flat(
         made, options.pop("material", STEEL), interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()},
         max_frequency=12e3, contact_fixed=True, cache=False, progress=False, **options,
     )  # fmt: skip
@@ -68,8 +69,8 @@ def rubbing_patched(material: Material = STEEL) -> ReducedBody:
 def dynamic_roller() -> ReducedBody:
     made = mesh.roller(RADIUS, 0.015, 0.02, sectors=48, layers=2, axial=2, grading=1.6, order=1)
     return reduce(
-        made, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=4, local_dynamics=True,
-        cache=False, progress=False,
+        made, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=4,
+        options=ReductionOptions(local_dynamics=True), cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -89,7 +90,8 @@ def beam() -> ReducedBody:
     made = made.select("middle", "z_max", lambda centers: np.abs(centers[:, 1]) < 0.1)
     return reduce(
         made, STEEL, interfaces={"y_min": "rigid", "y_max": "average", "middle": "free"},
-        contact={"x_max": surfaces.Plane()}, modes=6, stiffening=True, cache=False, progress=False,
+        contact={"x_max": surfaces.Plane()}, modes=6, options=ReductionOptions(stiffening=True), cache=False,
+        progress=False,
     )  # fmt: skip
 
 
@@ -98,8 +100,8 @@ def plate() -> ReducedBody:
     """A plate between two rigid ends, with membrane energy."""
     made = mesh.box((0.2, 0.2, 0.004), (3, 3, 1), order=2)
     return reduce(
-        made, STEEL, interfaces={"x_min": "rigid", "x_max": "rigid"}, modes=6, stiffening="membrane", cache=False,
-        progress=False,
+        made, STEEL, interfaces={"x_min": "rigid", "x_max": "rigid"}, modes=6,
+        options=ReductionOptions(stiffening="membrane"), cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -109,7 +111,7 @@ def ring() -> ReducedBody:
     made = mesh.roller(0.075, 0.055, 0.024, sectors=42, layers=2, axial=3, grading=1.0)
     return reduce(
         made, STEEL, interfaces={"rim": "rigid"}, contact={"bore": surfaces.Bore()}, modes=4,
-        tangential=True, contact_fixed=False,
+        grid=ContactGrid(tangential=True, contact_fixed=False),
         cache=False, progress=False,
     )  # fmt: skip
 
@@ -120,7 +122,7 @@ def block() -> ReducedBody:
     made = mesh.box((0.02, 0.02, 0.01), (4, 4, 2))
     return reduce(
         made, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": surfaces.Plane()}, modes=2,
-        tangential=True, contact_fixed=False,
+        grid=ContactGrid(tangential=True, contact_fixed=False),
         cache=False, progress=False,
     )  # fmt: skip
 
@@ -224,13 +226,13 @@ def rollers(
     first: ReducedBody,
     second: ReducedBody,
     *,
-    evaluation: str = "semi",
+    quadrature: str = "full",
     grid: str = "body_fixed",
     law: Any = None,
     **more: Any,
 ) -> Scene:
     scene = guided_pair(first, second, **{"load": 60e3, "speed": 60.0, "ramp": 0.02} | more)
-    scene.contacts[0].evaluation = evaluation
+    scene.contacts[0].quadrature = quadrature
     scene.contacts[0].grid = grid
     scene.contacts[0].law = law or scene.contacts[0].law
     return scene
@@ -454,10 +456,10 @@ CASES: dict[str, Case] = {
     "rollers, all round": Case(Scene, how=all_round),
     "rollers, two worlds": Case(lambda: rollers(rubbing(), rubbing(), friction=0.3), how=two_worlds),
     "crowned rollers": Case(lambda: rollers(roller(crown_radius=0.6, axial=5), roller()), options=REST),
-    "few points": Case(lambda: rollers(few_points(90), roller(), evaluation="hyper"), options=REST),
-    "few points elsewhere": Case(lambda: rollers(few_points(60), roller(), evaluation="hyper"), options=REST),
+    "few points": Case(lambda: rollers(few_points(90), roller(), quadrature="reduced"), options=REST),
+    "few points elsewhere": Case(lambda: rollers(few_points(60), roller(), quadrature="reduced"), options=REST),
     "few points, asperities": Case(
-        lambda: rollers(few_points(90), roller(), evaluation="hyper", law=ASPERITIES), options=REST
+        lambda: rollers(few_points(90), roller(), quadrature="reduced", law=ASPERITIES), options=REST
     ),
     "friction": Case(lambda: rollers(rubbing(), rubbing(), friction=0.3, load=300e3), options=REST),
     "friction, regularised": Case(
@@ -531,9 +533,9 @@ CASES: dict[str, Case] = {
         {"start": "equilibrium"},
     ),
     "journal, profiles, both yield": Case(
-        lambda: journal(yields=True, evaluation="hyper"), 1e-4, {"start": "equilibrium"}
+        lambda: journal(yields=True, quadrature="reduced"), 1e-4, {"start": "equilibrium"}
     ),
-    "journal, profiles": Case(lambda: journal(evaluation="hyper"), 1e-4, {"start": "equilibrium"}),
+    "journal, profiles": Case(lambda: journal(quadrature="reduced"), 1e-4, {"start": "equilibrium"}),
     "journal, other rules": Case(lambda: journal(cavitation="half_sommerfeld", load=50.0), 1e-4,
     {"start": "equilibrium"}),
     # runs that fail, each in another way
@@ -546,7 +548,7 @@ CASES: dict[str, Case] = {
         lambda: rollers(rubbing(), rubbing(), friction=0.3, load=suddenly(1e12)), options=HOPELESS, ends="capacity"
     ),
     "too deep elsewhere": Case(
-        lambda: rollers(few_points(60), roller(), evaluation="hyper", load=suddenly(1e12)), options=HOPELESS,
+        lambda: rollers(few_points(60), roller(), quadrature="reduced", load=suddenly(1e12)), options=HOPELESS,
         ends="capacity",
     ),
     "not finite": Case(

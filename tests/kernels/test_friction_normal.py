@@ -25,7 +25,7 @@ def body() -> wf.ReducedBody:
     mesh = wf.mesh.roller(0.05, 0.015, 0.01, sectors=240, layers=5, axial=2, grading=1.6, order=1)
     return wf.reduce(
         mesh, wf.Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
-        modes=0, tangential=True, contact_fixed=False, cache=False, progress=False,
+        modes=0, grid=wf.ContactGrid(tangential=True, contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
 
 

@@ -78,7 +78,7 @@ def device_model() -> tuple[wp.array, Any]:
     shape = SimpleNamespace(measure_at=np.ones_like)
     grid = SimpleNamespace(z=np.array([0.0, 1.0]), rows=2, pitch=1.0)
     port = SimpleNamespace(surface=SimpleNamespace(grid=grid, shape=shape))
-    contacts = [SimpleNamespace(name="pair", law=law, a=port, evaluation="semi") for law in LAWS]
+    contacts = [SimpleNamespace(name="pair", law=law, a=port, quadrature="full") for law in LAWS]
     scene, fill = SimpleNamespace(contacts=contacts), Constants("cpu").fill
     elements = Elements()
     collector: Any = SimpleNamespace(

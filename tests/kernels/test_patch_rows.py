@@ -20,8 +20,8 @@ def engine() -> Engine:
     """Two tilted rollers with a layer between them, rows that do not fill their lines, inside an iteration."""
     roller = wf.reduce(
         wf.mesh.roller(RADIUS, 0.015, 0.02, sectors=24, layers=3, axial=2, order=1), STEEL,
-        interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3, contact_fixed=True,
-        cache=False, progress=False,
+        interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3,
+        grid=wf.ContactGrid(contact_fixed=True), cache=False, progress=False,
     )  # fmt: skip
     scene = wf.Scene(gravity=(0, 0, 0))
     lower = scene.add_body(roller, name="lower")

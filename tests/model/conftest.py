@@ -9,7 +9,7 @@ import pytest
 
 from warpffrf.model import surfaces
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery
 from warpffrf.model.reduced.data import DisplaySurface, Interface
 
@@ -30,7 +30,7 @@ def make_body(
     if crown_radius is not None:
         shape = surfaces.CrownedCylinder(**given, crown_radius=crown_radius)
     z = np.linspace(-0.5 * width, 0.5 * width, rows)
-    grid = ContactGrid(shape.e_0, 0.0, 2 * np.pi / columns, columns, True, z, 1)
+    grid = SurfaceGrid(shape.e_0, 0.0, 2 * np.pi / columns, columns, True, z, 1)
     lags = np.zeros((columns, rows, rows))
     lags[0] = 1e-9 * np.eye(rows)
     recovery = Recovery(np.zeros((columns // 2 + 1, 3, rows), dtype=np.complex64), columns, np.eye(3))

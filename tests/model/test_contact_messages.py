@@ -101,7 +101,7 @@ def test_a_pair_is_checked_when_it_is_changed(body_maker) -> None:
     contact.capacity, contact.overlap = 30.0, 1e-4
     assert (contact.capacity, contact.overlap) == (30, 1e-4)
     wrong: dict[str, Any] = {
-        "friction": -1, "law": 1e12, "capacity": 0, "overlap": -1e-6, "evaluation": "hyper",
+        "friction": -1, "law": 1e12, "capacity": 0, "overlap": -1e-6, "quadrature": "reduced",
     }  # fmt: skip
     for name, value in wrong.items():
         kept = getattr(contact, name)

@@ -110,13 +110,13 @@ def test_friction(body_maker) -> None:
 def test_evaluation_capacity_overlap(body_maker) -> None:
     scene = machine(body_maker())
     rim, floor = scene.body("roller")["rim"], scene.ground["floor"]
-    assert Contact(rim, floor).evaluation == "semi"
-    with pytest.raises(InputError, match="evaluation 'best' does not exist; known: 'semi', 'hyper'"):
-        Contact(rim, floor, evaluation="best")  # pyright: ignore[reportArgumentType]
-    with pytest.raises(InputError, match="'hyper' needs points chosen offline.*sampling_error=0.01"):
-        Contact(rim, floor, evaluation="hyper")
+    assert Contact(rim, floor).quadrature == "full"
+    with pytest.raises(InputError, match="quadrature 'best' does not exist; known: 'full', 'reduced'"):
+        Contact(rim, floor, quadrature="best")  # pyright: ignore[reportArgumentType]
+    with pytest.raises(InputError, match="'reduced' needs points chosen offline.*sampling_error=0.01"):
+        Contact(rim, floor, quadrature="reduced")
     sampled = machine(with_data(body_maker(), sampling=SimpleNamespace()))
-    assert Contact(sampled.body("roller")["rim"], sampled.ground["floor"], evaluation="hyper").evaluation == "hyper"
+    assert Contact(sampled.body("roller")["rim"], sampled.ground["floor"], quadrature="reduced").quadrature == "reduced"
     wrong: list[tuple[str, Any]] = [("capacity", 0), ("overlap", -1e-6), ("overlap", float("inf"))]
     for name, value in wrong:
         with pytest.raises(InputError, match=f"contact 'roller-ground': {name}"):
@@ -128,7 +128,7 @@ def test_everything_that_matters_is_hashed(body_maker) -> None:
     options: tuple[dict[str, Any], ...] = (
         {},
         {"friction": 0.2},
-        {"evaluation": "hyper"},
+        {"quadrature": "reduced"},
         {"overlap": 1e-4},
         {"capacity": 60},
     )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from warpffrf.model.half_space import FarSplines
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.surfaces import CrownedCylinder, Plane
 
 ROUNDING = 1e-11  # of fields of order 1, after the solution with Gram matrices whose condition is below 100
@@ -24,7 +24,7 @@ def splines(*, turn: int = 12, z=UNEVEN, columns: int = 12, crowned: bool = Fals
     else:
         shape = Plane(origin=(0, 0, 0), outward=(1, 0, 0), direction=(0, 0, 1))
         pitch, start = 2e-3, -0.011
-    grid = ContactGrid(
+    grid = SurfaceGrid(
         np.array(shape.e_0), start, pitch, columns, bool(turn) and turn == columns, np.asarray(z), columns
     )
     return FarSplines(grid, shape, turn)
@@ -115,7 +115,7 @@ def test_compliance_in_sectors(turn, sectors) -> None:
     s = splines(turn=turn)
     g = s.grid
     c = g.columns // sectors
-    grid = ContactGrid(g.e_0, g.theta_start, g.pitch, g.columns, g.periodic, g.z, c)
+    grid = SurfaceGrid(g.e_0, g.theta_start, g.pitch, g.columns, g.periodic, g.z, c)
     s = FarSplines(grid, s.shape, turn)
     rng = np.random.default_rng(0)
     block = c * g.rows
@@ -140,7 +140,7 @@ def test_arc_of_a_turn() -> None:
     """On an arc of a full turn the splines are those of the turn: a field whose hats are the turn's is the same."""
     whole = splines(turn=24, columns=24)
     g = whole.grid
-    part = ContactGrid(g.e_0, g.theta_start + 5 * g.pitch, g.pitch, 9, False, g.z, 1)
+    part = SurfaceGrid(g.e_0, g.theta_start + 5 * g.pitch, g.pitch, 9, False, g.z, 1)
     arc = FarSplines(part, whole.shape, 24)
     theta = part.theta_start + g.pitch * np.linspace(1.5, 6.5, 20)  # the splines of both ends reach 1.5 columns in
     assert np.max(np.abs(arc.around(theta) - whole.around(theta)[:, 5:14])) < ROUNDING

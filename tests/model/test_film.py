@@ -19,7 +19,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.files.object_arrays import from_arrays, to_arrays
 from warpffrf.model.films import Film
 from warpffrf.model.lumped_contact import LumpedContact
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.scene import Scene
 from warpffrf.scene_file import load_scene
 from warpffrf.scene_file.forms import flat
@@ -37,7 +37,7 @@ ROUND_OFF = 1e-14
 Pair = tuple[Scene, SurfacePort, SurfacePort]
 
 
-def flexible(scene: Scene, body_maker: Callable, shape: Any, grid: ContactGrid | None = None, **sizes: Any) -> Any:
+def flexible(scene: Scene, body_maker: Callable, shape: Any, grid: SurfaceGrid | None = None, **sizes: Any) -> Any:
     """The surface of a made-up body with a contact grid; of 16 columns and 7 rows on the full turn."""
     body = body_maker(**{"columns": 16, "rows": 7, "width": WIDTH} | sizes)
     surface = body.contact_surfaces["rim"]
@@ -62,7 +62,7 @@ def pad(body_maker) -> Pair:
     """A flexible pad of 11 x 7 nodes on the ground: theta from -10 to 10 mm, z likewise."""
     scene = Scene()
     shape = surfaces.Plane(origin=(0, 0, 0), outward=(0, -1, 0), direction=(0, 0, 1))
-    grid = ContactGrid(shape.e_0, -0.01, 0.002, 11, False, np.linspace(-0.01, 0.01, 7), 1)
+    grid = SurfaceGrid(shape.e_0, -0.01, 0.002, 11, False, np.linspace(-0.01, 0.01, 7), 1)
     return scene, flexible(scene, body_maker, shape, grid), scene.ground.surface(FLOOR, name="floor")
 
 
@@ -88,7 +88,7 @@ def test_what_is_no_option_is_named(pair: Pair) -> None:
     wrong: list[tuple[dict[str, Any], str]] = [
         ({"oil": 0.04}, "film 'bearing': oil must be one of oils.Newtonian"),
         ({"cavitation": "gumbel"}, "film 'bearing': cavitation 'gumbel' does not exist; known: 'jfo'"),
-        ({"evaluation": "whole"}, "film 'bearing': evaluation 'whole' does not exist; known: 'semi', 'hyper'"),
+        ({"quadrature": "whole"}, "film 'bearing': quadrature 'whole' does not exist; known: 'full', 'reduced'"),
         (
             {"boundary_friction": 0.1},
             "films.MixedLubrication: boundary_friction is that of asperities.*asperities=laws.ExponentialAsperities",
@@ -123,12 +123,12 @@ def test_what_is_no_option_is_named(pair: Pair) -> None:
 def test_what_profiles_cannot_be_is_named(pair: Pair) -> None:
     _, bore, shaft = pair
     wrong: list[tuple[dict[str, Any], str]] = [
-        ({"ambient_pressure": 1e5}, "end without pressure, and ambient_pressure is 100000 Pa; take evaluation='semi'"),
+        ({"ambient_pressure": 1e5}, "end without pressure, and ambient_pressure is 100000 Pa; take quadrature='full'"),
         (
             {"cavitation": "half_sommerfeld"},
-            "cavitation 'half_sommerfeld' cuts pressures at zero.*take evaluation='semi'",
+            "cavitation 'half_sommerfeld' cuts pressures at zero.*take quadrature='full'",
         ),
-        ({"asperities": ASPERITIES}, "asperities stand at hats.*take evaluation='semi'"),
+        ({"asperities": ASPERITIES}, "asperities stand at nodes.*take quadrature='full'"),
         ({"feeds": [films.CircumferentialGroove(0.0, 0.001, 1e5)]}, "must be a Groove over the whole length"),
         ({"axial_degrees": (1, 2)}, r"axial_degrees must rise from 0 to 8 at most, as \(0, 2\).*got \(1, 2\)"),
         ({"axial_degrees": 2}, "axial_degrees must rise from 0 to 8 at most.*got 2"),
@@ -136,7 +136,8 @@ def test_what_profiles_cannot_be_is_named(pair: Pair) -> None:
         ({"axial_degrees": (0, 10)}, "axial_degrees must rise"),
     ]
     for options, words in wrong:
-        given = {"evaluation": "hyper", "ambient_pressure": 0.0, "feeds": [films.AxialGroove(0.0, 0.01, 1e5)]} | options
+        feeds = [films.AxialGroove(0.0, 0.01, 1e5)]
+        given = {"quadrature": "reduced", "ambient_pressure": 0.0, "feeds": feeds} | options
         refused(words, bore, shaft, **given)
 
 
@@ -196,13 +197,13 @@ def test_grids_too_coarse_for_a_film(body_maker) -> None:
         ({"columns": 7}, "7 columns and 5 rows"),
     ]
     for sizes, words in coarse:
-        refused(f"{words} between its ends, and a film needs 8 columns and 3 rows at least; reduce .*traction_spacing",
+        refused(f"{words} between its ends, and a film needs 8 columns and 3 rows at least; reduce .*spacing of the",
                 flexible(scene, body_maker, BORE, **sizes), shaft)  # fmt: skip
-    cells = ContactGrid(BORE.e_0, 0.0, np.pi / 8, 16, True, np.linspace(-0.01, 0.01, 7), 1, "cells")
+    cells = SurfaceGrid(BORE.e_0, 0.0, np.pi / 8, 16, True, np.linspace(-0.01, 0.01, 7), 1, "cells")
     on_cells = flexible(scene, body_maker, BORE, cells)
-    refused("the first surface.*traction='cells'.*reduce the body with traction='hats'", on_cells, shaft)
+    refused("the first surface.*traction='cells'.*reduce the body with traction='nodes'", on_cells, shaft)
     on_cells, bore = flexible(scene, body_maker, SHAFT, cells), flexible(scene, body_maker, BORE)
-    refused("the second surface.*traction='cells'.*reduce the body with traction='hats'", bore, on_cells)
+    refused("the second surface.*traction='cells'.*reduce the body with traction='nodes'", bore, on_cells)
 
 
 # --- given pressures
@@ -260,7 +261,7 @@ def test_what_lies_between_nodes_takes_the_nearest_and_says_so(pair: Pair) -> No
 def test_theta_counts_from_the_shape_not_from_the_grid(body_maker) -> None:
     scene = Scene()
     turned = np.cos(np.pi / 8) * BORE.e_0 + np.sin(np.pi / 8) * BORE.e_1  # by a column
-    grid = ContactGrid(turned, 0.0, np.pi / 8, 16, True, np.linspace(-0.01, 0.01, 7), 1)
+    grid = SurfaceGrid(turned, 0.0, np.pi / 8, 16, True, np.linspace(-0.01, 0.01, 7), 1)
     bore = flexible(scene, body_maker, BORE, grid)
     film = Film(bore, rigid(scene, SHAFT), oil=OIL, feeds=[films.AxialGroove(np.pi / 2, 0.01, 1e5)])
     assert film.theta[3] == pytest.approx(np.pi / 2, abs=ROUND_OFF)
@@ -269,7 +270,7 @@ def test_theta_counts_from_the_shape_not_from_the_grid(body_maker) -> None:
 
 def test_feeds_of_an_arc(body_maker) -> None:
     scene = Scene()
-    grid = ContactGrid(BORE.e_0, np.pi - 0.5, 0.1, 11, False, np.linspace(-0.01, 0.01, 7), 1)
+    grid = SurfaceGrid(BORE.e_0, np.pi - 0.5, 0.1, 11, False, np.linspace(-0.01, 0.01, 7), 1)
     arc = scene, flexible(scene, body_maker, BORE, grid), rigid(scene, SHAFT)
     found, _ = given(arc, films.AxialGroove(0.5 - np.pi, 0.001, 3e5))  # the last column, past the seam
     assert (found[-1, 1:-1] == 3e5).all() and (found[0] == 1e5).all() and (found[1:-1, 1:-1] == -1.0).all()
@@ -406,9 +407,9 @@ def test_every_parameter_is_part_of_the_hash(pair: Pair) -> None:
         {"form_a": films.LobedForm(1e-6, 3)}, {"form_b": films.LobedForm(1e-6, 2)},
         {"form_a": films.MeasuredForm([0.0], [0.0], [[1e-6]])}, {"form_a": films.MeasuredForm([0.0], [0.0], [[2e-6]])},
         {"form_a": films.LobedForm(1e-6, 2) + films.BarrelForm(1e-6, 0.02)}, {"name": "other"},
-        {"asperities": ASPERITIES, "boundary_friction": 0.1}, {"evaluation": "hyper", "feeds": feeds,
+        {"asperities": ASPERITIES, "boundary_friction": 0.1}, {"quadrature": "reduced", "feeds": feeds,
             "ambient_pressure": 0.0},
-        {"evaluation": "hyper", "feeds": feeds, "ambient_pressure": 0.0, "axial_degrees": (0, 2)},
+        {"quadrature": "reduced", "feeds": feeds, "ambient_pressure": 0.0, "axial_degrees": (0, 2)},
     ]  # fmt: skip
     without, hashes = scene.content_hash(), set()
     for options in variants:

@@ -12,7 +12,7 @@ from warpffrf.model.checks.contacts import OVERLAP_FRACTION, allowed_overlap, re
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.placement.gap import facing_gap, smallest_gap, undeformed_gap
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.scene import Scene
 
 CUBE = (1.0, 1.0, 1.0)
@@ -29,9 +29,9 @@ def flexible(body_maker):
         body = body_maker()
         z = np.linspace(-half_z, half_z, 5)
         if half_theta is None:
-            grid = ContactGrid(shape.e_0, 0.0, 2 * np.pi / columns, columns, True, z, 1)
+            grid = SurfaceGrid(shape.e_0, 0.0, 2 * np.pi / columns, columns, True, z, 1)
         else:
-            grid = ContactGrid(shape.e_0, -half_theta, 2 * half_theta / (columns - 1), columns, False, z, columns)
+            grid = SurfaceGrid(shape.e_0, -half_theta, 2 * half_theta / (columns - 1), columns, False, z, columns)
         surface = replace(body.contact_surfaces["rim"], shape=shape, grid=grid)
         return replace(body, contact_surfaces={"rim": surface})
 

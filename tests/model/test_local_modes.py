@@ -12,7 +12,7 @@ import pytest
 import scipy.linalg as sla
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery
 from warpffrf.model.reduced.local_mass import LocalMass
 from warpffrf.model.reduced.local_modes import dynamic_modes
@@ -24,7 +24,7 @@ def surface(D, N, W, sectors=1, rows=2, mode_normal=None):
     """A contact surface of `D`, `N` lags (sectors, c rows, c rows) and overlap W^T; a transfer that is the identity."""
     c = D.shape[1] // rows
     columns = c * sectors
-    grid = ContactGrid(np.eye(3)[0], 0.0, 2.0 * np.pi / columns, columns, True, np.linspace(0.0, 1.0, rows), c)
+    grid = SurfaceGrid(np.eye(3)[0], 0.0, 2.0 * np.pi / columns, columns, True, np.linspace(0.0, 1.0, rows), c)
     hats = columns * rows
     transfer = np.zeros((1, 3 * hats, hats))
     transfer[0, 3 * np.arange(hats), np.arange(hats)] = 1.0

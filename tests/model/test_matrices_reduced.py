@@ -14,7 +14,7 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.files.matrices import from_matrices
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.offline.fe import assemble, assign
 
 STEEL = Material(210e9, 0.3, 7850.0)
@@ -28,7 +28,7 @@ def reduced(mesh: Mesh, material: Material | None) -> ReducedBody:
         interfaces={"bore": "rigid"},
         contact={"rim": Cylinder()},
         modes=9,
-        periodic=False,
+        options=ReductionOptions(periodic=False),
         cache=False,
         progress=False,
     )

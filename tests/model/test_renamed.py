@@ -1,6 +1,7 @@
 """Old names get an error that says the new one: attributes of modules, arguments, words and kinds."""
 
 import inspect
+import operator
 import re
 from collections.abc import Callable
 from typing import Any
@@ -14,11 +15,19 @@ from warpffrf.scene_file.forms import flat, value_kinds
 
 MODULES: tuple[Any, ...] = (wf, wf.films, wf.forces, wf.laws, wf.bearings)
 CALLS: tuple[Callable[..., Any], ...] = (
-    wf.Contact, wf.Film, flat(wf.Film, mixed=wf.films.MixedLubrication), wf.reduce,
+    wf.Contact, wf.Film, flat(wf.Film, mixed=wf.films.MixedLubrication), wf.reduce, wf.ContactGrid,
     wf.bearings.add_ball_bearing, wf.bearings.add_roller_bearing,
     wf.forces.Pretension, wf.forces.RevoluteFriction,
 )  # fmt: skip
-WORDS = {"contact_fixed", "body_fixed", "closest_point", *wf.films.CAVITATIONS}  # arguments of Contact and Film
+WORDS = {
+    "contact_fixed",
+    "body_fixed",
+    "closest_point",
+    "nodes",
+    "full",
+    "reduced",
+    *wf.films.CAVITATIONS,
+}  # of arguments
 
 
 @pytest.mark.parametrize("old", RENAMED)
@@ -30,6 +39,8 @@ def test_every_new_name_is_one(old: str) -> None:
     for new in RENAMED[old]:
         argument, _, value = new.partition("=")
         assert all(name in known for name in re.findall(r"(\w+)\(", value))
+        for path, field in re.findall(r"wf\.([\w.]+)\((\w+)=", value):
+            assert field in inspect.signature(operator.attrgetter(path)(wf)).parameters
         said = f"; it is {new} now" if value else f"; it is called {new!r} now"
         assert suggestion(old, [argument]) == said
 
@@ -43,7 +54,7 @@ def test_scripts_written_before_are_answered() -> None:
     with pytest.raises(AttributeError, match="'Groove'; it is called 'AxialGroove' now"):
         wf.films.Groove  # noqa: B018  # pyright: ignore[reportAttributeAccessIssue]
     call: Any = wf.reduce
-    with pytest.raises(TypeError, match="'patch_grid'; it is called 'contact_fixed' now"):
+    with pytest.raises(TypeError, match=r"'patch_grid'; it is grid=wf.ContactGrid\(contact_fixed=...\) now"):
         call(None, None, patch_grid=True)
     scene = wf.Scene()
     balls: dict[str, Any] = {"elements": 8, "ball_diameter": 0.01, "pitch_diameter": 0.05}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from warpffrf.model import forces, joints, signals
+from warpffrf.model import forces, joints, sensors, signals
 from warpffrf.model.contact import Contact
 from warpffrf.model.damping import default_damping
 from warpffrf.model.errors import InputError
@@ -82,11 +82,25 @@ def test_where_a_joint_is(body_maker) -> None:
     np.testing.assert_allclose(apart.world_point(), lower["bore"].world_point(), atol=1e-15)
 
 
+def test_a_rigid_body_is_a_port_at_its_origin() -> None:
+    scene = Scene()
+    rod = scene.add_rigid_body(1.0, (1e-2, 1e-2, 1e-2), name="rod", position=(0.1, 0.2, 0.3))
+    origin = rod.at((0.0, 0.0, 0.0))
+    made = [
+        (joints.Spherical(scene.ground, port), forces.PointForce(port, (0, 0, 1)), sensors.Position(port))
+        for port in (rod, origin)
+    ]
+    for itself, point in zip(*made, strict=True):
+        assert [p.describe() for p in itself.ports] == [p.describe() for p in point.ports]
+    scene.place(rod, onto=scene.ground.at((1, 2, 3)))
+    np.testing.assert_array_equal(rod.position, [1, 2, 3])
+
+
 def test_joint_border(body_maker) -> None:
     scene, lower, upper = two_bodies(body_maker)
     with pytest.raises(InputError, match="joint 'hinge': axis has zero length"):
         joints.Revolute(scene.ground, lower["bore"], axis=(0, 0, 0), name="hinge")
-    with pytest.raises(InputError, match="say where on body 'lower'"):
+    with pytest.raises(InputError, match="body 'lower' is flexible: name one of its interfaces"):
         joints.Revolute(scene.ground, lower, axis=(0, 1, 0))
     with pytest.raises(InputError, match="contact surface"):
         joints.Revolute(scene.ground, lower["rim"], axis=(0, 1, 0))

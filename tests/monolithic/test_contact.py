@@ -55,7 +55,7 @@ def test_hats_agree_with_the_separated_solver(pair: str, roller, other_roller) -
     assert size > 1e3
     assert np.abs(a.contacts[PAIR].force - b.contacts[PAIR].force).max() < AGREE * size
     assert np.abs(a.contacts[PAIR].torque - b.contacts[PAIR].torque).max() < AGREE * size * 0.05
-    assert np.array_equal(a.contacts[PAIR].active_hats, b.contacts[PAIR].active)
+    assert np.array_equal(a.contacts[PAIR].active_nodes, b.contacts[PAIR].active)
     pressure = a.contacts[PAIR].pressure[-1].ravel()
     carried = np.array(list(b.contacts[PAIR].pressures[-1].values()))
     assert np.abs(np.sort(pressure[pressure > 0.0]) - np.sort(carried)).max() < 10.0 * AGREE * carried.max()
@@ -122,12 +122,13 @@ def dynamic_roller() -> Any:
     from warpffrf.model.material import Material
     from warpffrf.model.mesh import roller
     from warpffrf.model.surfaces import Cylinder
-    from warpffrf.offline import reduce
+    from warpffrf.offline import ContactGrid, ReductionOptions, reduce
 
     mesh = roller(0.05, 0.015, 0.02, sectors=60, layers=3, axial=2, grading=1.6, order=1)
     return reduce(
         mesh, Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": Cylinder()},
-        max_frequency=15e3, cache=False, progress=False, local_dynamics=True, contact_fixed=False,
+        max_frequency=15e3, cache=False, progress=False, options=ReductionOptions(local_dynamics=True),
+        grid=ContactGrid(contact_fixed=False),
     )  # fmt: skip
 
 

@@ -289,7 +289,7 @@ def test_a_run_goes_on_where_another_has_ended() -> None:
 @pytest.mark.parametrize(
     ("film", "options", "words"),
     [
-        ({"evaluation": "hyper"}, {}, "evaluation 'hyper'.*evaluation='semi'"),
+        ({"quadrature": "reduced"}, {}, "quadrature 'reduced'.*quadrature='full'"),
         (
             {"mixed": films.MixedLubrication(laws.ExponentialAsperities(2e9, 0.2e-6, 2.8e-6))},
             {},

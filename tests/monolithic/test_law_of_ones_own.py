@@ -69,11 +69,11 @@ def pressed(body: ReducedBody, at_nodes: bool) -> Any:
 
 
 def test_both_solvers_take_a_law_that_is_one_class(fine_roller: ReducedBody) -> None:
-    full, semi = (pressed(fine_roller, at_nodes) for at_nodes in (True, False))
-    force = [r.history.contacts["pair"].force[0, 2] for r in (full, semi)]
+    nodal, full = (pressed(fine_roller, at_nodes) for at_nodes in (True, False))
+    force = [r.history.contacts["pair"].force[0, 2] for r in (nodal, full)]
     assert force[0] == pytest.approx(force[1], rel=NODES_AND_HATS) and force[1] > 0.0
-    assert semi.history.contacts["pair"].pressure.max() > 1e4
-    assert "contact 'pair': its asperities are no higher than 4 deviations" in semi.history.notes
+    assert full.history.contacts["pair"].pressure.max() > 1e4
+    assert "contact 'pair': its asperities are no higher than 4 deviations" in full.history.notes
 
 
 def test_a_law_is_told_by_its_parameters() -> None:

@@ -43,11 +43,11 @@ def test_it_is_the_layer_of_the_contact_at_the_nodes(roller) -> None:
             layered(scene, k)
             options = {"at_nodes": True}
         found.append(monolithic.run(scene, 4e-4, step=1e-4, start="equilibrium", progress=False, **options))
-    full, nodes = (history.contacts[PAIR] for history in found)
-    assert np.abs(full.force).max() > 1e3
-    np.testing.assert_array_equal(full.force, nodes.force)
-    size = np.abs(full.force).max()
-    assert np.abs(full.force + full.force_second).max() < 1e-9 * size  # action and reaction
+    nodal, nodes = (history.contacts[PAIR] for history in found)
+    assert np.abs(nodal.force).max() > 1e3
+    np.testing.assert_array_equal(nodal.force, nodes.force)
+    size = np.abs(nodal.force).max()
+    assert np.abs(nodal.force + nodal.force_second).max() < 1e-9 * size  # action and reaction
 
 
 def test_semi_comes_to_it_as_the_grid_becomes_finer() -> None:
@@ -57,15 +57,15 @@ def test_semi_comes_to_it_as_the_grid_becomes_finer() -> None:
         body = roller_body(sectors, layers=5, axial=2, grading=1.5, order=1, max_frequency=10e3, cache=False)
         k = 0.1 * default_layer(body.contact_surfaces["rim"])
         approach = 2e-3  # m: far beyond steel, so that a coarse mesh has many nodes in contact
-        full = monolithic.run(
+        nodal = monolithic.run(
             layered(at_rest(body, approach), k), 1e-6, step=1e-6, start="equilibrium", progress=False,
             variant="low_rank", at_nodes=True,
         )  # fmt: skip
-        semi = run(layered(at_rest(body, approach), k), 1e-6, step=1e-6, start="equilibrium", progress=False)
-        assert full.status == semi.status == "completed", full.message + semi.message
-        forces = [float(np.linalg.norm(h.contacts[PAIR].force[0])) for h in (semi, full)]
+        full = run(layered(at_rest(body, approach), k), 1e-6, step=1e-6, start="equilibrium", progress=False)
+        assert nodal.status == full.status == "completed", nodal.message + full.message
+        forces = [float(np.linalg.norm(h.contacts[PAIR].force[0])) for h in (full, nodal)]
         errors.append(abs(forces[0] / forces[1] - 1.0))
-        elements.append(float(np.count_nonzero(semi.contacts[PAIR].pressure[0, :, 1])) / 2.0)
+        elements.append(float(np.count_nonzero(full.contacts[PAIR].pressure[0, :, 1])) / 2.0)
     assert elements[-1] > 3.0
     assert errors[1] < 5e-3
     assert errors[1] < errors[0]
@@ -83,6 +83,6 @@ def test_what_it_needs(roller) -> None:
     with pytest.raises(InputError, match="friction needs tangential modes, body 'lower'"):
         monolithic.run(scene, 1e-3, **options)
     scene.contacts[0].friction = Coulomb(0.0)
-    scene.contacts[0]._evaluation = "hyper"  # past the check that the first body has points
-    with pytest.raises(InputError, match="has no evaluation 'hyper'"):
+    scene.contacts[0]._quadrature = "reduced"  # past the check that the first body has points
+    with pytest.raises(InputError, match="has no quadrature 'reduced'"):
         monolithic.run(scene, 1e-3, **options)

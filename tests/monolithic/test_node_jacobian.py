@@ -29,7 +29,7 @@ from warpffrf.model.mesh import sleeve
 from warpffrf.model.placement.gap import smallest_gap
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 
 AGREE = 1e-5  # of the largest entry of a row: how the lean turns with the place is left out (`nodal.gap`)
 LAYER = laws.LinearLayer(1e13)
@@ -49,7 +49,7 @@ def rubbing_bore() -> ReducedBody:
     mesh = sleeve(0.0503, 0.08, 0.024, sectors=30, axial=2, layers=2, order=1)
     return reduce(
         mesh, Material(210e9, 0.3, 7850.0), interfaces={"outside": "rigid"}, contact={"bore": surfaces.Bore()}, modes=4,
-        tangential=True, cache=False, progress=False, contact_fixed=False,
+        grid=ContactGrid(tangential=True, contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
 
 

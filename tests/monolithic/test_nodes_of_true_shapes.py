@@ -1,4 +1,4 @@
-"""The law at nodes by true shapes beside what it should come to: the line of centres, "semi", Cattaneo and Mindlin."""
+"""The law at nodes by true shapes beside what it should come to: the line of centres, "full", Cattaneo and Mindlin."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_true_shapes_and_line_of_centres(approach: float, fine_roller: ReducedBo
 
 
 def test_a_roller_on_the_ground(fine_roller: ReducedBody) -> None:
-    """Given approach, some nodes in a half-width: the force of "semi" but for what nodes and weak gaps discretise."""
+    """Given approach, some nodes in a half-width: the force of "full" but for what nodes and weak gaps discretise."""
     found = []
     law = laws.LinearLayer(0.3 * default_layer(fine_roller.contact_surfaces["rim"]))
     for at_nodes in (True, False):
@@ -76,12 +76,12 @@ def test_a_roller_on_the_ground(fine_roller: ReducedBody) -> None:
         plane = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0), direction=ACROSS)
         scene.add(Contact(body["rim"], scene.ground.surface(plane, name="floor"), name=ROLLERS, overlap=1.0))
         found.append(rest(scene, at_nodes, law))
-    full, semi = found
-    assert full.force[0, 2] == pytest.approx(semi.force[0, 2], rel=0.02)
-    assert full.approach[0] == pytest.approx(semi.approach[0], rel=0.02)  # at the nearest node, at the nearest point
-    assert np.abs(full.torque[0]).max() < 1e-9 * RADIUS * full.force[0, 2]
-    assert full.load_second.shape == semi.load_second.shape == (len(full.force), 0, 0)
-    np.testing.assert_array_equal(full.force_second, -full.force)
+    nodal, full = found
+    assert nodal.force[0, 2] == pytest.approx(full.force[0, 2], rel=0.02)
+    assert nodal.approach[0] == pytest.approx(full.approach[0], rel=0.02)  # at the nearest node, at the nearest point
+    assert np.abs(nodal.torque[0]).max() < 1e-9 * RADIUS * nodal.force[0, 2]
+    assert nodal.load_second.shape == full.load_second.shape == (len(nodal.force), 0, 0)
+    np.testing.assert_array_equal(nodal.force_second, -nodal.force)
 
 
 @pytest.fixture(scope="module")
@@ -114,14 +114,14 @@ def test_a_ball_on_a_rigid_plane_pushed_aside(ball: ReducedBody, monkeypatch: py
 
 @pytest.mark.parametrize(("cells", "loss"), [(16, 0.05), pytest.param(32, 0.01, marks=pytest.mark.slow)])
 def test_cattaneo_and_mindlin(cells: int, loss: float) -> None:
-    """Case C5 with the law at nodes: stick zone to a spacing, displacement to 0.5 %, loss of a cycle; "semi" beside."""
-    full, semi = (shifted(cells, evaluation) for evaluation in ("full", "semi"))
-    print(f"stick zone {full.stick:+.2f} spacings, displacement {full.displacement:+.2%}, loss {full.loss:+.2%}")
-    assert abs(full.stick) < 1.0
-    assert abs(full.displacement) < 5e-3
-    assert abs(full.loss) < loss
-    assert np.all(np.diff(full.result.history.energy["friction"]) <= 0.0)
-    c, other = (found.result.history.contacts[PAIR] for found in (full, semi))
+    """Case C5 with the law at nodes: stick zone to a spacing, displacement to 0.5 %, loss of a cycle; "full" beside."""
+    nodal, full = (shifted(cells, quadrature) for quadrature in ("at nodes", "full"))
+    print(f"stick zone {nodal.stick:+.2f} spacings, displacement {nodal.displacement:+.2%}, loss {nodal.loss:+.2%}")
+    assert abs(nodal.stick) < 1.0
+    assert abs(nodal.displacement) < 5e-3
+    assert abs(nodal.loss) < loss
+    assert np.all(np.diff(nodal.result.history.energy["friction"]) <= 0.0)
+    c, other = (found.result.history.contacts[PAIR] for found in (nodal, full))
     assert np.abs(other.force[:, 0] - c.force[:, 0]).max() < 0.01 * np.abs(c.force[:, 0]).max()
     assert other.pressure[0].max() == pytest.approx(c.pressure[0].max(), rel=5e-3)
     assert c.friction is not None and other.friction is not None
@@ -130,19 +130,19 @@ def test_cattaneo_and_mindlin(cells: int, loss: float) -> None:
 
 def test_a_stiff_stretch_hardly_matters() -> None:
     """The stick stiffness a hundred times up: forces move by less than a per cent, and as many iterations are taken."""
-    found = [shifted(16, "full", stick=stick).result.history for stick in (None, 100.0)]
+    found = [shifted(16, "at nodes", stick=stick).result.history for stick in (None, 100.0)]
     soft, stiff = (history.contacts[PAIR].force[:, 0] for history in found)
     assert np.abs(soft - stiff).max() < 0.01 * np.abs(soft).max()
     assert found[1].iterations.mean() < found[0].iterations.mean() + 2.0
 
 
 def test_carter() -> None:
-    """Case C6 with the law at nodes, a fast one: after two crossings as far as the cells of "semi" at the same step, to
+    """Case C6 with the law at nodes, a fast one: after two crossings as far as the cells of "full" at the same step, to
     the first order of both in the cell; the creepage is the one asked for, and nodes that enter are charged with it."""
-    (full, creep, result), (semi, _, _) = (rolled(8, evaluation, crossings=2) for evaluation in ("full", "semi"))
-    print(f"full {full:+.2%}, semi {semi:+.2%}, creepage {creep:.4f}")
+    (nodal, creep, result), (full, _, _) = (rolled(8, quadrature, crossings=2) for quadrature in ("at nodes", "full"))
+    print(f"nodes {nodal:+.2%}, grid {full:+.2%}, creepage {creep:.4f}")
     assert creep == pytest.approx(1.0, rel=1e-3)
-    assert abs(full - semi) < 0.06
+    assert abs(nodal - full) < 0.06
     rub = result.history.contacts[PAIR].friction
     assert rub is not None
     assert rub.cells_per_step[-1] == pytest.approx(1.0, rel=1e-3)

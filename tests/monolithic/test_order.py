@@ -15,7 +15,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, ReductionOptions, reduce
 from warpffrf.online import HHT, LocalDynamics, Settings, run
 
 DURATION = 1e-3  # s: two periods of the contact, which carries eight kilograms, while the load rises
@@ -30,7 +30,8 @@ def body() -> Any:
     mesh = roller(0.05, 0.015, 0.02, sectors=60, layers=3, axial=2, grading=1.6, order=1)
     return reduce(
         mesh, Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": Cylinder()},
-        max_frequency=15e3, cache=False, progress=False, local_dynamics=True, contact_fixed=False,
+        max_frequency=15e3, cache=False, progress=False, options=ReductionOptions(local_dynamics=True),
+        grid=ContactGrid(contact_fixed=False),
     )  # fmt: skip
 
 

@@ -79,7 +79,7 @@ def test_contact_pictures_are_those_of_the_separated_solver(both: tuple[Result, 
     assert np.abs(x.torque - y.torque).max() < 10.0 * CLOSE * size * 0.05  # m: the torque is none
     for name in ("force", "approach", "half_width", "peak_pressure", "line_load"):
         assert off(getattr(x, name), getattr(y, name)) < 10.0 * CLOSE, name
-    assert np.array_equal(x.active_hats, y.active_hats)
+    assert np.array_equal(x.active_nodes, y.active_nodes)
     # the separated solver takes the second force from loads that it interpolates along the width
     assert off(x.force_second, y.force_second) < 1e-3
     assert off(y.force, -y.force_second) < 1e-9
@@ -185,12 +185,12 @@ def test_dynamic_local_modes_are_named_in_the_notes() -> None:
     from warpffrf.model.material import Material
     from warpffrf.model.mesh import roller
     from warpffrf.model.surfaces import Cylinder
-    from warpffrf.offline import reduce
+    from warpffrf.offline import ReductionOptions, reduce
 
     mesh = roller(0.05, 0.015, 0.02, sectors=48, layers=3, axial=2, grading=1.6, order=1)
     body = reduce(
         mesh, Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=4,
-        cache=False, progress=False, local_dynamics=True,
+        cache=False, progress=False, options=ReductionOptions(local_dynamics=True),
     )  # fmt: skip
     scene = pressing(body, speed=None)
     result = results.simulate(

@@ -21,7 +21,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.local_modes import leant
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Bore, Cylinder, Plane
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, ReductionOptions, reduce
 from warpffrf.online import GeneralizedAlpha, Settings, run
 
 STEEL = Material(210e9, 0.3, 7850.0)
@@ -42,8 +42,8 @@ def ring() -> ReducedBody:
     mesh = roller(0.05, 0.03, 0.02, sectors=14, layers=2, axial=2, order=1)
     return reduce(
         mesh, STEEL, contact={"rim": Cylinder(), "bore": Bore()}, modes=6,
-        tangential=True, local_dynamics=True,
-        cache=False, progress=False, contact_fixed=False,
+        grid=ContactGrid(tangential=True, contact_fixed=False), options=ReductionOptions(local_dynamics=True),
+        cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -89,7 +89,7 @@ def test_normals_that_lean_keep_the_compliance() -> None:
         modes=6,
         cache=False,
         progress=False,
-        contact_fixed=False,
+        grid=ContactGrid(contact_fixed=False),
     )
     found = static_coordinates(body, [Loaded("rim", False, 1.0), Loaded("bore", False)], "ring")
     rim, cross = body.contact_surfaces["rim"], body.cross_compliance("rim", "bore")
@@ -107,7 +107,7 @@ def sheet(modes: int, width: float) -> ReducedBody:
     mesh = mesh.select("spot", "z_max", lambda c: np.hypot(c[:, 0], c[:, 1]) < 0.008)
     return reduce(
         mesh, STEEL, contact={"z_min": None, "z_max": None}, interfaces={"x_min": "average", "spot": "average"},
-        modes=modes, cache=False, progress=False, contact_fixed=False,
+        modes=modes, cache=False, progress=False, grid=ContactGrid(contact_fixed=False),
     )  # fmt: skip
 
 
@@ -164,7 +164,7 @@ def rollers() -> dict[str, ReducedBody]:
     return {
         what: reduce(
             mesh, STEEL, interfaces={"bore": "rigid"}, contact=dict.fromkeys(names, Cylinder()), max_frequency=15e3,
-            tangential=True, cache=False, progress=False, contact_fixed=False,
+            grid=ContactGrid(tangential=True, contact_fixed=False), cache=False, progress=False,
         )
         for what, names in (("whole", ("rim",)), ("parts", ("upper", "lower")))
     }  # fmt: skip

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from scenes.flat_settings import reduce_flat
 from warpffrf.model.material import Material
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline import reduce
 
 STEEL = Material(210e9, 0.3, 7850.0)
 
@@ -18,7 +18,7 @@ def reduced(mesh, *, general: bool = False, **settings):
     given["contact_fixed"] = False
     if general:
         given["periodic"] = False
-    return reduce(mesh, STEEL, **{**given, **settings})
+    return reduce_flat(mesh, STEEL, **{**given, **settings})
 
 
 def skin_order(body) -> np.ndarray:

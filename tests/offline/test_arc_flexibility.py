@@ -12,7 +12,7 @@ from warpffrf.model.surfaces import Cylinder
 from warpffrf.online.compile.compliance_tables import hat_gram, modal_moments, product
 
 ROUND_OFF = 1e-9  # of the largest entry: two paths, or two sets of modes, that are exact both
-COARSE = {"traction_spacing": 0.019}  # a column every second of the 24 sectors
+COARSE = {"spacing": 0.019}  # a column every second of the 24 sectors
 
 
 @pytest.fixture(scope="module")

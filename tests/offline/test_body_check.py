@@ -16,7 +16,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.local_mass import LocalMass
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, ReductionOptions, reduce
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +24,7 @@ def body() -> ReducedBody:
     mesh = roller(0.05, 0.03, 0.02, sectors=24, axial=2, layers=2, order=1)
     return reduce(
         mesh, Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=6,
-        tangential=True, local_dynamics=True, progress=False, cache=False,
+        grid=ContactGrid(tangential=True), options=ReductionOptions(local_dynamics=True), progress=False, cache=False,
     )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from offline_bodies import reduced
 from warpffrf import examples
 from warpffrf.model import mesh as meshes
 from warpffrf.model.mesh import roller
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline.contact.contact_choice import DEEPEST, layer_depth, node_spacing
 
@@ -44,7 +44,7 @@ def test_spacing_of_nodes_is_the_wider_of_depth_and_columns(layers):
 
 def test_spacing_of_tetrahedra_is_not_given():
     mesh = meshes.read(examples.path("roller") / "roller.msh", length_unit="mm")
-    grid = ContactGrid(np.array([1.0, 0.0, 0.0]), 0.0, 0.1, 60, True, np.array([-0.01, 0.01]), 60)
+    grid = SurfaceGrid(np.array([1.0, 0.0, 0.0]), 0.0, 0.1, 60, True, np.array([-0.01, 0.01]), 60)
     assert node_spacing(mesh, "rim", rim_shape(mesh), grid) is None
 
 
@@ -66,7 +66,7 @@ def test_deep_cells_are_reported_and_logged(order, general, caplog):
     spacing = 2.0 * np.pi * R / 60
     figures = body.report["contact"]["rim"]
     assert figures["layer_depth_in_spacings"] == pytest.approx(0.035 / order / spacing, rel=1e-6)
-    assert "contact 'rim'" in text and "too narrow" in text and "traction_spacing >=" in text
+    assert "contact 'rim'" in text and "too narrow" in text and "spacing >=" in text
     assert text in caplog.text and text in body.info()
 
 
@@ -80,11 +80,11 @@ def test_cells_as_deep_as_wide_are_fine():
 def test_the_named_spacing_cures_it():
     mesh = roller(R, R_I, 0.04, sectors=60, layers=2, axial=2, grading=1.0, order=1)
     (text,) = reduced(mesh, modes=0).report["warnings"]
-    named = float(text.split("traction_spacing >= ")[1].split(" m")[0])
+    named = float(text.split("spacing >= ")[1].split(" m")[0])
     assert named == pytest.approx(0.0175 / DEEPEST, rel=1e-2)
     # the grid takes whole multiples of the sectors' arc, at most the given spacing: the next one up
     arc = 2.0 * np.pi * R / 60
-    cured = reduced(mesh, modes=0, traction_spacing=np.ceil(named / arc) * arc * (1.0 + 1e-9))
+    cured = reduced(mesh, modes=0, spacing=np.ceil(named / arc) * arc * (1.0 + 1e-9))
     assert not cured.report["warnings"]
 
 

@@ -9,6 +9,7 @@ from interface_bodies import box, free_body
 from offline_bodies import STEEL, reduced
 from reference_fe import free_response, matrices
 
+from scenes.flat_settings import reduce_flat
 from scenes.rotating_disc import INNER, OUTER, THICKNESS, closed_form
 from scenes.rotating_disc import STEEL as DISC_STEEL
 from warpffrf.model.errors import InputError
@@ -16,7 +17,7 @@ from warpffrf.model.mesh import Mesh, roller
 from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import PRODUCTS, modal_forces
-from warpffrf.offline import bases, reduce
+from warpffrf.offline import ReductionOptions, bases, reduce
 from warpffrf.offline.bases.build import build_basis
 from warpffrf.offline.bases.modes import attachment_modes
 from warpffrf.offline.cyclic.harmonics import Harmonics
@@ -192,7 +193,7 @@ def test_waves_make_the_loads_of_the_whole_body(sectors):
 def disc(**settings) -> ReducedBody:
     mesh = roller(OUTER, INNER, THICKNESS, sectors=24, layers=6, axial=1, grading=1.0, order=2)
     given = {"interfaces": {}, "contact": {}, "modes": 10, "cache": False, "progress": False}
-    return reduce(mesh, DISC_STEEL, **{**given, **settings})
+    return reduce_flat(mesh, DISC_STEEL, **{**given, **settings})
 
 
 def radial(body: ReducedBody, r: float, speed: float) -> float:
@@ -285,7 +286,7 @@ def test_modes_counted_for_turning():
 
 def test_option_is_checked_and_known(small_roller):
     with pytest.raises(InputError, match="centrifugal must be True or False"):
-        reduce(small_roller, STEEL, centrifugal=1)  # type: ignore[arg-type]
+        reduce(small_roller, STEEL, options=ReductionOptions(centrifugal=1))  # type: ignore[arg-type]
     body = free_of_contact(small_roller, centrifugal=True)
-    assert body.provenance["settings"]["centrifugal"] is True
+    assert body.provenance["settings"]["options"]["centrifugal"] is True
     assert body.provenance["key"] != free_of_contact(small_roller).provenance["key"]

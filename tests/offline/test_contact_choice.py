@@ -16,11 +16,11 @@ ERRORS = (0.2, 0.05, 0.01)
 @pytest.mark.parametrize("patch", ["line", "ellipse"])
 def test_both_become_finer_with_the_error(patch):
     found = [contact_choice(1e-3, error=error, patch=patch) for error in ERRORS]
-    spacings, errors = [c.traction_spacing for c in found], [c.sampling_error for c in found]
+    spacings, errors = [c.spacing for c in found], [c.sampling_error for c in found]
     assert spacings == sorted(spacings, reverse=True) and spacings[-1] < spacings[0]
     assert errors == sorted(errors, reverse=True)
     for choice, wanted in zip(found, ERRORS, strict=True):
-        share = grid_error(choice.traction_spacing, 1e-3, patch=patch)
+        share = grid_error(choice.spacing, 1e-3, patch=patch)
         assert share is not None
         assert share == choice.grid_error
         assert share + choice.sampling_share <= wanted * (1.0 + 1e-12)
@@ -28,7 +28,7 @@ def test_both_become_finer_with_the_error(patch):
 
 def test_the_choice_scales_with_the_patch():
     small, large = (contact_choice(b, error=0.02) for b in (1e-4, 1e-2))
-    assert large.traction_spacing == pytest.approx(100.0 * small.traction_spacing, rel=1e-12)
+    assert large.spacing == pytest.approx(100.0 * small.spacing, rel=1e-12)
     assert large.sampling_error == small.sampling_error
 
 
@@ -38,8 +38,8 @@ def test_a_body_is_reduced_with_it():
     hats, points = [], []
     for error in (0.3, 0.02):
         choice = contact_choice(7e-3, error=error)
-        spacing = max(choice.traction_spacing, 3.5e-3)  # that of the mesh
-        rim = reduced(mesh, traction_spacing=spacing, sampling_error=choice.sampling_error)
+        spacing = max(choice.spacing, 3.5e-3)  # that of the mesh
+        rim = reduced(mesh, spacing=spacing, sampling_error=choice.sampling_error)
         surface = rim.contact_surfaces["rim"]
         assert surface.sampling is not None and surface.sampling.training_error <= choice.sampling_error
         hats.append(surface.grid.columns)

@@ -62,7 +62,7 @@ def test_nodal_loads_on_linear_mesh_are_the_gram_matrix(small_roller):
     np.add.at(b, (hat, hat_of_node[loads.node]), loads.area)
     circulant = np.eye(plan.columns) * 2.0 / 3.0
     circulant += (np.roll(np.eye(plan.columns), 1, axis=0) + np.roll(np.eye(plan.columns), -1, axis=0)) / 6.0
-    M = np.kron(plan.pitch * circulant, meridian_gram("hats", shape, plan.z))
+    M = np.kron(plan.pitch * circulant, meridian_gram("nodes", shape, plan.z))
     assert np.abs(b - M).max() < 1e-14 * M.max() * 10.0
 
 
@@ -73,7 +73,7 @@ def test_axial_gram_sums_to_the_area():
     z = np.linspace(-0.01, 0.01, 5)
     phi = np.arcsin(0.01 / 0.5)
     half = (0.05 - 0.5) * phi + 0.5 * np.sin(phi)
-    assert meridian_gram("hats", shape, z).sum() == pytest.approx(0.5 * 2.0 * half, rel=1e-13)
+    assert meridian_gram("nodes", shape, z).sum() == pytest.approx(0.5 * 2.0 * half, rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -87,7 +87,7 @@ def test_coarse_grid_is_the_sum_of_fine_hats(width, Z):
     """Every third column: D_c = M_c^-1 W^T M D M W M_c^-1, with W the fine coefficients of the coarse hats."""
     mesh = roller(0.05, 0.015, width, sectors=18, layers=2, axial=2, order=1)
     fine = reduced(mesh, modes=4).contact_surfaces["rim"]
-    coarse = reduced(mesh, modes=4, traction_spacing=0.0525).contact_surfaces["rim"]
+    coarse = reduced(mesh, modes=4, spacing=0.0525).contact_surfaces["rim"]
     n, m = fine.grid.columns, coarse.grid.columns
     assert n == 3 * m and coarse.grid.rows == Z.shape[1]
     assert np.isin(np.round(coarse.grid.z, 12), np.round(fine.grid.z, 12)).all()
@@ -135,9 +135,9 @@ def test_thinned_rows_of_a_uniform_surface():
 
 
 def test_spacing_longer_than_a_quarter_turn_keeps_four_columns(small_roller):
-    assert reduced(small_roller, modes=0, traction_spacing=1.0).contact_surfaces["rim"].grid.columns == 6
+    assert reduced(small_roller, modes=0, spacing=1.0).contact_surfaces["rim"].grid.columns == 6
     three = roller(0.05, 0.015, 0.02, sectors=3, layers=1, axial=1, order=2)
-    assert reduced(three, modes=0, traction_spacing=1.0).contact_surfaces["rim"].grid.columns == 3
+    assert reduced(three, modes=0, spacing=1.0).contact_surfaces["rim"].grid.columns == 3
 
 
 @pytest.mark.parametrize("order", [1, 2])
@@ -181,8 +181,8 @@ def test_arc_hats_lie_inside_the_facets(small_roller, general):
 @pytest.mark.parametrize("general", [False, True])
 @pytest.mark.parametrize("spacing", [0.004, 0.0085])
 def test_grid_finer_than_the_mesh_is_refused(small_roller, general, spacing):
-    with pytest.raises(InputError, match="contact grid finer than the surface mesh.*traction_spacing >= 0.017"):
-        reduced(small_roller, general=general, traction_spacing=spacing)
+    with pytest.raises(InputError, match="contact grid finer than the surface mesh.*use spacing >= 0.017"):
+        reduced(small_roller, general=general, spacing=spacing)
 
 
 def test_holes_and_separate_arcs_are_refused(small_roller):
@@ -250,7 +250,7 @@ LINEAR = ["quad4", "tri3", "mixed"]
 KINDS = [*LINEAR, "quad8", "quad9", "tri6"]
 
 
-@pytest.mark.parametrize("basis", ["hats", "cells"])
+@pytest.mark.parametrize("basis", ["nodes", "cells"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_functions_of_any_grid_on_any_facets(kind, basis):
     """Non-negative, a partition of unity, areas those of the Gram matrix, and total loads of constant tractions."""
@@ -279,7 +279,7 @@ def test_functions_of_any_grid_on_any_facets(kind, basis):
         moment = np.cross(points, total["theta"])[:, 1].sum()
         assert moment == pytest.approx(torque, rel=0.015 if kind in LINEAR else 1e-3)
         assert total["meridian"].sum(axis=0)[1] == pytest.approx(axial, rel=1e-8)
-        other = TractionField("cells" if basis == "hats" else "hats", ("meridian",), plan, facets)
+        other = TractionField("cells" if basis == "nodes" else "nodes", ("meridian",), plan, facets)
         assert np.allclose(other.loads(len(points)).sum(axis=1), B.sum(axis=1), atol=1e-7 * area / len(points))
 
 
@@ -290,7 +290,7 @@ def test_projection_of_smooth_displacements(kind):
     facets = ContactFacets.of(points, blocks, shape)
     plan = facets.plan("rim", 0.009)
     theta, z, _ = shape.chart(points)
-    for basis in ("hats", "cells"):
+    for basis in ("nodes", "cells"):
         for direction in ("normal", "theta", "meridian"):
             field = TractionField(basis, (direction,), plan, facets)
             u = surface_vectors(shape, theta, z, direction)
@@ -303,7 +303,7 @@ def test_arcs_have_half_functions_at_their_edges():
     facets = ContactFacets.of(points, blocks, shape)
     plan = facets.plan("pad", 0.009)
     assert not plan.periodic
-    for basis in ("hats", "cells"):
+    for basis in ("nodes", "cells"):
         field = TractionField(basis, ("normal",), plan, facets)
         assert np.allclose(field.areas(), np.outer(field.gram_theta().sum(1), field.gram_z().sum(1)), rtol=1e-7)
         assert field.covered(1e-6).all()

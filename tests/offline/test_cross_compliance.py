@@ -39,7 +39,7 @@ def ring() -> Mesh:
 
 
 def of_sheet(mesh: Mesh, held: list[str], **settings) -> ReducedBody:
-    given = {"contact": dict.fromkeys(FACES), "interfaces": dict.fromkeys(held, "rigid"), "tangential": "hats"}
+    given = {"contact": dict.fromkeys(FACES), "interfaces": dict.fromkeys(held, "rigid"), "tangential": "nodes"}
     return reduced(mesh, **{**given, **settings})
 
 
@@ -151,7 +151,7 @@ def test_both_directions_are_one_operator(sheet: Mesh) -> None:
 
 @pytest.mark.parametrize("general", [False, True])
 def test_own_and_foreign_compliances_are_one_definite_matrix(ring: Mesh, general: bool) -> None:
-    body = reduced(ring, contact=RING, interfaces={}, modes=10, tangential="hats", general=general)
+    body = reduced(ring, contact=RING, interfaces={}, modes=10, tangential="nodes", general=general)
     D = np.block([[own(body, t) if t == s else between(body, t, s) for s in RING] for t in RING])
     assert np.abs(D - D.T).max() < SYMMETRIC * D.max()
     values = np.linalg.eigvalsh(0.5 * (D + D.T))
@@ -196,7 +196,8 @@ def test_a_surface_that_is_there_twice_sees_itself(ring: Mesh, general: bool) ->
 
 
 @pytest.mark.parametrize(
-    ("sectors", "order", "kinds"), [(18, 1, ("hats", "cells")), (9, 2, ("hats", "hats")), (12, 1, ("cells", "cells"))]
+    ("sectors", "order", "kinds"),
+    [(18, 1, ("nodes", "cells")), (9, 2, ("nodes", "nodes")), (12, 1, ("cells", "cells"))],
 )
 @pytest.mark.parametrize("modes", [0, 10])
 def test_both_paths_agree(sectors: int, order: int, kinds: tuple[str, str], modes: int) -> None:
@@ -239,7 +240,7 @@ def test_grids_coarser_than_the_sectors(inner: float, planes: float, strides: tu
     mesh = roller(0.05, inner, 0.02, sectors=18, layers=2, axial=1, order=1)
     settings = {"contact": RING, "interfaces": {}, "modes": 5}
     fine = reduced(mesh, **settings)
-    coarse = reduced(mesh, traction_spacing=planes * 2.0 * np.pi / 18.0 * 0.05, **settings)
+    coarse = reduced(mesh, spacing=planes * 2.0 * np.pi / 18.0 * 0.05, **settings)
     assert coarse.report["path"] == "cyclic" and len(coarse.cross[0].lags) == sectors
     sums = []
     for name, stride in zip(RING, strides, strict=True):
@@ -310,7 +311,7 @@ def test_memory_counts_pairs_of_surfaces(sheet: Mesh) -> None:
     counts = [3 * 6 * 4, 3 * 6 * 4, 3 * 6 * 3]  # loads of the faces, with their edges
     skin = 3 * len(sheet.outer_facets().node_set) * 4  # of a load, single precision
     alone = sum(results_bytes([n], []) + skin * n for n in counts)
-    with pytest.raises(InputError, match="the dense compliance of 198 hats needs"):
+    with pytest.raises(InputError, match="the dense compliance of 198 functions of contact grids needs"):
         of_sheet(sheet, [], memory_limit=alone)
 
 

@@ -121,7 +121,7 @@ def test_more_points_for_a_smaller_error(rim):
     errors, counts = [p.training_error for p in found], [p.count for p in found]
     assert errors == sorted(errors, reverse=True) and errors[-1] < errors[0]
     assert counts == sorted(counts) and counts[0] < counts[-1]
-    assert 3 * counts[-1] <= len(gauss_points(rim.grid.rows, 3, 2)[0])  # a third of evaluation "semi"
+    assert 3 * counts[-1] <= len(gauss_points(rim.grid.rows, 3, 2)[0])  # a third of quadrature "full"
 
 
 def test_the_training_error_is_that_of_the_points(rim):
@@ -200,7 +200,7 @@ def test_a_body_keeps_its_points_in_its_file(tmp_path):
 def test_what_cannot_be_is_refused(rim):
     with pytest.raises(InputError, match="fraction below 1"):
         reduced(roller(0.05, 0.015, 0.02, sectors=18, layers=2, axial=2, order=1), sampling_error=2.0)
-    with pytest.raises(InputError, match="chosen for hats"):
+    with pytest.raises(InputError, match="chosen for tractions on nodes"):
         reduced(roller(0.05, 0.015, 0.02, sectors=18, layers=2, axial=2, order=1), sampling_error=0.1, traction="cells")
     good = choose_sampling(rim, 0.2)
     with pytest.raises(InputError, match="positive"):

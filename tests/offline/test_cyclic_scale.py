@@ -155,7 +155,7 @@ def test_an_observer_sees_modes_and_local_responses():
     node = int(np.flatnonzero(np.isin(np.arange(nn), mesh.facets("rim").node_set))[0])
     pick = sp.csr_matrix((np.ones(3), (np.arange(3), 3 * node + np.arange(3))), shape=(3, 3 * nn))
     observer = CyclicObserver("difference", {0: -pick, 1: pick})
-    product, _ = cyclic_product(mesh, interfaces=["bore"], modes=8, tangential="hats", observers=[observer])
+    product, _ = cyclic_product(mesh, interfaces=["bore"], modes=8, tangential="nodes", observers=[observer])
     s, s_t = the_surface(product)
     skin = int(np.argmin(np.linalg.norm(product.skin_points - mesh.points[node], axis=1)))
     per_sector = len(product.skin_points) // N

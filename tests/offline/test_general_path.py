@@ -16,11 +16,11 @@ import scipy.sparse as sp
 from offline_bodies import STEEL
 
 import warpffrf.offline.general.unit_loads as unit_loads
+from scenes.flat_settings import reduce_flat
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
 from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline import reduce
 from warpffrf.offline.bases import FreeFree
 from warpffrf.offline.elastic import free_model
 from warpffrf.offline.fe import assign, fe_matrices
@@ -134,7 +134,7 @@ def test_observers_that_do_not_fit_are_refused(mesh):
         general(mesh, observers=[node_observer("one", np.array([3]), 5)])
 
 
-@pytest.mark.parametrize("kind", ["hats", "cells"])
+@pytest.mark.parametrize("kind", ["nodes", "cells"])
 def test_tangential_fields(mesh, reference, kind):
     """One symmetric positive definite operator of all three directions; the normal part is what it was alone; a
     uniform tangential traction around the axis of a held roller moves the rim around only (torsion)."""
@@ -172,7 +172,7 @@ def test_too_little_memory_says_how_much_is_needed(mesh):
     needed = needed_memory(mesh)
     with pytest.raises(InputError, match="memory_limit of .* is too small.*raise memory_limit to"):
         general(mesh, memory_limit=needed - (1 << 20))
-    with pytest.raises(InputError, match="the dense compliance of 150 hats needs"):
+    with pytest.raises(InputError, match="the dense compliance of 150 functions of contact grids needs"):
         general(mesh, memory_limit=1 << 18)
 
 
@@ -347,7 +347,7 @@ def test_reduce_goes_on_after_an_interruption(tmp_path, monkeypatch):
     monkeypatch.setattr("warpffrf.offline.general.checkpoint.SECONDS", 0.0)
     given = {"interfaces": {"bore": "rigid"}, "contact": {"rim": Cylinder()}, "modes": 4, "periodic": False}
     monkeypatch.setenv("WARPFFRF_CACHE", str(tmp_path / "whole"))
-    whole = reduce(mesh, STEEL, progress=False, **given)
+    whole = reduce_flat(mesh, STEEL, progress=False, **given)
 
     monkeypatch.setenv("WARPFFRF_CACHE", str(tmp_path / "cut"))
     put, seen = Checkpoint.put, []
@@ -362,10 +362,10 @@ def test_reduce_goes_on_after_an_interruption(tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(Checkpoint, "put", interrupted)
         with pytest.raises(KeyboardInterrupt, match="call reduce with the same input to continue"):
-            reduce(mesh, STEEL, progress=False, **given)
+            reduce_flat(mesh, STEEL, progress=False, **given)
     assert list((tmp_path / "cut").glob("*.part"))
     with monkeypatch.context() as patch:
         patch.setattr("warpffrf.offline.general.path.build_basis", None)  # not computed again
-        resumed = reduce(mesh, STEEL, progress=False, **given)
+        resumed = reduce_flat(mesh, STEEL, progress=False, **given)
     assert resumed.content_hash() == whole.content_hash()
     assert not list((tmp_path / "cut").glob("*.part"))

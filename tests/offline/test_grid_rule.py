@@ -20,18 +20,18 @@ from studies.contact.contact_grid import DEPTH
 from studies.contact.grid_errors import contact_pressures, grid_errors
 from studies.contact.grid_on_roller import approach_for, press, pressed_roller
 from warpffrf.model.errors import InputError
+from warpffrf.model.reduced.contact_grid import KINDS
 from warpffrf.offline.contact.contact_grid import (
     COARSEST,
     PATCHES,
     QUANTITIES,
     RULES,
-    TRACTIONS,
     choose_spacing,
     contact_spacing,
     grid_error,
 )
 
-CASES = [(t, p) for t in TRACTIONS for p in PATCHES]
+CASES = [(t, p) for t in KINDS for p in PATCHES]
 
 
 def _states(patch, traction: str, low: float, high: float, count: int, seed: int) -> np.ndarray:
@@ -41,7 +41,8 @@ def _states(patch, traction: str, low: float, high: float, count: int, seed: int
     for _ in range(count):
         spacing = tuple(np.array(patch.axes) / random.uniform(low, high))
         position = tuple(random.uniform(-0.5, 0.5, dimension))
-        opposite = tuple(random.uniform(-0.5, 0.5, dimension)) if traction == "hats" and random.random() < 0.5 else None
+        paired = traction == "nodes" and random.random() < 0.5
+        opposite = tuple(random.uniform(-0.5, 0.5, dimension)) if paired else None
         errors = np.abs(grid_errors(patch, traction, spacing, position, opposite))
         limit = [grid_error(spacing[0], 1.0, quantity=q, patch=_patch(patch), traction=traction) for q in QUANTITIES]
         found.append(errors / np.array(limit))
@@ -66,7 +67,7 @@ def test_no_state_exceeds_the_rule(traction: str, patch: str) -> None:
 def test_errors_fall_at_the_rates_of_the_rule() -> None:
     """Line contact, worst of random states from b/s = 3 to 12: the slope is that of the rule within a quarter."""
     patch = LinePatch(DEPTH)
-    for traction in TRACTIONS:
+    for traction in KINDS:
         coarse, fine = (_states(patch, traction, n, 1.5 * n, 60, seed=3).max(axis=0) for n in (4.0, 12.0))
         slopes = np.log(coarse / fine) / np.log(3.0)  # beyond the rule's, whose limit is divided out
         assert np.all(np.abs(slopes) < 0.5), slopes
@@ -75,19 +76,19 @@ def test_errors_fall_at_the_rates_of_the_rule() -> None:
 def test_centred_loads_promise_too_much() -> None:
     """Peak pressure of a line at four spacings in a half-width, on a hat and between: the reason for the sweep."""
     patch = LinePatch(DEPTH)
-    centred = abs(grid_errors(patch, "hats", (0.25,), (0.0,)).peak_pressure)
-    worst = max(abs(grid_errors(patch, "hats", (0.25,), (x,)).peak_pressure) for x in np.linspace(0.0, 0.5, 5))
+    centred = abs(grid_errors(patch, "nodes", (0.25,), (0.0,)).peak_pressure)
+    worst = max(abs(grid_errors(patch, "nodes", (0.25,), (x,)).peak_pressure) for x in np.linspace(0.0, 0.5, 5))
     assert worst > 2.0 * centred
 
 
 def test_hats_and_cells_are_made_of_finer_ones() -> None:
     """A coarse function is a sum of finer ones, in the plane and with unequal spacings in space."""
     tent = np.concatenate([np.arange(1, 10), np.arange(10, 0, -1)]) / 10.0
-    fine = toeplitz(plane_table("hats", 0.1, 19, DEPTH))
-    assert tent @ fine @ tent == pytest.approx(plane_table("hats", 1.0, 1, DEPTH)[0], rel=1e-10)
+    fine = toeplitz(plane_table("nodes", 0.1, 19, DEPTH))
+    assert tent @ fine @ tent == pytest.approx(plane_table("nodes", 1.0, 1, DEPTH)[0], rel=1e-10)
     weights = np.outer([0.5, 1.0, 0.5], tent).ravel()
-    fine = toeplitz(space_table("hats", (0.5, 0.1), (3, 19)))
-    assert weights @ fine @ weights == pytest.approx(space_table("hats", (1.0, 1.0), (1, 1))[0, 0], rel=1e-10)
+    fine = toeplitz(space_table("nodes", (0.5, 0.1), (3, 19)))
+    assert weights @ fine @ weights == pytest.approx(space_table("nodes", (1.0, 1.0), (1, 1))[0, 0], rel=1e-10)
     fine = toeplitz(space_table("cells", (1.0, 0.1), (1, 10)))
     assert fine.sum() == pytest.approx(space_table("cells", (1.0, 1.0), (1, 1))[0, 0], rel=1e-10)
 
@@ -138,7 +139,7 @@ def test_opposite_grid_sees_the_projection() -> None:
     """`facing` against the matrices written out: a' = l M^-1 G M^-1 l^T on grids long enough for the ends not to
     matter."""
     n, s, shift = 81, 0.3, 0.35
-    G = toeplitz(plane_table("hats", s, n, DEPTH))
+    G = toeplitz(plane_table("nodes", s, n, DEPTH))
     M = s * toeplitz(np.pad([2.0 / 3.0, 1.0 / 6.0], (0, n - 2)))
     away = np.subtract.outer(np.arange(n), np.arange(n)) + shift
     x, w = np.polynomial.legendre.leggauss(3)
@@ -153,7 +154,7 @@ def test_opposite_grid_sees_the_projection() -> None:
     seen = cross @ np.linalg.inv(M)
     whole = seen @ G @ seen.T
     kernel, reach = facing(shift), len(facing(shift)) // 2
-    table = plane_table("hats", s, 10 + reach, DEPTH)
+    table = plane_table("nodes", s, 10 + reach, DEPTH)
     both = np.concatenate([table[:0:-1], table])
     mine = np.convolve(both, kernel, "same")[len(table) - 1 :][:5]
     assert mine == pytest.approx(whole[n // 2, n // 2 : n // 2 + 5], rel=1e-4)
@@ -164,7 +165,7 @@ def test_contact_on_a_grid_is_the_non_negative_minimum() -> None:
     patch, s = EllipsePatch(2.0), 0.4
     x = [s * (np.arange(-n, n + 1) + 0.3) for n in (4, 7)]
     X, Y = np.meshgrid(*x, indexing="ij")
-    G = toeplitz(patch.table("hats", (s, s), X.shape))
+    G = toeplitz(patch.table("nodes", (s, s), X.shape))
     gap = s**2 * (patch.curvature[0] * X**2 + patch.curvature[1] * Y**2 - patch.approach).ravel()
     U = np.linalg.cholesky(G).T
     exact, _ = nnls(U, np.linalg.solve(U.T, -gap))
@@ -175,13 +176,13 @@ def test_projection_against_a_fine_grid() -> None:
     """Compliance error against Hertz's pressure on hats eight times finer, of which the coarse ones are made."""
     patch, fine, coarse = LinePatch(DEPTH), 1.0 / 64.0, 16
     k = np.arange(-6 * coarse, 6 * coarse + 1)
-    G = toeplitz(plane_table("hats", fine, len(k), DEPTH))
+    G = toeplitz(plane_table("nodes", fine, len(k), DEPTH))
     p = patch.pressure(fine * k)
     middles = np.arange(-4, 5) * coarse  # those that reach the patch
     P = np.maximum(1.0 - np.abs(k[:, None] - middles) / coarse, 0.0)
     c = P.T @ G @ p
     expected = 1.0 - c @ np.linalg.solve(P.T @ G @ P, c) / (p @ G @ p)
-    found = grid_errors(patch, "hats", (coarse * fine,), (0.0,)).compliance
+    found = grid_errors(patch, "nodes", (coarse * fine,), (0.0,)).compliance
     assert found == pytest.approx(expected, rel=0.1)  # of 1e-4; the fine hats miss a hundredth of it
 
 
@@ -213,7 +214,7 @@ def test_spacing_and_error_belong_together(traction: str, patch: str, quantity: 
 
 def test_no_grid_is_coarser_than_the_patch() -> None:
     assert contact_spacing(1e-3, error=0.9) == pytest.approx(COARSEST * 1e-3)
-    assert grid_error(1e-3, 1e-3) == pytest.approx(RULES["hats", "line"]["force"][0])
+    assert grid_error(1e-3, 1e-3) == pytest.approx(RULES["nodes", "line"]["force"][0])
     assert grid_error(1.1e-3, 1e-3) is None
 
 

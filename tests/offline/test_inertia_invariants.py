@@ -169,7 +169,7 @@ def test_number_of_modes(small_roller) -> None:
     for a, b in zip(invariants(part), invariants(replace(whole, inertia_terms=short)), strict=True):
         assert np.abs(a - b).max() < SAME * max(np.abs(b).max(), 1e-3)
     assert reduced(small_roller, inertia_modes=0).report["inertia"]["modes"] == 0
-    with pytest.raises(InputError, match="reduce: inertia_modes must be a whole number of at least 0, got -1"):
+    with pytest.raises(InputError, match="ReductionOptions: inertia_modes must be .* at least 0, got -1"):
         reduced(small_roller, inertia_modes=-1)
     with pytest.raises(InputError, match="inertia_modes is a number of modes, got True"):
         reduced(small_roller, inertia_modes=True)

@@ -16,6 +16,7 @@ from lap_bodies import as_kind, slit_body, together
 from offline_bodies import STEEL
 from reference_fe import free_response, matrices
 
+from scenes.flat_settings import reduce_flat
 from warpffrf.model.errors import InputError
 from warpffrf.model.laps import LapCells
 from warpffrf.model.laps.lap_surface import lap_cells
@@ -39,7 +40,7 @@ LAPS: dict[str, Any] = {"lap": ("low", "high"), "foot": "z_min", "nodes": LapCel
 def lapped(mesh: Mesh, laps: dict[str, Any], **settings) -> Any:
     """The body reduced with laps; what it may lack is there."""
     given = {"interfaces": {"x_min": "rigid"}, "cache": False, "progress": False, "modes": 6}
-    return reduce(mesh, STEEL, laps=laps, **{**given, **settings})
+    return reduce_flat(mesh, STEEL, laps=laps, **{**given, **settings})
 
 
 def full_response(mesh: Mesh, B, held: str | None):

@@ -62,7 +62,7 @@ def full_model(mesh, interface=("bore",)):
     omega2, V = sla.eigh(T.T @ K @ T, T.T @ M @ T)
     shape = resolve_shapes(mesh, {"rim": Cylinder()})["rim"]
     facets = ContactFacets.of(points, mesh.facets("rim"), shape)
-    field = TractionField("hats", NORMAL, facets.plan("rim", None), facets)
+    field = TractionField("nodes", NORMAL, facets.plan("rim", None), facets)
     B = field.loads(len(points)).toarray()
     return FullModel(np.sqrt(omega2[6:]), T @ V[:, 6:], B, field, M)
 
@@ -251,7 +251,7 @@ def test_kept_modes_are_recovered_by_their_hat_forces(small_roller, full, genera
 @pytest.mark.parametrize("spacing", [0.04, 0.0175])
 def test_other_grids(small_roller, spacing):
     """A grid coarser than the sectors, on both paths (16 of 18 columns' spacing is rounded to what divides a turn)."""
-    given = {"modes": 5, "traction_spacing": spacing, "local_dynamics": True}
+    given = {"modes": 5, "spacing": spacing, "local_dynamics": True}
     a = reduced(small_roller, **given).contact_surfaces["rim"]
     local = dynamic_modes(a, count=6)
     mass = local.shape.T @ operator(a, mass_of(a).lags_mass) @ local.shape

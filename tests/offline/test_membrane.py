@@ -12,13 +12,14 @@ from plates import plate
 
 from references.large_deflections.body import StVenantKirchhoffBody
 from references.membrane import membrane_energy, membrane_gradient, membrane_tangent
+from scenes.flat_settings import reduce_flat
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import from_matrices
 from warpffrf.model.mesh.elements import CELL_KINDS
 from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.offline.elastic import free_model
 from warpffrf.offline.fe import assemble, assign, physical_gradients, projection
 from warpffrf.offline.inertia import membrane, second_order
@@ -192,7 +193,15 @@ def test_gradient_and_tangent_are_derivatives(rimmed) -> None:
 def first_mode(kind: str, thick: float, counts: tuple[int, int, int]):
     """The body of a plate with a rigid rim, and V4 of its first mode at q = 1."""
     mesh = plate(kind, (SIDE, SIDE, thick), counts)
-    body = reduce(mesh, STEEL, interfaces={"rim": "rigid"}, modes=4, stiffening="membrane", cache=False, progress=False)
+    body = reduce(
+        mesh,
+        STEEL,
+        interfaces={"rim": "rigid"},
+        modes=4,
+        options=ReductionOptions(stiffening="membrane"),
+        cache=False,
+        progress=False,
+    )
     assert body.inertia_terms is not None and body.inertia_terms.stiffening is not None
     forms = body.inertia_terms.stiffening.membrane
     facts = body.report["inertia"]["membrane"]
@@ -252,7 +261,7 @@ def test_memory_limit_names_what_fits(rimmed) -> None:
 def made_plate(**settings):
     mesh = plate("hex27", (SIDE, SIDE, THICK), (3, 3, 1))
     given = {"interfaces": {"rim": "rigid"}, "modes": 3, "stiffening": "membrane", "cache": False, "progress": False}
-    return reduce(mesh, STEEL, **{**given, **settings})
+    return reduce_flat(mesh, STEEL, **{**given, **settings})
 
 
 def test_file_and_report(tmp_path) -> None:
@@ -294,7 +303,15 @@ def test_true_and_false_are_as_they_were(tmp_path) -> None:
 
 def test_free_beams_keep_nothing() -> None:
     mesh = plate("hex27", (1.0, 0.03, 0.02), (12, 1, 1))
-    body = reduce(mesh, STEEL, modes=4, stiffening="membrane", stress={"top": "skin"}, cache=False, progress=False)
+    body = reduce(
+        mesh,
+        STEEL,
+        modes=4,
+        options=ReductionOptions(stiffening="membrane"),
+        stress={"top": "skin"},
+        cache=False,
+        progress=False,
+    )
     assert body.report["inertia"]["membrane"]["rank"] == 0
     q = np.ones(len(body.frequencies))
     field = body.stress["top"]
@@ -313,7 +330,14 @@ def test_bad_input() -> None:
     with pytest.raises(InputError, match="membrane_modes=99, of a body with .* modes that have inertia terms"):
         made_plate(membrane_modes=99)
     with pytest.raises(InputError, match="a membrane basis without bending modes: stretching is significant in none"):
-        reduce(plate("hex27", (1, 1, 1), (2, 2, 2)), STEEL, modes=4, stiffening="membrane", cache=False, progress=False)
+        reduce(
+            plate("hex27", (1, 1, 1), (2, 2, 2)),
+            STEEL,
+            modes=4,
+            options=ReductionOptions(stiffening="membrane"),
+            cache=False,
+            progress=False,
+        )
     for none in ({"modes": 0, "interfaces": {}}, {"inertia_modes": 0}):
         with pytest.raises(InputError, match="bending modes: the body has no modes with inertia terms; request some"):
             made_plate(**none)
@@ -321,7 +345,7 @@ def test_bad_input() -> None:
     K, M = assemble(mesh.points, mesh.cells, assign(mesh, STEEL))
     bare = from_matrices(sp.csr_matrix(M), sp.csr_matrix(K), mesh.points)
     with pytest.raises(InputError, match="stiffening='membrane' needs the stresses in cells of a known material"):
-        reduce(bare, modes=2, stiffening="membrane", cache=False, progress=False)
+        reduce(bare, modes=2, options=ReductionOptions(stiffening="membrane"), cache=False, progress=False)
 
 
 def without_forms(body: ReducedBody) -> ReducedBody:

@@ -150,11 +150,11 @@ def test_far_field_is_the_meshs_no_more(hex8, order) -> None:
     """On the same hats the whole compliance of 4 mm cells and of finer ones differs by a sixth at a load, the
     difference from the half-space by less than a hundredth."""
     fine = reduced(
-        roller(sectors=160, layers=11, axial=10, order=2), max_frequency=20e3, contact_fixed=True, traction_spacing=4e-3
+        roller(sectors=160, layers=11, axial=10, order=2), max_frequency=20e3, contact_fixed=True, spacing=4e-3
     )
     coarse = hex8
     if order == 2:
-        coarse = reduced(roller(order=2), max_frequency=20e3, contact_fixed=True, traction_spacing=4e-3)
+        coarse = reduced(roller(order=2), max_frequency=20e3, contact_fixed=True, spacing=4e-3)
     a, b = (body.contact_surfaces["rim"] for body in (coarse, fine))
     assert (a.grid.columns, a.grid.rows) == (b.grid.columns, b.grid.rows)
     whole = means(fine, b.lags)
@@ -270,7 +270,7 @@ def test_few_cells_on_the_radius(cells, order) -> None:
     mesh = wf.mesh.roller(0.05, 0, 0.05, sectors=8 * cells, layers=1, axial=2, order=order)
     body = wf.reduce(
         mesh, STEEL, interfaces={"end_low": "average"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0,
-        contact_fixed=True, cache=False, progress=False,
+        grid=wf.ContactGrid(contact_fixed=True), cache=False, progress=False,
     )  # fmt: skip
     far = far_of(body)
     assert np.all(np.isfinite(far.lags)) and far.asymmetry < 0.05
@@ -280,8 +280,8 @@ def test_a_plane_has_a_far_field() -> None:
     """Clusters of functions on a surface that is curved in no direction are as wide as their number allows."""
     mesh = wf.mesh.box((0.02, 0.02, 0.01), (4, 4, 2), order=1)
     body = wf.reduce(
-        mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": wf.surfaces.Plane()}, modes=0, contact_fixed=True,
-        cache=False, progress=False,
+        mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": wf.surfaces.Plane()}, modes=0,
+        grid=wf.ContactGrid(contact_fixed=True), cache=False, progress=False,
     )  # fmt: skip
     far = body.contact_surfaces["z_max"].far
     assert far is not None and np.all(np.isfinite(far.lags))
@@ -310,7 +310,7 @@ def test_coatings_are_refused() -> None:
             {"coat": soft, "core": STEEL},
             interfaces={"bore": "rigid"},
             contact={"rim": wf.surfaces.Cylinder()},
-            contact_fixed=True,
+            grid=wf.ContactGrid(contact_fixed=True),
             cache=False,
             progress=False,
         )
@@ -334,7 +334,7 @@ def test_fine_meshes_need_none() -> None:
     """None decides by the mesh: nodes 2.6 mm apart are coarse, but not for an expected half-width of 2 cm."""
     mesh = roller(sectors=120)
     assert reduced(mesh, contact_fixed=None).contact_surfaces["rim"].far is not None
-    soft = reduced(mesh, contact_fixed=None, expected_half_width=0.02, contact_error=0.1)
+    soft = reduced(mesh, contact_fixed=None, expected_half_width=0.02, force_error=0.1)
     assert soft.contact_surfaces["rim"].far is None
 
 
@@ -349,7 +349,7 @@ def test_an_arc_of_an_even_number_of_columns_is_as_symmetric_as_one_of_an_odd_nu
     mesh = mesh.select("tread", "rim", lambda x: np.abs(np.arctan2(-x[:, 2], x[:, 0]) - 0.25 * pitch) < half * pitch)
     body = wf.reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"tread": wf.surfaces.Cylinder()}, modes=0,
-            contact_fixed=True,
+            grid=wf.ContactGrid(contact_fixed=True),
         cache=False, progress=False,
     )  # fmt: skip
     surface = body.contact_surfaces["tread"]

@@ -10,7 +10,7 @@ from offline_bodies import STEEL, reduced
 
 import warpffrf as wf
 from warpffrf.model.half_space import FarSplines, transposed
-from warpffrf.model.reduced.contact_grid import ContactGrid, cell_edges
+from warpffrf.model.reduced.contact_grid import SurfaceGrid, cell_edges
 from warpffrf.model.reduced.far_field import FarTangential
 from warpffrf.offline.fe import assign
 from warpffrf.offline.general.checkpoint import Checkpoint
@@ -144,7 +144,7 @@ def test_splines_reproduce_parabolas_from_means_over_cells(turn) -> None:
             radius=0.05, crown_radius=0.3, axis_point=(0, 0, 0), axis_direction=(0, 0, 1)
         )
     pitch = 2.0 * np.pi / turn if turn else 2e-3
-    grid = ContactGrid(np.array(shape.e_0), -0.011, pitch, 12, bool(turn), z, 12, "cells")
+    grid = SurfaceGrid(np.array(shape.e_0), -0.011, pitch, 12, bool(turn), z, 12, "cells")
     splines = FarSplines(grid, shape, turn)
 
     def field(theta, x):
@@ -168,8 +168,8 @@ def test_window_of_a_plane_is_the_half_space() -> None:
     """N_tt and N_nt of quadratic cells half as wide as the grid's, beside means of the exact half-space."""
     mesh = wf.mesh.box((0.02, 0.02, 0.01), (8, 8, 4), order=2)
     body = wf.reduce(
-        mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": wf.surfaces.Plane()}, modes=0, tangential=True,
-        traction_spacing=5e-3, contact_fixed=False, cache=False, progress=False,
+        mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": wf.surfaces.Plane()}, modes=0,
+        grid=wf.ContactGrid(tangential=True, spacing=5e-3, contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
     s = body.contact_surfaces["z_max"]
     t = s.tangential
@@ -186,9 +186,11 @@ def test_window_of_a_plane_is_the_half_space() -> None:
     area = np.tile(functions.hats.area, g.columns)
     M = np.kron(g.gram_theta(), g.gram_z(s.shape))
     nt = (M @ near.tangential.lags_nt[0]) / area[:, None]
-    places = {kind: _points(s.shape, grid) for kind, grid in (("hats", g), ("cells", t.grid))}
+    places = {kind: _points(s.shape, grid) for kind, grid in (("nodes", g), ("cells", t.grid))}
     wanted = _exact_means(places["cells"], places["cells"], lambda a, b, d: tangential_load(d, a, b, 0.0 * a, NU)[:2])
-    normal = _exact_means(places["hats"], places["cells"], lambda a, b, d: (-tangential_load(d, a, b, 0.0 * a, NU)[2],))
+    normal = _exact_means(
+        places["nodes"], places["cells"], lambda a, b, d: (-tangential_load(d, a, b, 0.0 * a, NU)[2],)
+    )
     j, k = np.divmod(np.arange(n), g.rows)
     apart = np.maximum(np.abs(j[:, None] - j), np.abs(k[:, None] - k))
     own = _own_mean(g.pitch, 5e-3)
@@ -398,7 +400,7 @@ def test_saved_and_loaded(bodies, tmp_path) -> None:
 
 def test_hats_have_none() -> None:
     mesh = wf.mesh.roller(0.05, 0.015, 0.02, sectors=24, layers=3, axial=2, order=1)
-    body = reduced(mesh, modes=0, tangential="hats", contact_fixed=True)
+    body = reduced(mesh, modes=0, tangential="nodes", contact_fixed=True)
     far = body.contact_surfaces["rim"].far
     assert far is not None and far.tangential is None
     assert any("supports normal pressures only" in note for note in body.report["notes"])

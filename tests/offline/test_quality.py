@@ -189,11 +189,11 @@ def cells(x: np.ndarray, spacing: float, count: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("kind", "half", "count"), [("hats", 4, 11), ("hats", 2, 3), ("cells", 4, 10), ("cells", 2, 4)]
+    ("kind", "half", "count"), [("nodes", 4, 11), ("nodes", 2, 3), ("cells", 4, 10), ("cells", 2, 4)]
 )
 def test_grid_error_estimates_the_true_one(half_plane, kind: str, half: int, count: int) -> None:
     x, A = half_plane
-    F = {"hats": hats, "cells": cells}[kind](x, 1.0 / half, count)
+    F = {"nodes": hats, "cells": cells}[kind](x, 1.0 / half, count)
     C = F.T @ A @ F
     found = grid_error(C, 1, kind=kind, half_width=half)
     assert found is not None and found[1] == half

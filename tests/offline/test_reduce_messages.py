@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.flat_settings import reduce_flat
 from warpffrf.model import surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.offline.contact.local_mass import check_compliance, eigenvalue_ratio
-from warpffrf.offline.reduction import reduce
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
 
 
 def reduced(shape: Any, *, axial: int = 2, **options: Any) -> Any:
     mesh = roller(0.05, 0.03, 0.02, sectors=24, axial=axial, layers=1, order=1)
-    return reduce(
+    return reduce_flat(
         mesh,
         STEEL,
         interfaces={"bore": "rigid"},
@@ -50,7 +50,10 @@ def test_an_arc_that_is_given_may_be_as_flat_as_it_likes() -> None:
 
 @pytest.mark.parametrize("value", ["yes", 1, np.array([1.0, 2.0])])
 def test_tangential_is_named(value: Any) -> None:
-    with pytest.raises(InputError, match="reduce: tangential must be True, False or one of 'hats', 'cells', got"):
+    with pytest.raises(
+        InputError,
+        match="ContactGrid: tangential must be True, False or a kind of functions: .* known: 'nodes', 'cells'",
+    ):
         reduced(surfaces.Cylinder(), tangential=value)
 
 

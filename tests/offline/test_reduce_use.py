@@ -39,7 +39,7 @@ def test_arguments_of_a_wrong_kind_are_named(small_roller, settings, message):
 def test_a_spacing_in_a_wrong_unit_is_refused_before_anything_is_made(small_roller, general, spacing):
     """A function for each such spacing would be 1e9 of them at least."""
     with pytest.raises(InputError, match="finer than the surface mesh .* functions on .* nodes"):
-        reduced(small_roller, general=general, traction_spacing=spacing)
+        reduced(small_roller, general=general, spacing=spacing)
 
 
 @pytest.mark.parametrize("general", [False, True])
@@ -74,9 +74,9 @@ def test_what_the_cyclic_path_does_not_use_is_noted(small_roller):
 
 def test_a_spacing_that_could_not_be_kept_is_noted(small_roller):
     sector = 2.0 * np.pi * 0.05 / 18
-    assert not reduced(small_roller, traction_spacing=sector).report["notes"]
-    body = reduced(small_roller, traction_spacing=1.9 * sector)  # two sectors are too wide: one it is
-    assert any(f"traction_spacing={1.9 * sector:g}:" in text for text in body.report["notes"])
+    assert not reduced(small_roller, spacing=sector).report["notes"]
+    body = reduced(small_roller, spacing=1.9 * sector)  # two sectors are too wide: one it is
+    assert any(f" spacing={1.9 * sector:g}:" in text for text in body.report["notes"])
 
 
 def test_a_contact_surface_of_two_materials_is_noted(small_roller):

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from offline_bodies import STEEL, reduced
 
+from scenes.flat_settings import reduce_flat
 from warpffrf import examples
 from warpffrf.model import mesh as meshes
 from warpffrf.model.errors import InputError
@@ -124,15 +125,15 @@ def test_cut_by_the_axis_of_a_shape_elsewhere(small_roller):
         ({"contact": {"tread": None}}, "facet set 'tread' does not exist; known: 'rim', 'bore', 'ends'"),
         ({"interfaces": {"bore": "elastic"}}, "kind 'elastic' does not exist; known: rigid, average, free"),
         ({"basis": "guyan"}, "basis 'guyan'"),
-        ({"traction": "spots"}, "traction 'spots' is not available"),
-        ({"tangential": "spots"}, "tangential must be True, False or one of 'hats', 'cells'"),
+        ({"traction": "spots"}, "traction 'spots' does not exist"),
+        ({"tangential": "spots"}, "tangential must be True, False or a kind of functions: .* known: 'nodes', 'cells'"),
         ({"solver": "magic"}, "solver 'magic' is not available"),
         ({"periodic": True}, "periodic must be None"),
         ({"max_frequency": -1.0}, "max_frequency"),
         ({"max_frequency": float("nan")}, "max_frequency"),
         ({"modes": -2}, "modes"),
         ({"modes": 2.5}, "modes"),
-        ({"traction_spacing": 0.0}, "traction_spacing"),
+        ({"spacing": 0.0}, "spacing must be greater"),
         ({"memory_limit": -1}, "memory_limit"),
         ({"interfaces": {"rim": "rigid"}}, "'rim' cannot be"),
         ({"interfaces": {"bore": "rigid", "ends": "rigid"}}, "share 36 nodes"),
@@ -284,10 +285,10 @@ def test_any_change_recomputes(small_roller, own_cache, change):
     elif change == "modes":
         settings["modes"] = 2
     elif change == "spacing":
-        settings["traction_spacing"] = 0.02
+        settings["spacing"] = 0.02
     else:
         given = {"interfaces": {"bore": "rigid"}, "contact": {"rim": Cylinder()}, "progress": False}
-        body = reduce(mesh, Material(210e9, 0.3, 7850.0 * (1 + 1e-12)), **given)
+        body = reduce_flat(mesh, Material(210e9, 0.3, 7850.0 * (1 + 1e-12)), **given)
         assert not body.report["cached"]
         return
     assert not reduced(mesh, cache=True, **settings).report["cached"]

@@ -15,6 +15,7 @@ import pytest
 from offline_bodies import STEEL
 from reference_fe import free_response, matrices
 
+from scenes.flat_settings import reduce_flat
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh, ball, block, box, ring, roller, sleeve
 from warpffrf.model.mesh.facets import rigid_modes
@@ -33,7 +34,7 @@ from warpffrf.model.surfaces import (
     Ring,
     Sphere,
 )
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.offline.contact.hat_loads import NORMAL, TANGENTIAL, ContactFacets, TractionField
 from warpffrf.offline.general.unit_loads import GeneralSurface
 from warpffrf.offline.products import choose_path, resolve_shapes
@@ -173,7 +174,7 @@ def case(request):
     return CASES[request.param]
 
 
-def fields(case: Case, kinds=("hats", "cells"), spacing=None) -> list[TractionField]:
+def fields(case: Case, kinds=("nodes", "cells"), spacing=None) -> list[TractionField]:
     """Normal and tangential field on the set's whole grid."""
     facets = ContactFacets.of(case.mesh.points, case.mesh.facets(case.name), case.resolved)
     plan = facets.plan(case.name, spacing)
@@ -326,7 +327,7 @@ def tangential_of(surface: ContactSurface) -> Tangential:
 
 def reduced(case: Case, **settings) -> ReducedBody:
     given = {"interfaces": {}, "contact": {case.name: case.shape}, "tangential": True, "cache": False}
-    return reduce(case.mesh, STEEL, progress=False, **{**given, **settings})
+    return reduce_flat(case.mesh, STEEL, progress=False, **{**given, **settings})
 
 
 @pytest.mark.parametrize("name", ["bore", "ring", "conical bore", "cup", "groove"])
@@ -392,7 +393,7 @@ def test_file_keeps_the_shape(case, tmp_path):
 def test_stress_at_the_surface_is_the_traction(name):
     """sigma n at the nodes of the contact surface: minus the pressure along n, the shear along its direction."""
     case = CASES[name]
-    body = reduced(case, modes=0, stress={"here": case.name}, tangential="hats")
+    body = reduced(case, modes=0, stress={"here": case.name}, tangential="nodes")
     s, field = body.contact_surfaces[case.name], body.stress["here"]
     rng = np.random.default_rng(3)
     grid = s.grid
@@ -425,7 +426,7 @@ def test_expected_half_width_on_a_plane_and_a_ball():
     """The rule for ellipses serves a plane and a sphere, the one for lines a bore; the grid keeps what it promises."""
     for name, half_width in (("plane", 1.5e-3), ("ball", 1.5e-3), ("bore", 0.03)):
         case = CASES[name]
-        body = reduced(case, modes=0, tangential=False, expected_half_width=half_width, contact_error=0.3)
+        body = reduced(case, modes=0, tangential=False, expected_half_width=half_width, force_error=0.3)
         facts = body.report["contact"][case.name]["expected"]
         assert facts["spacing"] <= half_width and facts["promised_error"] <= 0.3
 
@@ -433,7 +434,7 @@ def test_expected_half_width_on_a_plane_and_a_ball():
 def test_grid_finer_than_the_mesh_is_refused_on_a_plane():
     case = CASES["plane"]
     with pytest.raises(InputError, match="finer than the surface mesh"):
-        reduced(case, modes=0, tangential=False, traction_spacing=3e-4)
+        reduced(case, modes=0, tangential=False, spacing=3e-4)
 
 
 def test_two_patches_of_a_plane_are_refused():
@@ -454,7 +455,7 @@ def test_plane_of_a_periodic_body_takes_the_general_path():
 def test_round_face_is_refused_as_no_rectangle():
     mesh = shaft().select("face", "ends", lambda c: c[:, 1] > 0.0)
     with pytest.raises(InputError, match="fill a rectangle"):
-        reduce(mesh, STEEL, contact={"face": None}, traction_spacing=0.02, cache=False, progress=False)
+        reduce(mesh, STEEL, contact={"face": None}, grid=ContactGrid(spacing=0.02), cache=False, progress=False)
 
 
 @pytest.mark.parametrize("general", [False, True])
@@ -469,7 +470,7 @@ def test_arcs_are_counted_about_theta_zero(general, middle):
 
     mesh = mesh.select("arc", "bore", near)
     how: dict[str, Any] = {"periodic": False} if general else {}
-    body = reduce(mesh, STEEL, contact={"arc": Bore()}, cache=False, progress=False, **how)
+    body = reduce_flat(mesh, STEEL, contact={"arc": Bore()}, cache=False, progress=False, **how)
     grid = body.contact_surfaces["arc"].grid
     center = 0.5 * (grid.theta[0] + grid.theta[-1])
     assert not grid.periodic and -np.pi - 1e-9 <= center <= np.pi + 1e-9

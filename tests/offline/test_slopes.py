@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
+from scenes.flat_settings import reduce_flat
 from warpffrf.model.reduced.local_modes import leaning, leanings, leant
 from warpffrf.offline.contact.local_mass import slope_lags
 
@@ -17,7 +18,7 @@ PATHS = 1e-6  # of the largest entry: the two paths share no solver
 def roll(material: wf.Material, **options) -> wf.ReducedBody:
     mesh = wf.mesh.roller(R, 0.04, 0.02, sectors=24, layers=3, axial=2, order=1)
     contact = {"rim": wf.surfaces.Cylinder()}
-    return wf.reduce(
+    return reduce_flat(
         mesh, material, interfaces={"bore": "rigid"}, contact=contact, modes=0, cache=False, progress=False, **options
     )
 

@@ -14,7 +14,7 @@ from warpffrf.model.mesh import from_matrices
 from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import PRODUCTS
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.offline.fe import assemble, assign
 from warpffrf.offline.inertia.invariants import centrifugal_acceleration, prestress_stiffness
 
@@ -33,7 +33,7 @@ class Bar:
             STEEL,
             interfaces={"low": "average", "high": "average"},
             modes=8,
-            stiffening=True,
+            options=ReductionOptions(stiffening=True),
             cache=False,
             progress=False,
         )
@@ -214,6 +214,6 @@ def test_bodies_without_cells_are_refused() -> None:
     K, M = assemble(mesh.points, mesh.cells, assign(mesh, STEEL))
     bare = from_matrices(sp.csr_matrix(M), sp.csr_matrix(K), mesh.points)
     with pytest.raises(InputError, match="stiffening=True needs the stresses in cells.*leave stiffening out"):
-        reduce(bare, modes=2, stiffening=True, cache=False, progress=False)
+        reduce(bare, modes=2, options=ReductionOptions(stiffening=True), cache=False, progress=False)
     with pytest.raises(InputError, match="stiffening must be True or False, or 'membrane', got 'yes'"):
-        reduce(mesh, STEEL, modes=2, stiffening="yes", cache=False, progress=False)  # pyright: ignore[reportArgumentType]
+        reduce(mesh, STEEL, modes=2, options=ReductionOptions(stiffening="yes"), cache=False, progress=False)  # pyright: ignore[reportArgumentType]

@@ -12,7 +12,7 @@ from reference_fe import free_response, matrices
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
 from warpffrf.model.mesh.facets import rigid_modes
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.stress_field import GridSpan, StressPoints, from_tensor, rotated, sector_frames, to_tensor
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline.contact.contact_grid import facet_chart, nodal_plan
@@ -154,7 +154,7 @@ def bilinear(values, column, z, grid) -> float:
     return total
 
 
-@pytest.mark.parametrize("kind", ["hats", "cells"])
+@pytest.mark.parametrize("kind", ["nodes", "cells"])
 def test_traction_in_every_direction(curved, kind) -> None:
     """The operator on displacements leaves no traction on the surface; hats and cells bring in theirs, whatever their
     direction."""
@@ -167,7 +167,7 @@ def test_traction_in_every_direction(curved, kind) -> None:
     left = np.einsum("pic,pcu->piu", N, S.toarray().reshape(len(points), 6, -1))
     assert np.abs(left).max() < SAME * np.abs(S).max()
     columns, lines = 18, np.linspace(-0.01, 0.01, 4)
-    grid = ContactGrid(shape.e_0, 0.05, 2.0 * np.pi / columns, columns, True, lines, columns, kind)
+    grid = SurfaceGrid(shape.e_0, 0.05, 2.0 * np.pi / columns, columns, True, lines, columns, kind)
     value = np.random.default_rng(0).standard_normal((3, columns, grid.rows))
     directions = ("normal", "theta", "meridian")
     own = plan.own("rim", grid, GridSpan(0, columns, True), directions) @ value.ravel()
@@ -184,7 +184,7 @@ def test_traction_in_every_direction(curved, kind) -> None:
     assert np.abs(traction - expected).max() < SAME * np.abs(value).max()
 
 
-@pytest.mark.parametrize("kind", ["hats", "cells"])
+@pytest.mark.parametrize("kind", ["nodes", "cells"])
 @pytest.mark.parametrize("set_name", ["rim", "arc"])
 def test_tangential_loads_on_both_paths(linear, kind, set_name) -> None:
     """Sector by sector or all at once: the same stress under the same normal and tangential forces."""

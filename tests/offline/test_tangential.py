@@ -15,7 +15,7 @@ from warpffrf.offline.cyclic.surface import CyclicField, FacetPattern, facet_pat
 
 EXACT = 1e-10  # what the issue asks for
 SINGLE = 2e-6  # transfers are stored in single precision
-KINDS = [("hats", "cells"), ("hats", "hats"), ("cells", "cells")]
+KINDS = [("nodes", "cells"), ("nodes", "nodes"), ("cells", "cells")]
 
 
 BODIES = {
@@ -72,7 +72,7 @@ def test_modes_are_projected(body):
     )
     s, D = the_surface(product)
     plan, _ = plan_of(mesh, shape, spacing=spacing)
-    whole = whole_operators(mesh, shape, plan, ("hats", "cells"))
+    whole = whole_operators(mesh, shape, plan, ("nodes", "cells"))
     here = [int(np.argmin(np.linalg.norm(mesh.points - p, axis=1))) for p in product.skin_points]
     u = np.zeros((len(mesh.points), 3, len(product.omega)))
     u[here] = product.skin_modes.transpose(1, 2, 0)
@@ -119,7 +119,7 @@ def test_loads_of_a_harmonic_are_those_of_its_wave():
     mesh = roller(0.05, 0.02, 0.02, crown_radius=0.1, sectors=7, layers=1, axial=2, order=1)
     shape = CrownedCylinder().fitted(mesh.points[mesh.facets("rim").node_set])
     plan, surface = plan_of(mesh, shape)
-    whole = whole_operators(mesh, shape, plan, ("hats", "cells"))
+    whole = whole_operators(mesh, shape, plan, ("nodes", "cells"))
     sector = sector_of(mesh)
     axes, nn, N = sector.axes, sector.nodes, sector.count
     pattern = facet_pattern(mesh, "rim")

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery
 from warpffrf.model.reduced.data import DisplaySurface, Interface
 
@@ -20,7 +20,7 @@ DECAY = 6e-3  # m
 MODES = 3
 
 
-def grid_points(shape: Any, grid: ContactGrid) -> np.ndarray:
+def grid_points(shape: Any, grid: SurfaceGrid) -> np.ndarray:
     """Nodes (columns, rows, 3) [m, user frame] of the grid on the true surface."""
     theta, z = np.meshgrid(grid.theta, grid.z, indexing="ij")
     if shape.profile().planar:
@@ -38,7 +38,7 @@ def made_body(shape: Any, z: Any, *, pitch: float, columns: int, periodic: bool 
     rng = np.random.default_rng(seed)
     pitch = 2.0 * np.pi / columns if periodic else pitch
     start = 0.3 * pitch if periodic else -0.5 * (columns - 1) * pitch
-    grid = ContactGrid(np.asarray(shape.e_0), start, pitch, columns, periodic, np.asarray(z, float), columns)
+    grid = SurfaceGrid(np.asarray(shape.e_0), start, pitch, columns, periodic, np.asarray(z, float), columns)
     nodes = grid_points(shape, grid).reshape(-1, 3)
     distance = np.linalg.norm(nodes[:, None] - nodes[None], axis=-1)
     lags = SOFTNESS * np.exp(-distance / DECAY)[None]

@@ -18,7 +18,7 @@ from warpffrf.model.mesh import FacetSet, Mesh, box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import interface_motion, membrane_forms
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online.diagnosis.indicator import (
     STRAINED,
     THICK,
@@ -40,7 +40,7 @@ SIDE, THIN = 0.4, 4e-3  # m
 def beam(stiffening: Any) -> ReducedBody:
     return reduce(
         box((LENGTH, WIDTH, THICKNESS), (12, 1, 1)), MATERIAL, interfaces={"x_min": "rigid", "x_max": "rigid"}, modes=4,
-        stiffening=stiffening, progress=False,
+        options=ReductionOptions(stiffening=stiffening), progress=False,
     )  # fmt: skip
 
 
@@ -55,9 +55,8 @@ def plate(membrane_modes: int | None = None) -> ReducedBody:
         MATERIAL,
         interfaces={"rim": "rigid"},
         modes=6,
-        stiffening="membrane",
+        options=ReductionOptions(stiffening="membrane", membrane_modes=membrane_modes),
         progress=False,
-        membrane_modes=membrane_modes,
     )
 
 

@@ -1,4 +1,4 @@
-"""The online check of films of evaluation "hyper" beside runs with all hats."""
+"""The online check of films of quadrature "reduced" beside runs with all hats."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ def found(scene: Scene) -> History:
     return history
 
 
-def compared(semi: History, hyper: History) -> tuple[float, float]:
+def compared(full: History, reduced: History) -> tuple[float, float]:
     """What all hats change of the smallest gap at nodes, and of the largest pressure, in the last row."""
-    a, b = semi.films["film"], hyper.films["film"]
+    a, b = full.films["film"], reduced.films["film"]
     least = narrowest(a.gap[-1:], periodic=True)[0]
     return float(least / b.smallest_gap[-1] - 1.0), float(a.largest_pressure[-1] / b.largest_pressure[-1] - 1.0)
 
@@ -41,20 +41,20 @@ def compared(semi: History, hyper: History) -> tuple[float, float]:
 @pytest.mark.parametrize(("load", "powers"), [(2e3, (0,)), (20e3, (0, 2)), (20e3, (0, 2, 4)), (60e3, (0, 2, 4))])
 def test_the_check_of_an_equilibrium_is_what_all_hats_change(load: float, powers: tuple[int, ...]) -> None:
     """Of another equilibrium, with the shaft where the load moves it."""
-    semi, hyper = (
-        found(bearing(bore(HATS), (load, 0.0), feeds=[GROOVE], evaluation=e, axial_degrees=powers))
-        for e in ("semi", "hyper")
+    full, reduced = (
+        found(bearing(bore(HATS), (load, 0.0), feeds=[GROOVE], quadrature=e, axial_degrees=powers))
+        for e in ("full", "reduced")
     )
-    check: FilmCheck = hyper.film_checks["film"]
-    gap, pressure = compared(semi, hyper)
+    check: FilmCheck = reduced.film_checks["film"]
+    gap, pressure = compared(full, reduced)
     assert check.gaps[0] == pytest.approx(gap, abs=SAME)
     assert check.pressures[0] == pytest.approx(pressure, abs=SAME)
-    assert check.feed_flow[0] == pytest.approx(semi.films["film"].feed_flow[-1], rel=OF_FLOWS + check.force)
+    assert check.feed_flow[0] == pytest.approx(full.films["film"].feed_flow[-1], rel=OF_FLOWS + check.force)
     assert check.end_flow[0] == pytest.approx(check.feed_flow[0], rel=OF_FLOWS)
-    assert not semi.film_checks
-    (note,) = [n for n in hyper.notes if "compared with all nodes in 1 states" in n]
+    assert not full.film_checks
+    (note,) = [n for n in reduced.notes if "compared with all nodes in 1 states" in n]
     assert f"{check.gap:.2%} of the smallest gap and {check.pressure:.2%} of the largest pressure" in note
-    assert ("or evaluation='semi'" in note) == check.too_large
+    assert ("or quadrature='full'" in note) == check.too_large
 
 
 def tilted(tilt: float, **film: Any) -> Scene:
@@ -80,19 +80,19 @@ def test_a_shaft_that_tilts_needs_odd_powers() -> None:
     """By a quarter of the clearance at each end: with even powers, however many, the check says that the film is
     another, with odd ones it finds a fraction of that. The shaft is held where it is."""
     tilt = 0.25 * CLEARANCE / (0.5 * LENGTH)
-    semi = found(tilted(tilt))
+    full = found(tilted(tilt))
     wrong = {}
     for powers in ((0, 2, 4), (0, 1, 2)):
-        hyper = found(tilted(tilt, evaluation="hyper", axial_degrees=powers))
-        check = hyper.film_checks["film"]
-        gap, pressure = compared(semi, hyper)
+        reduced = found(tilted(tilt, quadrature="reduced", axial_degrees=powers))
+        check = reduced.film_checks["film"]
+        gap, pressure = compared(full, reduced)
         assert check.held_gaps[0] == pytest.approx(gap, abs=SAME)
         assert check.held_pressures[0] == pytest.approx(pressure, abs=SAME)
         wrong[powers] = check
     even, odd = wrong[0, 2, 4], wrong[0, 1, 2]
     assert even.too_large and even.force > 0.1 and even.pressure > 0.1
     assert "odd ones too where the shaft tilts" in even.note(
-        tilted(tilt, evaluation="hyper", axial_degrees=(0, 2)).films[0]
+        tilted(tilt, quadrature="reduced", axial_degrees=(0, 2)).films[0]
     )
     assert odd.force < 0.1 * even.force and abs(odd.held_pressures[0]) < 0.1 * abs(even.held_pressures[0])
 
@@ -102,14 +102,15 @@ def test_a_film_that_nearly_closes_at_its_ends_needs_more_powers() -> None:
     there is none."""
     gaps = {}
     for powers in ((0, 2), (0, 2, 4), (0,)):
-        history = found(bearing(bore((64, 17)), (60e3, 0.0), feeds=[GROOVE], evaluation="hyper", axial_degrees=powers))
+        scene = bearing(bore((64, 17)), (60e3, 0.0), feeds=[GROOVE], quadrature="reduced", axial_degrees=powers)
+        history = found(scene)
         gaps[powers] = history.film_checks["film"]
-        (note,) = [n for n in history.notes if "evaluation 'hyper', axial_degrees" in n]
-        assert "or evaluation='semi'" in note
+        (note,) = [n for n in history.notes if "quadrature 'reduced', axial_degrees" in n]
+        assert "or quadrature='full'" in note
     assert gaps[0, 2].gap > 20.0 * gaps[0, 2, 4].gap and gaps[0, 2, 4].gap < 0.01
     assert gaps[0, 2].too_large and gaps[0, 2, 4].too_large  # the force where the shaft is: 0.5 and 1.8 %
     assert gaps[0,].missed == 1 and gaps[0,].too_large and np.isnan(gaps[0,].gap)
-    lines = film_lines(find_equilibrium(bearing(bore(HATS), (2e3, 0.0), feeds=[GROOVE], evaluation="hyper")))
+    lines = film_lines(find_equilibrium(bearing(bore(HATS), (2e3, 0.0), feeds=[GROOVE], quadrature="reduced")))
     assert [line.of for line in lines] == [
         f"{of} of film 'film'" for of in ("force", "smallest gap", "largest pressure")
     ]
@@ -125,18 +126,18 @@ def test_states_of_a_run_are_looked_at_where_it_was() -> None:
     along, across = (
         Load(t, load * f(0.25 * SPEED * t), cubic=True) for f in (np.cos, np.sin)
     )  # fmt: skip
-    for evaluation in ("semi", "hyper"):
+    for quadrature in ("full", "reduced"):
         scene = bearing(
-            bore(HATS), (along, across), mass=1e-3, feeds=[GROOVE], evaluation=evaluation, axial_degrees=(0,)
+            bore(HATS), (along, across), mass=1e-3, feeds=[GROOVE], quadrature=quadrature, axial_degrees=(0,)
         )  # fmt: skip
-        histories[evaluation] = run(scene, steps * step, step=step, start="equilibrium", progress=False)
-        assert histories[evaluation].status == "completed", histories[evaluation].message
-    check: FilmCheck = histories["hyper"].film_checks["film"]
+        histories[quadrature] = run(scene, steps * step, step=step, start="equilibrium", progress=False)
+        assert histories[quadrature].status == "completed", histories[quadrature].message
+    check: FilmCheck = histories["reduced"].film_checks["film"]
     assert 3 <= len(check.time) <= SAMPLED and check.missed == 0
-    semi, hyper = (history.films["film"] for history in histories.values())
-    rows = [int(np.argmin(np.abs(histories["hyper"].time - time))) for time in check.time]
-    gap = narrowest(semi.gap[rows], periodic=True) / hyper.smallest_gap[rows] - 1.0
-    pressure = semi.largest_pressure[rows] / hyper.largest_pressure[rows] - 1.0
+    full, reduced = (history.films["film"] for history in histories.values())
+    rows = [int(np.argmin(np.abs(histories["reduced"].time - time))) for time in check.time]
+    gap = narrowest(full.gap[rows], periodic=True) / reduced.smallest_gap[rows] - 1.0
+    pressure = full.largest_pressure[rows] / reduced.largest_pressure[rows] - 1.0
     print(np.round(gap, 4), np.round(check.gaps, 4), np.round(pressure, 4), np.round(check.pressures, 4))
     for real, told in ((gap, check.gaps), (pressure, check.pressures)):
         assert 0.5 * np.abs(real).max() < np.abs(told).max() < 2.0 * np.abs(real).max()
@@ -146,18 +147,18 @@ def test_a_pad_is_looked_at_too() -> None:
     """A plane, which does not go around: a square slider in its place, where all hats change what the check finds."""
     length, low, speed = 0.02, 20e-6, 1.0
     body, states = plate(length, length, (24, 12)), {}
-    for evaluation in ("semi", "hyper"):
+    for quadrature in ("full", "reduced"):
         form = of_x(body, lambda x: low * (0.5 - x / length))
         scene, guide = above(
             body, FACE, height=low, velocity=(speed, 0, 0), cavitation="full_sommerfeld", form_a=form,
-                evaluation=evaluation,
+                quadrature=quadrature,
             axial_degrees=(0,), feeds=[films.AxialGroove(-0.5 * length, 1e-4, 0.0)],
         )  # fmt: skip
-        states[evaluation] = sliding(scene, guide, speed)
-    semi, hyper = (history.films["film"] for history in states.values())
-    check: FilmCheck = states["hyper"].film_checks["film"]
-    pressure = float(semi.largest_pressure[-1] / hyper.largest_pressure[-1] - 1.0)
-    force = float(np.linalg.norm(semi.force[-1] - hyper.force[-1]) / np.linalg.norm(hyper.force[-1]))
+        states[quadrature] = sliding(scene, guide, speed)
+    full, reduced = (history.films["film"] for history in states.values())
+    check: FilmCheck = states["reduced"].film_checks["film"]
+    pressure = float(full.largest_pressure[-1] / reduced.largest_pressure[-1] - 1.0)
+    force = float(np.linalg.norm(full.force[-1] - reduced.force[-1]) / np.linalg.norm(reduced.force[-1]))
     assert check.held_pressures[0] == pytest.approx(pressure, abs=SAME)
     assert check.force == pytest.approx(force, abs=SAME)
     assert abs(pressure) > 5.0 * SAME  # one profile is few

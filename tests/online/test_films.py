@@ -72,8 +72,8 @@ def test_a_steady_bearing_is_that_of_the_dense_reference(load: float, oil: oils.
 
 @pytest.mark.parametrize("powers", [(0, 2), (0, 1, 2)])
 def test_profiles_along_are_those_of_the_dense_reference(powers: tuple[int, ...]) -> None:
-    """Of evaluation "hyper", beside the same ones there and beside all hats."""
-    found = find_equilibrium(bearing((20e3, 0.0), evaluation="hyper", axial_degrees=powers))
+    """Of quadrature "reduced", beside the same ones there and beside all hats."""
+    found = find_equilibrium(bearing((20e3, 0.0), quadrature="reduced", axial_degrees=powers))
     assert found.status == "completed", found.message
     film, expected = found.films["film"], reference(powers=powers)
     settled = expected.settle(np.array([0.3 * CLEARANCE, 0.0]), np.array([20e3, 0.0]))
@@ -90,8 +90,8 @@ def test_profiles_along_are_those_of_the_dense_reference(powers: tuple[int, ...]
 def test_a_groove_under_pressure_feeds_profiles_too() -> None:
     feeds = [films.AxialGroove(np.pi, 1e-4, 3e5)]
     hats, strips = (
-        find_equilibrium(bearing((2e3, 0.0), feeds=feeds, evaluation=e, axial_degrees=(0, 2, 4)))
-        for e in ("semi", "hyper")
+        find_equilibrium(bearing((2e3, 0.0), feeds=feeds, quadrature=e, axial_degrees=(0, 2, 4)))
+        for e in ("full", "reduced")
     )
     np.testing.assert_allclose(place(strips), place(hats), atol=0.01)
     column, other = (found.films["film"].pressure[-1, COLUMNS // 2] for found in (hats, strips))
@@ -285,18 +285,18 @@ def test_profiles_follow_a_load_that_turns() -> None:
     """Beside all hats, in as many steps; and their ledger closes as well."""
     step, steps = 2.0 * np.pi / SPEED / 60.0, 60
     found = {}
-    for evaluation in ("semi", "hyper"):
+    for quadrature in ("full", "reduced"):
         scene = bearing(
             turning_load(step, steps),
             at=(0.4 * CLEARANCE, 0.4 * CLEARANCE),
-            evaluation=evaluation,
+            quadrature=quadrature,
             axial_degrees=(0, 2),
         )
-        found[evaluation] = run(scene, steps * step, step=step, start="equilibrium", progress=False)
-        assert found[evaluation].status == "completed", found[evaluation].message
-        energy = found[evaluation].energy
+        found[quadrature] = run(scene, steps * step, step=step, start="equilibrium", progress=False)
+        assert found[quadrature].status == "completed", found[quadrature].message
+        energy = found[quadrature].energy
         assert abs(energy["numerical"][-1]) < 0.01 * energy["drive_work"][-1]
-    hats, strips = (found[name].films["film"].smallest_gap for name in ("semi", "hyper"))
+    hats, strips = (found[name].films["film"].smallest_gap for name in ("full", "reduced"))
     assert np.abs(strips / hats - 1.0).max() < 0.05  # seven rows of hats are coarse
 
 
@@ -492,7 +492,7 @@ def test_a_load_that_no_film_carries_is_told() -> None:
 
 def test_a_film_without_sliding_is_told_to_carry_nothing_at_rest() -> None:
     """It is no mechanism, and no spring is the cure."""
-    found = find_equilibrium(bearing((2e3, 0.0), speed=0.0, evaluation="hyper", axial_degrees=(0, 2)))
+    found = find_equilibrium(bearing((2e3, 0.0), speed=0.0, quadrature="reduced", axial_degrees=(0, 2)))
     assert found.status == "no_equilibrium" and not len(found.time)
     assert found.message.startswith("equilibrium: film 'film' is squeezed to")
     assert "nothing slides and it carries no load at rest" in found.message and "a velocity" in found.message

@@ -127,7 +127,7 @@ def test_asperities_press_both() -> None:
 
 
 def test_profiles_along_press_both() -> None:
-    strips = find_equilibrium(bearing((20e3, 0.0), yielding=shaft_body(), evaluation="hyper", axial_degrees=(0, 2)))
+    strips = find_equilibrium(bearing((20e3, 0.0), yielding=shaft_body(), quadrature="reduced", axial_degrees=(0, 2)))
     expected = reference(powers=(0, 2))
     opposite = of_shaft()
     more = held_compliance(shaft_body(), "rim", "bore")[np.ix_(opposite, opposite)]
@@ -139,7 +139,7 @@ def test_profiles_along_press_both() -> None:
     ]
     rough = bearing(
         (20e3, 0.0),
-        evaluation="hyper",
+        quadrature="reduced",
         axial_degrees=(0, 2),
         mixed=films.MixedLubrication(roughness_a=films.Roughness(0.2e-6)),
     )

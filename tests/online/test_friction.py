@@ -28,7 +28,7 @@ def body() -> wf.ReducedBody:
     mesh = wf.mesh.roller(0.05, 0.015, 0.01, sectors=240, layers=5, axial=2, grading=1.6, order=1)
     return wf.reduce(
         mesh, wf.Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
-        modes=0, tangential=True, contact_fixed=False, cache=False, progress=False,
+        modes=0, grid=wf.ContactGrid(tangential=True, contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -91,7 +91,7 @@ def test_gross_sliding_transmits_the_coefficient_times_the_load(body) -> None:
     assert across == pytest.approx(-MU * normal, rel=SECOND_ORDER)  # the faster lower surface is held back
     assert abs(along) < 1e-3 * MU * normal  # Poisson's sliding along the axis is antisymmetric
     touching = friction.state[-1] > 0
-    assert touching.sum() >= contact.active_hats[-1] and np.all(friction.state[-1][touching] == 2)
+    assert touching.sum() >= contact.active_nodes[-1] and np.all(friction.state[-1][touching] == 2)
     # the bores are driven, the bodies behind them swing a little
     assert friction.creep_velocity[-1, 0] == pytest.approx(0.2 * OMEGA * 0.05, rel=0.02)
     assert friction.rolling_velocity[-1] == pytest.approx(0.9 * OMEGA * 0.05, rel=0.02)
@@ -256,7 +256,8 @@ def test_friction_with_dynamic_local_modes_is_refused() -> None:
     soft, stiff = (
         wf.reduce(
             mesh, wf.Material(E, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
-            modes=0, tangential=True, contact_fixed=False, local_dynamics=True, cache=False, progress=False,
+            modes=0, grid=wf.ContactGrid(tangential=True, contact_fixed=False),
+            options=wf.ReductionOptions(local_dynamics=True), cache=False, progress=False,
         )
         for E in (210e9, 2100e9)
     )  # fmt: skip
@@ -292,8 +293,7 @@ def soft_roller():
         interfaces={"bore": "rigid"},
         contact={"rim": wf.surfaces.Cylinder()},
         modes=0,
-        tangential=True,
-        contact_fixed=False,
+        grid=wf.ContactGrid(tangential=True, contact_fixed=False),
         cache=False,
         progress=False,
     )

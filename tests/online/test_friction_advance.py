@@ -29,7 +29,7 @@ def slab() -> ReducedBody:
     top = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0), direction=(0.0, 1.0, 0.0))
     return wf.reduce(
         mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": top}, modes=0,
-        tangential=True, contact_fixed=False, cache=False,
+        grid=wf.ContactGrid(tangential=True, contact_fixed=False), cache=False,
         progress=False,
     )  # fmt: skip
 

@@ -14,7 +14,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online import Engine
 from warpffrf_kernels.core import control as k
 
@@ -29,7 +29,7 @@ def beam() -> ReducedBody:
     mesh = box((0.02, 0.4, 0.01), (2, 12, 2), order=2)
     return reduce(
         mesh, Material(210e9, 0.3, 7850.0), interfaces={"y_min": "rigid", "y_max": "average"}, modes=6,
-        stiffening=True, progress=False,
+        options=ReductionOptions(stiffening=True), progress=False,
     )  # fmt: skip
 
 

@@ -19,7 +19,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.local_modes import dynamic_modes
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Plane
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online.engine import Engine
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.run import run
@@ -72,7 +72,15 @@ def block() -> ReducedBody:
     """A bar with 63 hats on each end."""
     mesh = box((BLOCK, SIDE, SIDE), (20, 4, 4), order=2)
     faces = {"x_max": Plane(), "x_min": Plane()}
-    return reduce(mesh, STEEL, contact=faces, max_frequency=60e3, local_dynamics=True, cache=False, progress=False)
+    return reduce(
+        mesh,
+        STEEL,
+        contact=faces,
+        max_frequency=60e3,
+        options=ReductionOptions(local_dynamics=True),
+        cache=False,
+        progress=False,
+    )
 
 
 def blocks(body: ReducedBody, tilt: float) -> Scene:

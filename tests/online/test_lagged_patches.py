@@ -18,8 +18,8 @@ BALANCED = 1e-8  # of the largest force: what both runs leave unbalanced, each t
 def ring() -> wf.ReducedBody:
     mesh = wf.mesh.roller(0.05, 0.015, 0.02, sectors=36, layers=2, axial=2, grading=1.6, order=1)
     return wf.reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, contact_fixed=True,
-        cache=False, progress=False,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0,
+        grid=wf.ContactGrid(contact_fixed=True), cache=False, progress=False,
     )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from warpffrf.model.laps import Lap
 from warpffrf.model.mesh import box
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Plane
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online.engine import Engine
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.output.simulate import simulate
@@ -30,7 +30,7 @@ def test_integrators_for_checks_have_no_laps() -> None:
 def test_local_modes_with_inertia_do_not_move_laps() -> None:
     body = reduce(
         box((0.02, 0.02, 0.02), (2, 2, 2), order=1), STEEL, contact={"x_max": Plane()}, laps={"foot": "z_min"},
-        modes=4, local_dynamics=True, cache=False, progress=False,
+        modes=4, options=ReductionOptions(local_dynamics=True), cache=False, progress=False,
     )  # fmt: skip
     scene = Scene()
     block = scene.add_body(body, name="block", position=(0.0, 0.0, 0.01))

@@ -28,7 +28,7 @@ def roller() -> wf.ReducedBody:
     mesh = wf.mesh.roller(RADIUS, 0.015, 0.02, sectors=40, layers=4, axial=3, order=1)
     return wf.reduce(
         mesh, wf.Material(210e9, 0.3, 7800.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
-        max_frequency=12e3, contact_fixed=True, cache=False, progress=False,
+        max_frequency=12e3, grid=wf.ContactGrid(contact_fixed=True), cache=False, progress=False,
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Layers under evaluation "hyper": the law at the few points that were chosen, beside the law at all points."""
+"""Layers under quadrature "reduced": the law at the few points that were chosen, beside the law at all points."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from scenes.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 from warpffrf.model import laws, signals
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ALL_ALONG, ALL_AROUND, Sampling, gauss_points
 from warpffrf.model.scene import Scene
 from warpffrf.offline.contact.cubature import all_points, choose_sampling
@@ -33,7 +33,7 @@ LAWS: dict[str, Any] = {
 
 
 def with_points(body: ReducedBody, every: bool = False) -> ReducedBody:
-    """The body with chosen points on its rim, or with `every` point that evaluation "semi" has."""
+    """The body with chosen points on its rim, or with `every` point that quadrature "full" has."""
     rim = body.contact_surfaces["rim"]
     sampling = choose_sampling(rim, WANTED)
     if every:
@@ -47,17 +47,17 @@ def few(plain_body: ReducedBody) -> ReducedBody:
     return with_points(plain_body)
 
 
-def with_law(scene: Scene, law: Any, evaluation: str) -> Scene:
-    scene.contacts[0].law, scene.contacts[0].evaluation = law, evaluation
+def with_law(scene: Scene, law: Any, quadrature: str) -> Scene:
+    scene.contacts[0].law, scene.contacts[0].quadrature = law, quadrature
     for body in scene.bodies:
         body.level = "constant"
     return scene
 
 
-def pressing(first: ReducedBody, second: ReducedBody, law: Any, evaluation: str) -> Scene:
+def pressing(first: ReducedBody, second: ReducedBody, law: Any, quadrature: str) -> Scene:
     """Rollers pressed together that begin to roll, and are let go."""
     load = signals.SmoothStep(60e3, 5e3, duration=1e-3, delay=5e-4)
-    return with_law(guided_pair(first, second, load=load, speed=60.0, ramp=5e-4), law, evaluation)
+    return with_law(guided_pair(first, second, load=load, speed=60.0, ramp=5e-4), law, quadrature)
 
 
 @pytest.mark.parametrize("at_points", [False, True])
@@ -68,8 +68,8 @@ def test_all_points_as_a_list_are_all_points(
     """Also what a damped layer remembers of its material while it rolls."""
     law = LAWS.get(name, laws.HuntCrossley(1e15, 1.5, damping=50.0))
     listed, found = with_points(plain_body, every=True), []
-    for evaluation in ("semi", "hyper"):
-        scene = pressing(listed, other_body, law, evaluation)
+    for quadrature in ("full", "reduced"):
+        scene = pressing(listed, other_body, law, quadrature)
         history = run(
             scene, 4 * STEP, step=STEP, start="equilibrium", progress=False, settings=Settings(force_points=at_points)
         )
@@ -93,36 +93,36 @@ def test_a_third_of_the_points_gives_the_same_pressure(
     """At a held approach, on grids that do not match; and the online check tells the difference."""
     path = Path.of([1e-3, 1.5e-3], [0.0, 0.013])
     found, scenes, histories = [], [], []
-    for evaluation in ("semi", "hyper"):
-        scene = with_law(prescribed_pair(few, other_body, path), LAWS[name], evaluation)
+    for quadrature in ("full", "reduced"):
+        scene = with_law(prescribed_pair(few, other_body, path), LAWS[name], quadrature)
         history = StaticPath(scene).solve(2)
         assert history.status == "completed", history.message
         scenes.append(scene)
         histories.append(history)
         found.append(history.contacts[PAIR])
-    semi, hyper = found
+    full, reduced = found
     rim = few.contact_surfaces["rim"]
     assert rim.sampling is not None
     assert 3 * rim.sampling.count <= len(gauss_points(rim.grid.rows, ALL_AROUND, ALL_ALONG)[0])
     sizes = [np.linalg.norm(c.force, axis=1) for c in found]
     weight = np.kron(
-        ContactGrid.gram_theta(replace(rim.grid, columns=semi.pressure.shape[1], periodic=False)), rim.gram_z
+        SurfaceGrid.gram_theta(replace(rim.grid, columns=full.pressure.shape[1], periodic=False)), rim.gram_z
     )
     worst = 0.0
     for t in range(2):
-        change, whole = (hyper.pressure[t] - semi.pressure[t]).ravel(), semi.pressure[t].ravel()
+        change, whole = (reduced.pressure[t] - full.pressure[t]).ravel(), full.pressure[t].ravel()
         worst = max(worst, float(np.sqrt(change @ weight @ change / (whole @ weight @ whole))))
     off = float(np.abs(sizes[1] / sizes[0] - 1.0).max())
     check = check_sampling(scenes[1].contacts[0], histories[1])
     print(f"{name}: force {off:.2%} ({check.force:.2%}), pressure {worst:.2%} ({check.pressure:.2%})")
-    assert np.abs(hyper.force + hyper.force_second).max() < 1e-9 * sizes[0].max()  # action and reaction
+    assert np.abs(reduced.force + reduced.force_second).max() < 1e-9 * sizes[0].max()  # action and reaction
     assert off < 2.0 * WANTED
     assert worst < 5.0 * WANTED  # patches of a few columns, where the grids differ
     assert check.pressure == pytest.approx(worst, rel=0.5)
 
 
 def test_the_tangent_of_few_points_is_symmetric_and_not_negative(few: ReducedBody, plain_body: ReducedBody) -> None:
-    engine = Engine(pressing(few, plain_body, LAWS["power"], "hyper"))
+    engine = Engine(pressing(few, plain_body, LAWS["power"], "reduced"))
     model = engine.compiled.model
     sampling = few.contact_surfaces["rim"].sampling
     assert sampling is not None
@@ -140,8 +140,8 @@ def test_no_energy_from_pressing_rolling_and_letting_go(few: ReducedBody, other_
     """What the ledger cannot explain stays as small as with all points."""
     goes_on = Settings(most_made=0.0)  # whatever a grid of so few columns makes of the energy
     unexplained, gained = [], []
-    for evaluation in ("semi", "hyper"):
-        scene = pressing(few, other_body, LAWS["power"], evaluation)
+    for quadrature in ("full", "reduced"):
+        scene = pressing(few, other_body, LAWS["power"], quadrature)
         history = run(scene, 2.5e-3, step=STEP, start="equilibrium", progress=False, settings=goes_on)
         assert history.status == "completed", history.message
         stored = float(history.energy["contact"].max())

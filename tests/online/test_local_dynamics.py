@@ -29,7 +29,8 @@ def body() -> ReducedBody:
     mesh = wf.mesh.roller(0.05, 0.015, 0.02, sectors=90, layers=3, axial=2, grading=1.6, order=1)
     return wf.reduce(
         mesh, wf.Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
-        max_frequency=12e3, local_dynamics=True, contact_fixed=False, cache=False, progress=False,
+        max_frequency=12e3, options=wf.ReductionOptions(local_dynamics=True), grid=wf.ContactGrid(contact_fixed=False),
+        cache=False, progress=False,
     )  # fmt: skip
 
 

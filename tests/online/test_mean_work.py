@@ -15,7 +15,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh, box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online.stages import Stage
 from warpffrf.output.simulate import equilibrium, simulate
 
@@ -35,14 +35,21 @@ def plate() -> ReducedBody:
     sides = [plain.facets(name) for name in ("x_min", "x_max", "y_min", "y_max")]
     rim = FacetSet({kind: np.concatenate([s.blocks[kind] for s in sides]) for kind in sides[0].blocks})
     mesh = Mesh(plain.points, plain.cells, {"rim": rim})
-    return reduce(mesh, MATERIAL, interfaces={"rim": "rigid"}, modes=14, stiffening="membrane", progress=False)
+    return reduce(
+        mesh,
+        MATERIAL,
+        interfaces={"rim": "rigid"},
+        modes=14,
+        options=ReductionOptions(stiffening="membrane"),
+        progress=False,
+    )
 
 
 @functools.cache
 def beam() -> ReducedBody:
     return reduce(
-        box((LENGTH, 0.02, DEPTH), (16, 1, 1), order=2), MATERIAL,
-        interfaces={"x_min": "rigid", "x_max": "rigid"}, modes=8, stiffening="membrane", progress=False,
+        box((LENGTH, 0.02, DEPTH), (16, 1, 1), order=2), MATERIAL, interfaces={"x_min": "rigid", "x_max": "rigid"},
+        modes=8, options=ReductionOptions(stiffening="membrane"), progress=False,
     )  # fmt: skip
 
 

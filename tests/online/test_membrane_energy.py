@@ -18,7 +18,7 @@ from warpffrf.model.mesh import FacetSet, Mesh, box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import membrane_amplitudes
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online import Engine
 from warpffrf.output.simulate import equilibrium, simulate
 from warpffrf_kernels.core import control as k
@@ -42,8 +42,8 @@ def mesh() -> Mesh:
 @functools.cache
 def plate(membrane_modes: int | None = None) -> ReducedBody:
     return reduce(
-        mesh(), MATERIAL, interfaces={"rim": "rigid"}, modes=14, stiffening="membrane", membrane_modes=membrane_modes,
-        progress=False,
+        mesh(), MATERIAL, interfaces={"rim": "rigid"}, modes=14,
+        options=ReductionOptions(stiffening="membrane", membrane_modes=membrane_modes), progress=False,
     )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.linalg import null_space
 
+from scenes.flat_settings import reduce_flat
 from warpffrf.model import forces, joints, laws, surfaces
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
@@ -19,7 +20,6 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.arrays.declaration import numbers_of
 from warpffrf.online.history.history import History
@@ -43,7 +43,7 @@ GAINED = 0.01  # of the energy: promised
 
 def body(sectors: int, radius: float, width: float, modulus: float, axial: int = 2, **more: Any) -> ReducedBody:
     mesh = roller(radius, 0.015, width, sectors=sectors, layers=2, axial=axial, grading=1.4, order=1)
-    return reduce(
+    return reduce_flat(
         mesh, Material(modulus, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()},
         max_frequency=15e3, contact_fixed=False, cache=False, progress=False, **more,
     )  # fmt: skip
@@ -118,8 +118,8 @@ CASES: dict[str, dict[str, Any]] = {
     "damped": {"law": (DAMPED, POWER), "friction": (0.0, 0.2)},
     "friction": {"friction": (0.3, 0.3)},
     "friction on one": {"friction": (0.3, 0.0)},
-    "hyper": {"evaluation": "hyper", "friction": (0.2, 0.2)},
-    "hyper layers": {"evaluation": "hyper", "law": (POWER, LINEAR)},
+    "reduced": {"quadrature": "reduced", "friction": (0.2, 0.2)},
+    "reduced layers": {"quadrature": "reduced", "law": (POWER, LINEAR)},
     "hht": {"local": "hht"},
     "hht layers": {"local": "hht", "law": (ROUGH, LINEAR)},
     "exponential": {"local": "exponential"},
@@ -135,7 +135,7 @@ def test_three_free_bodies_collide(
     options = dict(CASES[case])
     local = options.pop("local", "quasi_static")
     spin = SPIN if "friction" in options else (0.0, 0.0, 0.0)  # without, the grids turn under patches of two columns
-    scene = three(unlike, middle_first, spin, evaluation=options.get("evaluation", "semi"))
+    scene = three(unlike, middle_first, spin, quadrature=options.get("quadrature", "full"))
     for n, contact in enumerate(scene.contacts):
         contact.law = options.get("law", (contact.law, contact.law))[n]
         contact.friction = laws.Coulomb(options.get("friction", (0.0, 0.0))[n])
@@ -147,7 +147,7 @@ def test_three_free_bodies_collide(
     linear, angular = drifts(scene, history)
     assert linear < EXACT and angular < SECOND_ORDER
     force, torque = balance(scene, history)
-    assert force < EXACT and torque < (FEW if "hyper" in case else EXACT)
+    assert force < EXACT and torque < (FEW if "reduced" in case else EXACT)
     energy = np.sum([history.energy[name] for name in ("kinetic", "strain", "contact")], axis=0)
     assert energy.max() < (1.0 + GAINED) * energy[0]
     assert np.diff(history.energy["friction"]).max() <= 0.0

@@ -24,7 +24,7 @@ def roller() -> wf.ReducedBody:
     mesh = wf.mesh.roller(0.05, 0.015, 0.01, sectors=180, layers=5, axial=2, grading=1.6, order=1)
     return wf.reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=6,
-        tangential=True, contact_fixed=False, progress=False,
+        grid=wf.ContactGrid(tangential=True, contact_fixed=False), progress=False,
     )  # fmt: skip
 
 

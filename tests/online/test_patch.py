@@ -48,7 +48,7 @@ def roller():
     mesh = wf.mesh.roller(RADIUS, 0.015, WIDTH, sectors=40, layers=4, axial=3, order=1)
     return wf.reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3,
-        contact_fixed=True, tangential=True, cache=False, progress=False,
+        grid=wf.ContactGrid(contact_fixed=True, tangential=True), cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -245,7 +245,7 @@ def ball():
     mesh = wf.mesh.ball(0.01, patch_half_width=0.0039, cell=0.0026, order=1, growth=2.0)
     return wf.reduce(
         mesh, STEEL, interfaces={"outside": "average"}, contact={"patch": wf.surfaces.Sphere()}, modes=0,
-        contact_fixed=True, cache=False, progress=False,
+        grid=wf.ContactGrid(contact_fixed=True), cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -267,7 +267,8 @@ def test_rows_end_where_a_narrower_plane_ends(roller) -> None:
     def plans(direction) -> list[PatchPlan]:
         block = wf.reduce(
             wf.mesh.box((0.03, 0.014, 0.02), (6, 4, 3), order=1), STEEL, interfaces={"z_min": "rigid"},
-            contact={"z_max": wf.surfaces.Plane(direction=direction)}, contact_fixed=True, cache=False, progress=False,
+            contact={"z_max": wf.surfaces.Plane(direction=direction)}, grid=wf.ContactGrid(contact_fixed=True),
+            cache=False, progress=False,
         )  # fmt: skip
         scene = wf.Scene(gravity=(0, 0, 0))
         below = scene.add_body(block, name="block")
@@ -324,9 +325,8 @@ def without_tangential_field(body: wf.ReducedBody) -> wf.ReducedBody:
 def test_what_a_patch_cannot_is_refused(roller) -> None:
     plain = wf.reduce(
         wf.mesh.roller(RADIUS, 0.015, WIDTH, sectors=24, layers=2, axial=2, order=1), STEEL,
-        interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, contact_fixed=False,
-            cache=False,
-        progress=False,
+        interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0,
+        grid=wf.ContactGrid(contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
     with pytest.raises(
         InputError, match="grid='contact_fixed' needs the far field of .*reduce\\(..., contact_fixed=True\\)"

@@ -213,4 +213,4 @@ def test_both_families_in_one_scene(fine_rows: ReducedBody) -> None:
         single, found = solved(scene, 1).history.contacts[name], together.contacts[name]
         assert found.force[0] == pytest.approx(single.force[0], rel=1e-8, abs=1e-6 * abs(single.force[0]).max())
         assert found.approach[0] == pytest.approx(single.approach[0], abs=1e-12)
-        assert found.active_hats[0] == single.active_hats[0] > 10
+        assert found.active_nodes[0] == single.active_nodes[0] > 10

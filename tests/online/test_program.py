@@ -56,7 +56,7 @@ def bodies(plain_body: ReducedBody, other_body: ReducedBody, crowned_body: Reduc
         name: wf.reduce(
             wf.mesh.roller(0.05, 0.015, 0.02, sectors=36, layers=2, axial=2, order=1), wf.Material(modulus, nu, 7850.0),
             interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3,
-            tangential=True, contact_fixed=True, cache=False, progress=False,
+            grid=wf.ContactGrid(tangential=True, contact_fixed=True), cache=False, progress=False,
         )
         for name, modulus, nu in (("patched", 210e9, 0.3), ("softer", 70e9, 0.34))
     }  # fmt: skip
@@ -102,7 +102,7 @@ def layered(bodies: Bodies) -> wf.Scene:
 
 def few_points(bodies: Bodies) -> wf.Scene:
     scene = guided_pair(bodies["few"], bodies["other"], speed=60.0, ramp=0.02)
-    scene.contacts[0].evaluation = "hyper"
+    scene.contacts[0].quadrature = "reduced"
     return scene
 
 

@@ -46,7 +46,7 @@ def bodies() -> dict[str, ReducedBody]:
     return {
         name: wf.reduce(
             mesh, material, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3,
-            contact_fixed=True, tangential=True, cache=False, progress=False,
+            grid=wf.ContactGrid(contact_fixed=True, tangential=True), cache=False, progress=False,
         )
         for name, material in (("steel", STEEL), ("aluminium", ALUMINIUM))
     }  # fmt: skip

@@ -77,12 +77,12 @@ def test_walls_that_are_hardly_rough_are_smooth() -> None:
     np.testing.assert_allclose(found.films["film"].pressure, smooth.films["film"].pressure, rtol=1e-7, atol=1.0)
 
 
-@pytest.mark.parametrize("evaluation", ["semi", "hyper"])
-def test_what_bodies_are_done_is_what_is_lost(evaluation: str) -> None:
+@pytest.mark.parametrize("quadrature", ["full", "reduced"])
+def test_what_bodies_are_done_is_what_is_lost(quadrature: str) -> None:
     """Where the shaft stands: drag on it, as the flow, the sliding and the groove take it, to round-off; and in motion,
     within what steps leave between smooth walls."""
     for walls in ((ACROSS, AROUND), (None, Roughness(1e-6, 1 / 9))):
-        found = find_equilibrium(bearing((20e3, 0.0), evaluation=evaluation, **named(walls)))
+        found = find_equilibrium(bearing((20e3, 0.0), quadrature=quadrature, **named(walls)))
         film = found.films["film"]
         assert film.friction_power[-1] > 0.0 and film.pressure_loss[-1] > 0.0
         lost = film.friction_power[-1] + film.pressure_loss[-1]
@@ -90,7 +90,7 @@ def test_what_bodies_are_done_is_what_is_lost(evaluation: str) -> None:
     left = []
     for walls in ((None, None), (ACROSS, AROUND)):
         scene = bearing(
-            turning_load(STEP, 60), at=(0.4 * CLEARANCE, 0.4 * CLEARANCE), evaluation=evaluation, **named(walls)
+            turning_load(STEP, 60), at=(0.4 * CLEARANCE, 0.4 * CLEARANCE), quadrature=quadrature, **named(walls)
         )
         found = run(scene, 60 * STEP, step=STEP, start="equilibrium", progress=False)
         assert found.status == "completed", found.message

@@ -131,7 +131,7 @@ def test_what_cannot_be_rubbed_is_refused() -> None:
         ({"amplitude": []}, "one amplitude"),
         ({"steps": 50}, "four"),
         ({"cycles": 2}, "cycles"), ({"at": scene.ground.at((0, 0, 0))}, "on a body that moves"),
-        ({"at": "block"}, "on a body that moves"),
+        ({"at": "block"}, "a port is needed"),
     ):  # fmt: skip
         given = {"amplitude": 1e-6, "at": block["z_max"], **wrong}
         with pytest.raises(InputError, match=about):

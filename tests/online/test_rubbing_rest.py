@@ -113,7 +113,13 @@ def test_an_elastic_block_set_down_on_a_slope_begins_at_rest() -> None:
     mesh = wf.mesh.box((1.0, 0.4, 0.3), (6, 4, 3), center=(0, 0, 0.15), order=1)
     skin, load = {"z_min": wf.surfaces.Plane()}, {"z_max": "average"}
     body = wf.reduce(
-        mesh, Material(1e9, 0.3, 1500.0), interfaces=load, contact=skin, modes=6, tangential=True, progress=False
+        mesh,
+        Material(1e9, 0.3, 1500.0),
+        interfaces=load,
+        contact=skin,
+        modes=6,
+        grid=wf.ContactGrid(tangential=True),
+        progress=False,
     )
     scene = Scene(gravity=(GRAVITY * 0.5, 0, -GRAVITY * np.cos(np.pi / 6)))
     slab = scene.add_body(body, name="slab", damping=0.1)

@@ -18,7 +18,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.compile import room
 from warpffrf.online.start.consistent import start_consistently
@@ -154,7 +154,7 @@ def rubbing_body() -> ReducedBody:
     mesh = roller(0.05, 0.015, 0.01, sectors=120, layers=4, axial=2, grading=1.6, order=1)
     return reduce(
         mesh, Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=4,
-        tangential=True, contact_fixed=False, cache=False, progress=False,
+        grid=ContactGrid(tangential=True, contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
 
 

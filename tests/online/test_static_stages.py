@@ -18,7 +18,7 @@ from warpffrf.model.mesh import box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Constant, Ramp, Table
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online.engine import Engine
 from warpffrf.output.simulate import StagedResult
 from warpffrf_kernels.core import control as k
@@ -44,7 +44,8 @@ def beam() -> ReducedBody:
     """A bar along y, 20 modes."""
     return reduce(
         box((WIDTH, LENGTH, HEIGHT), (1, 24, 1), order=2), Material(YOUNG, 0.0, DENSITY),
-        interfaces={"y_min": "rigid", "y_max": "rigid"}, modes=20, stiffening=True, progress=False,
+        interfaces={"y_min": "rigid", "y_max": "rigid"}, modes=20, options=ReductionOptions(stiffening=True),
+        progress=False,
     )  # fmt: skip
 
 
@@ -106,7 +107,8 @@ def test_the_elastica_is_found_at_once(load: float, parts: int, deflection: floa
     """A cantilever in several bodies, P L^2/EI = `load`; one body is a beam of quadratic bending, 1.5 % off by then."""
     part = reduce(
         box((WIDTH, LENGTH / parts, HEIGHT), (1, 24 // parts, 1), order=2), Material(YOUNG, 0.0, DENSITY),
-        interfaces={"y_min": "rigid", "y_max": "rigid"}, modes=10, stiffening=True, progress=False,
+        interfaces={"y_min": "rigid", "y_max": "rigid"}, modes=10, options=ReductionOptions(stiffening=True),
+        progress=False,
     )  # fmt: skip
     scene = Scene(gravity=ORIGIN)
     port = scene.ground

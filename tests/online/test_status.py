@@ -284,10 +284,10 @@ def test_the_usual_device_is_that_of_the_environment(monkeypatch: pytest.MonkeyP
 
 
 def test_the_cure_of_a_grid_that_is_too_fine_is_that_of_its_kind(plain_body: ReducedBody) -> None:
-    """traction_spacing coarsens the grid on a body, cells= those that travel with a patch."""
+    """ContactGrid(spacing=) coarsens the grid on a body, cells= those that travel with a patch."""
     engine = Engine(guided_pair(plain_body, plain_body, load=LOAD))
-    assert coarser(engine) == "coarsen the contact grid (traction_spacing)"
+    assert coarser(engine) == "coarsen the contact grid, ContactGrid(spacing=)"
     engine.compiled.patches[0] = object()  # type: ignore[assignment]
     for bit in (k.INDEFINITE, k.CYCLING, k.ROOM):
         message = describe(int(bit), 9, coarser(engine))[1]
-        assert "take fewer cells (cells= of the contact)" in message and "traction_spacing" not in message
+        assert "take fewer cells (cells= of the contact)" in message and "spacing" not in message

@@ -10,7 +10,7 @@ from warpffrf.model import forces, joints
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online.run import run
 
 LENGTH, STEP = 1.0, 1e-4  # m, s
@@ -22,7 +22,8 @@ def history():
     """A cantilever that a load at its tip bends far: its tip moves by a third of the length in 50 ms."""
     beam = reduce(
         box((0.02, LENGTH, 0.01), (1, 20, 1), order=2), Material(210e9, 0.0, 7850.0),
-        interfaces={"y_min": "rigid", "y_max": "rigid"}, modes=12, stiffening=True, progress=False,
+        interfaces={"y_min": "rigid", "y_max": "rigid"}, modes=12, options=ReductionOptions(stiffening=True),
+        progress=False,
     )  # fmt: skip
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     bar = scene.add_body(beam, name="bar", position=(0.0, 0.5 * LENGTH, 0.0), stiffening=True, inertia="full")

@@ -47,7 +47,7 @@ def make_patch_history(body: ReducedBody, *, spin: float = TURNING) -> History:
 
     contact.pressure = on_rows(peak[:, None] * np.sqrt(np.maximum(1.0 - (x / HALF_WIDTH) ** 2, 0.0)))
     contact.cells = CellHistory(contact.center_column.copy(), W, z, length, contact.center_column.copy())
-    contact.active_hats = np.count_nonzero(contact.pressure, axis=(1, 2))
+    contact.active_nodes = np.count_nonzero(contact.pressure, axis=(1, 2))
     slip, traction = (
         on_rows(carter_slip(x)),
         on_rows(np.stack([carter_traction(a, p) for a, p in zip(x, peak, strict=True)])),

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from synthetic_run import STEPS, R, make_history
 
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.surfaces import Plane
 from warpffrf.online.history.history import BodyHistory, ContactHistory, History
 from warpffrf.output.contact.result import ContactResult
@@ -19,9 +19,9 @@ YOUNG, POISSON = 200e9, 0.3
 PLANE_STRAIN = YOUNG / (1.0 - POISSON**2)  # E* of one flexible body on a rigid one
 
 
-def grid_of(shape: Any, pitch: float, columns: int, z: np.ndarray, *, middle: float = 0.0) -> ContactGrid:
+def grid_of(shape: Any, pitch: float, columns: int, z: np.ndarray, *, middle: float = 0.0) -> SurfaceGrid:
     """An arc of `columns` about theta = middle."""
-    return ContactGrid(shape.e_0, middle - 0.5 * (columns - 1) * pitch, pitch, columns, False, z, 1)
+    return SurfaceGrid(shape.e_0, middle - 0.5 * (columns - 1) * pitch, pitch, columns, False, z, 1)
 
 
 def still(position: Any = (0.0, 0.0, 0.0), rotation: Any = (0.0, 0.0, 0.0, 1.0)) -> BodyHistory:
@@ -32,12 +32,12 @@ def still(position: Any = (0.0, 0.0, 0.0), rotation: Any = (0.0, 0.0, 0.0, 1.0))
 
 def contact_of(
     first: Any,
-    grid: ContactGrid,
+    grid: SurfaceGrid,
     second: Any,
     pressure: Callable[[np.ndarray, np.ndarray], np.ndarray],
     *,
     bodies: dict[str, BodyHistory] | None = None,
-    second_grid: ContactGrid | None = None,
+    second_grid: SurfaceGrid | None = None,
     friction: Any = None,
 ) -> ContactResult:
     """A result of one row of the surface `first` of body "a" on `second` of body "b" (rigid without `second_grid`).
@@ -46,7 +46,7 @@ def contact_of(
     (columns - 1)/2.
     """
 
-    def body(name: str, shape: Any, grid: ContactGrid | None) -> BodyView:
+    def body(name: str, shape: Any, grid: SurfaceGrid | None) -> BodyView:
         if grid is None:
             return BodyView(name, None, 1.0, np.zeros(3), shapes={"face": shape})
         material = {"youngs_modulus": YOUNG, "poisson_ratio": POISSON}

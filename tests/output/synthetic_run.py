@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.contact_grid import ContactGrid, meridian_gram
+from warpffrf.model.reduced.contact_grid import SurfaceGrid, meridian_gram
 from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery
 from warpffrf.model.reduced.data import DisplaySurface, Interface
 from warpffrf.model.surfaces import Cylinder
@@ -32,7 +32,7 @@ def roller() -> ReducedBody:
     """A hollow roller about y: skin of rim and bore, two made-up modes, a dimple under each hat."""
     z = np.linspace(-0.5, 0.5, ROWS) * WIDTH
     shape = Cylinder(radius=R, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
-    grid = ContactGrid(shape.e_0, 0.0, PITCH, COLUMNS, True, z, 1)
+    grid = SurfaceGrid(shape.e_0, 0.0, PITCH, COLUMNS, True, z, 1)
     theta = PITCH * np.arange(COLUMNS)
     ring, axial = np.meshgrid(theta, z, indexing="ij")
     rim = shape.point(ring.ravel(), axial.ravel())
@@ -112,7 +112,7 @@ def make_history(body: ReducedBody, *, name: str = "lower-upper") -> History:
     second_column = np.floor(center_second + 0.5).astype(int) - WINDOW // 2
     pressure = np.zeros((STEPS, WINDOW, ROWS))
     load = np.zeros((STEPS, WINDOW, ROWS))
-    gram_z = meridian_gram("hats", body.contact_surfaces["rim"].shape, body.contact_surfaces["rim"].grid.z)
+    gram_z = meridian_gram("nodes", body.contact_surfaces["rim"].shape, body.contact_surfaces["rim"].grid.z)
     for i in range(STEPS):
         pressure[i] = peak[i] * hertz_hats(center_first[i] - first_column[i] - WINDOW // 2)[:, None]
         line = peak[i] * hertz_loads(center_second[i] - second_column[i] - WINDOW // 2)
@@ -139,7 +139,7 @@ def make_history(body: ReducedBody, *, name: str = "lower-upper") -> History:
         first_column_second=second_column % COLUMNS,
         load_second=load,
         approach=np.full(STEPS, 1e-5),
-        active_hats=np.count_nonzero(pressure[:, :, 0], axis=1) * ROWS,
+        active_nodes=np.count_nonzero(pressure[:, :, 0], axis=1) * ROWS,
     )
     view_bodies = {n: BodyView(n, body, body.mass, body.center_of_mass) for n in bodies}
     pair = PairView(name, view_bodies["lower"], "rim", view_bodies["upper"], "rim")

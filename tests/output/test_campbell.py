@@ -133,8 +133,8 @@ def test_a_flexible_shaft_bends_at_its_frequency_less_and_plus_the_speed() -> No
     with the spin and against it, but for the inertia of its sections, (pi r/L)^2 = 1.3e-3 of W."""
     mesh = box((0.02, 0.02, 0.5), (1, 1, 10), center=(0.0, 0.0, 0.25), order=1)
     body = wf.reduce(
-        mesh, STEEL, interfaces={"z_min": "rigid", "z_max": "rigid"}, modes=6, inertia_modes=18, cache=False,
-        progress=False,
+        mesh, STEEL, interfaces={"z_min": "rigid", "z_max": "rigid"}, modes=6,
+        options=wf.ReductionOptions(inertia_modes=18), cache=False, progress=False,
     )  # fmt: skip
 
     def shaft(speed: float) -> wf.Scene:
@@ -283,7 +283,8 @@ def test_a_state_that_is_not_settled_is_said_aloud(caplog: pytest.LogCaptureFixt
     """A bar that turns about its end, stiffened by what stretches it, and has not been stretched yet."""
     mesh = box((0.5, 0.01, 0.01), (6, 1, 1), center=(0.25, 0.0, 0.0), order=1)
     body = wf.reduce(
-        mesh, STEEL, interfaces={"x_min": "rigid"}, modes=12, stiffening=True, cache=False, progress=False
+        mesh, STEEL, interfaces={"x_min": "rigid"}, modes=12, options=wf.ReductionOptions(stiffening=True), cache=False,
+        progress=False
     )  # fmt: skip
 
     def bar(speed: float) -> wf.Scene:

@@ -19,7 +19,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.files.sealed_file import seal
 from warpffrf.model.films import Film
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery
 from warpffrf.model.reduced.data import DisplaySurface, Interface
 from warpffrf.model.scene import Scene
@@ -48,9 +48,9 @@ PEAK, COMPLIANCE = 8e6, 1e-12  # Pa, m/N: outwards under a hat
 PRESSED = np.array([250.0, 40.0, -1500.0])  # N, in the first step
 
 
-def sleeve(shape: Any = BORE, name: str = "bore", grid: ContactGrid | None = None) -> ReducedBody:
+def sleeve(shape: Any = BORE, name: str = "bore", grid: SurfaceGrid | None = None) -> ReducedBody:
     """A tube about y with the surface `shape` inside, or another body with it; each hat moves its own node."""
-    grid = ContactGrid(shape.e_0, 0.1, 2.0 * np.pi / COLUMNS, COLUMNS, True, Z, 1) if grid is None else grid
+    grid = SurfaceGrid(shape.e_0, 0.1, 2.0 * np.pi / COLUMNS, COLUMNS, True, Z, 1) if grid is None else grid
     theta, z = np.meshgrid(grid.theta, grid.z, indexing="ij")
     inner, outwards = shape.point(theta, z).reshape(-1, 3), shape.normal(theta, z).reshape(-1, 3)
     points = np.concatenate([inner, inner - (WALL - 1.0) * R * outwards])
@@ -277,7 +277,7 @@ def test_around_a_journal_that_stands_the_bore_moves() -> None:
 def pad() -> Scene:
     scene = Scene()
     plane = surfaces.Plane(origin=(0, 0, 0), outward=(0, -1, 0), direction=(0, 0, 1))
-    grid = ContactGrid(plane.e_0, -0.01, 0.002, 11, False, np.linspace(-0.01, 0.01, ROWS), 11)
+    grid = SurfaceGrid(plane.e_0, -0.01, 0.002, 11, False, np.linspace(-0.01, 0.01, ROWS), 11)
     flat = scene.add_body(sleeve(plane, grid=grid), name="pad")["bore"]
     floor = scene.ground.surface(surfaces.Plane(origin=(0, 0, 0), outward=(0, 1, 0), direction=(0, 0, 1)), name="floor")
     scene.add(Film(flat, floor, oil=oils.Newtonian(0.04), ambient_pressure=1e5, name="bearing"))

@@ -18,10 +18,10 @@ from recordings import columns
 import warpffrf as wf
 from references.closed_forms import LineContact
 from references.pressure_wrench import pressure_wrench
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.stress_field import rotated, to_tensor
 from warpffrf.model.surfaces import Cylinder, Sphere
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online.history.history import CellHistory
 from warpffrf.output.bodies.half_space_stress import under_cells, under_hats
 from warpffrf.output.bodies.normal_loads import CellLoads, normal_loads
@@ -48,8 +48,8 @@ def body() -> Any:
     across = R * np.stack([np.sin([0.0, 0.004, -0.004]), [0.0, 0.0, 0.0], np.cos([0.0, 0.004, -0.004])], axis=1)
     stress = {"top": top, "below": -top, "surface": across, "opposite": -across}
     return reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, max_frequency=10e3, contact_fixed=True,
-        stress=stress, progress=False,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, max_frequency=10e3,
+        grid=ContactGrid(contact_fixed=True), stress=stress, progress=False,
     )  # fmt: skip
 
 
@@ -71,7 +71,7 @@ def result(body: Any) -> Result:
 def made(shape: Any, *, rows: int = 41, strips: int = 61, z0: float = 0.0) -> CellContactResult:
     """A pair with Hertz's elliptical pressure, half-widths 0.4 across and 0.7 mm along, around theta 0.3 and z0."""
     a, b, W = 0.4e-3, 0.7e-3, 0.6e-3
-    grid = ContactGrid(shape.e_0, 0.0, 0.01, 63, False, np.linspace(-4e-3, 4e-3, 9), 63)
+    grid = SurfaceGrid(shape.e_0, 0.0, 0.01, 63, False, np.linspace(-4e-3, 4e-3, 9), 63)
     edges = z0 + 1e-3 * np.linspace(-1.0, 1.0, rows + 1)
     z, length = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
     cells = CellHistory(np.array([30.0]), np.array([W]), z[None], length[None], np.array([30.0]))
@@ -82,7 +82,7 @@ def made(shape: Any, *, rows: int = 41, strips: int = 61, z0: float = 0.0) -> Ce
     nothing = np.zeros((1, 3))
     history = SimpleNamespace(
         force=nothing, torque=nothing, force_second=nothing, torque_second=nothing, approach=np.zeros(1),
-        active_hats=np.zeros(1), center_column=np.array([29.9]), pressure=pressure[None], cells=cells, friction=None,
+        active_nodes=np.zeros(1), center_column=np.array([29.9]), pressure=pressure[None], cells=cells, friction=None,
     )  # fmt: skip
     surface: Any = SimpleNamespace(shape=shape, grid=grid)
     view: Any = SimpleNamespace(name="a-b", first=surface, second=surface)

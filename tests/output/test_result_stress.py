@@ -145,7 +145,7 @@ def test_traction_coefficients_invert_the_gram_matrix(closed: bool) -> None:
     forces = rng.standard_normal((2, 5, rows))
     whole = np.zeros((2, columns, rows))
     whole[:, first : first + 5] = forces
-    found = GridSpan(first, columns, closed).coefficients(forces, "hats", pitch, gram_z)
+    found = GridSpan(first, columns, closed).coefficients(forces, "nodes", pitch, gram_z)
     kept = slice(None) if closed else slice(first, first + 5)
     assert (hats @ found @ gram_z)[:, kept] == pytest.approx(whole[:, kept], abs=1e-12)
     outside = np.delete(found, np.arange(first, first + 5), axis=1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from studies.contact.evaluations import PAIR, hat_means, layer_of, run_at_nodes, run_evaluation, scene_of, tread
+from studies.contact.evaluations import PAIR, hat_means, layer_of, run_at_nodes, run_quadrature, scene_of, tread
 from studies.contact.patch_ends import OnPatch, hats_over
 from studies.contact.pressing import WAYS, Pressing, active_set, in_cells
 from studies.speed.step_time import RADIUS, WIDTH
@@ -74,8 +74,8 @@ def test_each_way_meets_its_law(small: Pressing) -> None:
 @pytest.mark.parametrize("way", ["hats", "nodes"])
 def test_the_ways_are_those_of_the_program(way: str, small: Pressing) -> None:
     """At the force and the place that a run has; its axles bend the bores a little otherwise."""
-    scene = scene_of(small.body, "semi", APPROACH, 0.02, 5.0, 1e-4)
-    result = run_at_nodes(scene, 1) if way == "nodes" else run_evaluation(scene, 1)
+    scene = scene_of(small.body, "full", APPROACH, 0.02, 5.0, 1e-4)
+    result = run_at_nodes(scene, 1) if way == "nodes" else run_quadrature(scene, 1)
     contact = result.history.contacts[PAIR]
     load = float(np.linalg.norm(contact.force[0]))
     center = (float(contact.center_column[0]) - small.middle) * small.grid.pitch

@@ -7,6 +7,7 @@ from workshop import BOLT, STEEL, Mistake, reduce_roller, roller_mesh, untyped
 import warpffrf as wf
 
 reduce, Material, mesh = untyped(wf.reduce), untyped(wf.Material), untyped(wf.mesh)
+ContactGrid = untyped(wf.ContactGrid)
 
 MATERIALS = (
     Mistake(
@@ -68,10 +69,14 @@ MESHES = (
 REDUCTIONS = (
     Mistake("max_freqency=", lambda w: reduce_roller(max_freqency=1e4), ("did you mean 'max_frequency'?",)),
     Mistake("kHz for Hz", lambda w: reduce_roller(max_frequency=20), ("no vibration mode", "20 kHz is 20000")),
-    Mistake("half-width in mm", lambda w: reduce_roller(modes=0, expected_half_width=0.5), ("rim", "0.5 mm is 0.0005")),
+    Mistake(
+        "half-width in mm",
+        lambda w: reduce_roller(modes=0, grid=wf.ContactGrid(expected_half_width=0.5)),
+        ("rim", "0.5 mm is 0.0005"),
+    ),
     Mistake(
         "half-width below the mesh",
-        lambda w: reduce_roller(modes=0, expected_half_width=5e-6),
+        lambda w: reduce_roller(modes=0, grid=wf.ContactGrid(expected_half_width=5e-6)),
         ("times smaller than the facets", "contact_fixed=True"),
     ),
     Mistake("interfaces as a list", lambda w: reduce_roller(interfaces=["bore"]), ('{"bore": "rigid"}',)),
@@ -83,17 +88,31 @@ REDUCTIONS = (
     ),
     Mistake("a plane on a rim", lambda w: reduce_roller(contact={"rim": wf.surfaces.Plane()}), ("contact 'rim'",)),
     Mistake("one set twice", lambda w: reduce_roller(interfaces={"rim": "rigid"}), ("use two sets",)),
+    Mistake("a number for the grid", lambda w: reduce_roller(grid=1e-4), ("grid must be a ContactGrid(...)",)),
+    Mistake("options of a run", lambda w: reduce_roller(stiffening=True), ("options=wf.ReductionOptions(stiffening=",)),
     Mistake("modes=-1", lambda w: reduce_roller(modes=-1), ("modes must be a whole number of at least 0",)),
     Mistake("modes=True", lambda w: reduce_roller(modes=True), ("leave it out for none",)),
-    Mistake("traction='hat'", lambda w: reduce_roller(modes=0, traction="hat"), ("use one of hats, cells",)),
-    Mistake("tangential='yes'", lambda w: reduce_roller(modes=0, tangential="yes"), ("must be True, False or one of",)),
+    Mistake(
+        "traction='hat'",
+        lambda w: reduce_roller(modes=0, grid=ContactGrid(traction="hat")),
+        ("traction 'hat' does not exist", "'nodes'"),
+    ),
+    Mistake(
+        "tangential='yes'",
+        lambda w: reduce_roller(modes=0, grid=ContactGrid(tangential="yes")),
+        ("must be True, False or a kind of functions",),
+    ),
     Mistake("basis='craig'", lambda w: reduce_roller(basis="craig"), ("'craig'", "craig_bampton")),
     Mistake(
         "two spacings",
-        lambda w: reduce_roller(traction_spacing=1e-4, expected_half_width=1e-3),
-        ("leave traction_spacing",),
+        lambda w: wf.ContactGrid(spacing=1e-4, expected_half_width=1e-3),
+        ("leave spacing out",),
     ),
-    Mistake("20 for 20 GiB", lambda w: reduce_roller(modes=0, periodic=False, memory_limit=20), ("memory_limit",)),
+    Mistake(
+        "20 for 20 GiB",
+        lambda w: reduce_roller(modes=0, options=wf.ReductionOptions(periodic=False, memory_limit=20)),
+        ("memory_limit",),
+    ),
 )
 
 MISTAKES = (*MATERIALS, *MESHES, *REDUCTIONS)

@@ -68,7 +68,11 @@ BODIES = (
 )
 
 JOINTS = (
-    Mistake("a body for a port", lambda w: joints.Fixed(w.lower, w.scene.ground), ("say where on body 'lower'",)),
+    Mistake(
+        "a body for a port",
+        lambda w: joints.Fixed(w.lower, w.scene.ground),
+        ("body 'lower' is flexible: name one of its interfaces",),
+    ),
     Mistake(
         "a contact surface for a port",
         lambda w: wf.joints.Fixed(w.lower["rim"], w.scene.ground),
@@ -173,7 +177,7 @@ CONTACTS = (
     Mistake(
         "friction without its modes",
         lambda w: wf.Contact(w.lower["rim"], w.floor, friction=0.1),
-        ("reduce(..., tangential=True)",),
+        ("reduce(..., grid=ContactGrid(tangential=True))",),
     ),
     Mistake(
         "friction in per cent",
@@ -192,9 +196,9 @@ CONTACTS = (
     ),
     Mistake("fricton=", lambda w: Contact(w.lower["rim"], w.floor, fricton=0.3), ("did you mean 'friction'?",)),
     Mistake(
-        "evaluation='best'",
-        lambda w: Contact(w.lower["rim"], w.floor, evaluation="best"),
-        ("known: 'semi', 'hyper'",),
+        "quadrature='best'",
+        lambda w: Contact(w.lower["rim"], w.floor, quadrature="best"),
+        ("known: 'full', 'reduced'",),
     ),
     Mistake(
         "cell_error in per cent",

@@ -16,7 +16,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller, sleeve
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 
 STEEL = Material(210e9, 0.3, 7850.0)
 INNER, BORE, WIDTH, WALL = 0.020, 0.012, 0.012, 0.010  # m: radius of the raceway and of the shaft, width, outer ring
@@ -52,13 +52,13 @@ def rings(bearing: Bearing, half_width: float, *, contact_fixed: bool | None = N
     sectors = int(2.0 * np.pi * bearing.outer / (0.5 * half_width))
     inner = reduce(
         roller(INNER, BORE, WIDTH, half_width=half_width, order=1, axial=4), STEEL, interfaces={"bore": "rigid"},
-        contact={"rim": surfaces.Cylinder()}, modes=10, contact_fixed=contact_fixed, cache=False,
+        contact={"rim": surfaces.Cylinder()}, modes=10, grid=ContactGrid(contact_fixed=contact_fixed), cache=False,
         progress=False,
     )  # fmt: skip
     outer = reduce(
         sleeve(bearing.outer, bearing.outer + WALL, WIDTH, sectors=sectors, order=1, axial=4), STEEL,
-        interfaces={"outside": "rigid"}, contact={"bore": surfaces.Bore()}, modes=10, contact_fixed=contact_fixed,
-        cache=False, progress=False,
+        interfaces={"outside": "rigid"}, contact={"bore": surfaces.Bore()}, modes=10,
+        grid=ContactGrid(contact_fixed=contact_fixed), cache=False, progress=False,
     )  # fmt: skip
     return inner, outer
 

@@ -10,7 +10,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 
 RADIUS, MASS, LOAD, STIFFNESS, SPEED = 0.05, 4.0, 200.0, 2e4, 0.1  # m, kg (of the slide), N, N/m, m/s
 
@@ -20,7 +20,7 @@ def wheel_body(sectors: int = 720) -> ReducedBody:
     mesh = roller(RADIUS, 0.015, 0.01, sectors=sectors, layers=4, axial=1, grading=1.8, order=1)
     return reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, max_frequency=12e3,
-        tangential=True, contact_fixed=False, cache=False, progress=False,
+        grid=ContactGrid(tangential=True, contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
 
 

@@ -18,7 +18,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import sleeve
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online import History
 from warpffrf.online.run import find_equilibrium
 
@@ -42,7 +42,7 @@ def bore(
     return reduce(
         mesh, replace(STEEL, youngs_modulus=stiffer * STEEL.youngs_modulus), interfaces={"outside": "rigid"},
         contact={"bore": surfaces.Bore()}, modes=10 if stiffer == 1.0 else 2, cache=False, progress=False,
-        traction_spacing=None if coarse is None else 2.0 * np.pi * RADIUS / coarse,
+        grid=ContactGrid(spacing=None if coarse is None else 2.0 * np.pi * RADIUS / coarse),
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.mesh import box, roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 
 FRICTION, TILT = 0.2, 5e-4  # rad
 DURATION = 0.02  # s
@@ -27,7 +27,7 @@ def slab_body() -> ReducedBody:
     top = surfaces.Plane(origin=_HERE, outward=(0.0, 0.0, 1.0), direction=ACROSS)
     return reduce(
         mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": top}, modes=0,
-        tangential=True, contact_fixed=False, cache=False, progress=False,
+        grid=ContactGrid(tangential=True, contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -54,7 +54,7 @@ def long_roller_body() -> ReducedBody:
     mesh = roller(0.05, 0.015, 0.02, sectors=180, layers=4, axial=10, grading=1.6, order=1)
     return reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=0,
-        tangential=True, contact_fixed=False, cache=False, progress=False,
+        grid=ContactGrid(tangential=True, contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
 
 

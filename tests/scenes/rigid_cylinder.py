@@ -1,7 +1,7 @@
 """A rigid cylinder on an exact elastic half-plane with a stiff layer and friction: shifted to and fro (Cattaneo and
 Mindlin), and rolled along (Carter).
 
-"full" has the law of the layer at nodes (`references.monolithic`), "semi" nodes of the contact grid and cells (the
+"full" has the law of the layer at nodes (`references.monolithic`), "nodes" bilinear shape functions of the contact grid and cells (the
 engine), with the same bodies, layer and steps.
 """
 
@@ -79,7 +79,7 @@ class Shifted:
     loss: float
 
 
-def shifted(cells: int, evaluation: str, *, stiffer: float = 1.0, stick: float | None = None) -> Shifted:
+def shifted(cells: int, quadrature: str, *, stiffer: float = 1.0, stick: float | None = None) -> Shifted:
     """A rigid cylinder, pressed on the half-plane with `cells` in a half-width, shifted aside and once to and fro; the
     layer is `stiffer` times the default one of nodes, the stick stiffness `stick` times that (None: of the layer)."""
     line = line_contact(RADIUS)
@@ -97,7 +97,7 @@ def shifted(cells: int, evaluation: str, *, stiffer: float = 1.0, stick: float |
     scene.add(
         joints.Drive(side, signals.Table(STEP * np.arange(len(path)), shift * path, cubic=True), quantity="position")
     )
-    result = _run(scene, face, port, evaluation, 5 * QUARTER * STEP, STEP, stiffer, stick)
+    result = _run(scene, face, port, quadrature, 5 * QUARTER * STEP, STEP, stiffer, stick)
     c = result.history.contacts[PAIR]
     if c.friction is None:
         raise RuntimeError("no friction in the result")
@@ -113,7 +113,7 @@ def shifted(cells: int, evaluation: str, *, stiffer: float = 1.0, stick: float |
     )  # fmt: skip
 
 
-def rolled(cells: int, evaluation: str, crossings: int = 10, share: float = SHARE) -> tuple[float, float, Result]:
+def rolled(cells: int, quadrature: str, crossings: int = 10, share: float = SHARE) -> tuple[float, float, Result]:
     """A rigid cylinder rolls along, a cell per step: the error of Q at the creepage found, the creepage found over that
     asked for, and the run."""
     pitch, line = HALF_WIDTH / cells, line_contact(FLAT_RADIUS)
@@ -131,7 +131,7 @@ def rolled(cells: int, evaluation: str, crossings: int = 10, share: float = SHAR
     scene.add(forces.PointForce(middle, (0.0, 0.0, -line.load * WIDTH)))
     scene.add(joints.Drive(along, SPEED, quantity="velocity"))
     scene.add(joints.Drive(turn, turning, quantity="velocity"))
-    result = _run(scene, face, port, evaluation, steps * pitch / SPEED, pitch / SPEED, 1.0, None)
+    result = _run(scene, face, port, quadrature, steps * pitch / SPEED, pitch / SPEED, 1.0, None)
     c = result.history.contacts[PAIR]
     if c.friction is None:
         raise RuntimeError("no friction in the result")
@@ -161,7 +161,7 @@ def _cylinder(
 
 
 def _run(
-    scene: Scene, face: Any, port: Any, evaluation: Any, duration: float, step: float, stiffer: float,
+    scene: Scene, face: Any, port: Any, quadrature: Any, duration: float, step: float, stiffer: float,
     stick: float | None,
 ) -> Result:  # fmt: skip
     unit = default_layer(face.surface)
@@ -170,11 +170,11 @@ def _run(
     options: dict[str, Any] = {
         "step": step, "start": "equilibrium", "integrator": GeneralizedAlpha(rho_inf=0.0), "progress": False
     }  # fmt: skip
-    if evaluation == "full":
+    if quadrature == "at nodes":
         options |= {"variant": "low_rank", "stick_stiffness": None if stick is None else stick * unit}
         result = monolithic.simulate(scene, duration, at_nodes=True, **options)
     else:
         result = simulate(scene, duration, **options)
     if result.status != "completed":
-        raise RuntimeError(f"{evaluation}: {result.status}: {result.message}")
+        raise RuntimeError(f"{quadrature}: {result.status}: {result.message}")
     return result

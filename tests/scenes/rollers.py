@@ -20,7 +20,7 @@ from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import CrownedCylinder, Cylinder
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online import Engine, History, Settings
 from warpffrf.online.history.record import history_from_rows
 from warpffrf.online.run import describe
@@ -63,7 +63,7 @@ def roller_body(
     limit = max_frequency if modes is None else None
     return reduce(
         mesh, material, interfaces={"bore": "rigid"}, contact={"rim": shape}, max_frequency=limit, modes=modes,
-        tangential=tangential, contact_fixed=contact_fixed, cache=cache, progress=False,
+        grid=ContactGrid(tangential=tangential, contact_fixed=contact_fixed), cache=cache, progress=False,
     )  # fmt: skip
 
 

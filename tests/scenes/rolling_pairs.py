@@ -19,6 +19,7 @@ import numpy as np
 
 from references.closed_forms import LineContact, contact_modulus
 from references.closed_forms.elliptic import EllipticContact
+from scenes.flat_settings import reduce_flat
 from warpffrf.model import joints, signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
@@ -28,7 +29,6 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
 from warpffrf.online.compile.patches.plan import span_of
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
@@ -61,7 +61,7 @@ def reduced(mesh: Mesh, material: Material = STEEL, *, crowned: bool = False, **
     """A roller for friction on cells of a patch, its bore rigid, its inertia that of a rigid body."""
     shape = surfaces.CrownedCylinder() if crowned else surfaces.Cylinder()
     given = {"modes": 0, "contact_fixed": True, "tangential": True, "progress": False, **options}
-    return reduce(mesh, material, interfaces={"bore": "rigid"}, contact={"rim": shape}, **given)
+    return reduce_flat(mesh, material, interfaces={"bore": "rigid"}, contact={"rim": shape}, **given)
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,7 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import FacetSet
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import bases, reduce
+from warpffrf.offline import ReductionOptions, bases, reduce
 from warpffrf.online import History, run
 
 Array = np.ndarray
@@ -102,7 +102,7 @@ def bar(
         basis = bases.POD(snapshots=fields)
     return reduce(
         mesh, ALUMINIUM, interfaces={"root": "rigid", "tip": "rigid"}, basis=basis, max_frequency=max_frequency,
-        inertia_modes=ALL, stiffening=stiffening, cache=False, progress=False,
+        options=ReductionOptions(inertia_modes=ALL, stiffening=stiffening), cache=False, progress=False,
     )  # fmt: skip
 
 

@@ -23,7 +23,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import bases, reduce
+from warpffrf.offline import ReductionOptions, bases, reduce
 from warpffrf.online import run
 from warpffrf.output.result import Result
 
@@ -55,8 +55,8 @@ def disc(sectors: int = 24, layers: int = 8) -> ReducedBody:
     fields += [along * f[:, None] for f in (s**0, s, s**2, s**4)]
     points = np.outer(PLACES, (1.0, 0.0, 0.0))
     return reduce(
-        mesh, STEEL, basis=bases.POD(snapshots=np.stack(fields, axis=2)), stress={"wall": points}, periodic=False,
-        cache=False, progress=False,
+        mesh, STEEL, basis=bases.POD(snapshots=np.stack(fields, axis=2)), stress={"wall": points},
+        options=ReductionOptions(periodic=False), cache=False, progress=False,
     )  # fmt: skip
 
 

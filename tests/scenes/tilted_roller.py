@@ -51,7 +51,7 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
     )  # fmt: skip
     reduced = wf.reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"tread": wf.surfaces.CrownedCylinder(crown_radius=CROWN)},
-        modes=0, contact_fixed=False, progress=progress,
+        modes=0, grid=wf.ContactGrid(contact_fixed=False), progress=progress,
     )  # fmt: skip
     scene = wf.Scene()
     roller = scene.add_body(reduced, name="roller", position=(0, 0, RADIUS))
@@ -59,8 +59,7 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
     scene.add(wf.Contact(roller["tread"], scene.ground.surface(plane, name="plane"), name=PAIR))
     at = roller["bore"].world_point()
     carriage, cradle = (
-        scene.add_rigid_body(CARRIAGE_MASS, CARRIAGE_INERTIA, name=name, position=at).at((0, 0, 0))
-        for name in ("carriage", "cradle")
+        scene.add_rigid_body(CARRIAGE_MASS, CARRIAGE_INERTIA, name=name, position=at) for name in ("carriage", "cradle")
     )
     scene.add(wf.joints.Prismatic(scene.ground, carriage, axis=(0, 0, 1), name=GUIDE))
     tilt = scene.add(wf.joints.Revolute(carriage, cradle, axis=(-1, 0, 0), name=TILTS))

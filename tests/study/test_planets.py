@@ -10,7 +10,7 @@ from scenes.rollers import STEEL
 from warpffrf.model import mesh
 from warpffrf.model.errors import InputError
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online import run
 
 LOAD = 100e3  # N
@@ -22,8 +22,8 @@ SYMMETRY = 1e-6  # of the load: the iteration stops at 1e-8 of the forces, and l
 def body():
     return reduce(
         mesh.roller(0.05, 0.015, 0.01, sectors=120, layers=4, axial=2, grading=1.6, order=1), STEEL,
-        interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=6, tangential=True, contact_fixed=False,
-        cache=False, progress=False,
+        interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=6,
+        grid=ContactGrid(tangential=True, contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -40,7 +40,7 @@ def test_all_pairs_carry_the_same(body, friction: float) -> None:
     assert np.abs(size / LOAD - 1.0).max() < 0.05  # they are pressed; a slide has inertia
     assert np.abs(size - size[0]).max() < SYMMETRY * LOAD
     assert np.abs(force.sum(axis=0)).max() < SYMMETRY * LOAD
-    assert np.all(np.array([c.active_hats[-1] for c in history.contacts.values()]) >= 3)
+    assert np.all(np.array([c.active_nodes[-1] for c in history.contacts.values()]) >= 3)
 
 
 def test_wrong_numbers(body) -> None:

@@ -49,7 +49,7 @@ def roller(case: Case, order: int, axial: int, columns: int, layers: int) -> wf.
     )
     return wf.reduce(
         mesh, case.material, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=case.modes,
-        tangential=True, contact_fixed=False, cache=False, progress=False,
+        grid=wf.ContactGrid(tangential=True, contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
 
 

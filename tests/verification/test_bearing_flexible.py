@@ -21,7 +21,8 @@ BALANCE = 1e-6
 def roller() -> wf.ReducedBody:
     return wf.reduce(
         wf.mesh.roller(0.5 * D, 0.0, LENGTH, sectors=16, layers=2, axial=2), STEEL, interfaces={"ends": "average"},
-        contact={"rim": wf.surfaces.Cylinder()}, modes=0, contact_fixed=True, cache=False, progress=False,
+        contact={"rim": wf.surfaces.Cylinder()}, modes=0, grid=wf.ContactGrid(contact_fixed=True), cache=False,
+        progress=False,
     )  # fmt: skip
 
 
@@ -136,7 +137,7 @@ def ball() -> wf.ReducedBody:
     )
     return wf.reduce(
         mesh, STEEL, interfaces={"ends": "average"}, contact={"tread": wf.surfaces.Sphere(axis_direction=(0, 1, 0))},
-        modes=0, contact_fixed=True, cache=False, progress=False,
+        modes=0, grid=wf.ContactGrid(contact_fixed=True), cache=False, progress=False,
     )  # fmt: skip
 
 

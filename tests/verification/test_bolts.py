@@ -20,7 +20,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh, grid
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online import GeneralizedAlpha, Settings, find_equilibrium, run
 from warpffrf.online.stages import Stage
 from warpffrf.output.modes_result import eigenmodes
@@ -72,7 +72,7 @@ def column() -> ReducedBody:
         interfaces={"nut": "rigid", "head": "rigid"},
         modes=4,
         cache=False,
-        stiffening=True,
+        options=ReductionOptions(stiffening=True),
     )
 
 

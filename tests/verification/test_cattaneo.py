@@ -26,7 +26,7 @@ from references.half_space.bodies import half_plane, half_space
 from warpffrf.model.mesh import block
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Plane
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.output.result import Result
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -133,7 +133,7 @@ def test_point_on_a_finite_element_block() -> None:
     mesh = block((0.08, 0.08, 0.04), patch_half_width=1.45 * a, cell=a / 3.0, growth=1.6, depth=0.8 * a)
     body = reduce(
         mesh, STEEL, interfaces={"bottom": "rigid"}, contact={"patch": Plane()}, modes=0,
-        tangential=True, contact_fixed=False,
+        grid=ContactGrid(tangential=True, contact_fixed=False),
         progress=False,
     )  # fmt: skip
     shift = float(MINDLIN.loading(0.5 * MINDLIN.limit))

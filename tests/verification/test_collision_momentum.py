@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from scenes.flat_settings import reduce_flat
 from warpffrf.model import rotation as rot
 from warpffrf.model import surfaces
 from warpffrf.model.contact import Contact
@@ -12,7 +13,6 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import ball, block
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
 
@@ -30,8 +30,8 @@ def bodies() -> tuple[ReducedBody, ReducedBody]:
     large = block((0.03, 0.03, 0.015), patch_half_width=4e-3, cell=1e-3, growth=2.0, order=1)
     options = {"modes": 6, "tangential": True, "cache": False, "progress": False}
     return (
-        reduce(small, STEEL, contact={"patch": surfaces.Sphere()}, **options),
-        reduce(large, STEEL, contact={"patch": surfaces.Plane()}, **options),
+        reduce_flat(small, STEEL, contact={"patch": surfaces.Sphere()}, **options),
+        reduce_flat(large, STEEL, contact={"patch": surfaces.Plane()}, **options),
     )
 
 

@@ -12,7 +12,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, box, roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online.history.history import History
 from warpffrf.online.history.interface_motion import point_motion
 from warpffrf.online.run import find_equilibrium
@@ -84,7 +84,7 @@ def beam_body(parts: int) -> ReducedBody:
     mesh = box((WIDE, LENGTH / parts, THICK), (2, max(48 // parts, 4), 2), order=2)
     return reduce(
         mesh, Material(210e9, 0.0, 7850.0), interfaces={"y_min": "rigid", "y_max": "rigid"}, modes=24,
-        stiffening=True, progress=False,
+        options=ReductionOptions(stiffening=True), progress=False,
     )  # fmt: skip
 
 
@@ -127,7 +127,8 @@ def arch_body() -> ReducedBody:
     mesh = Mesh(points, flat.cells, flat.facet_sets).select("top", "z_max", lambda x: np.abs(x[:, 1]) < 0.03)
     interfaces = {"y_min": "rigid", "y_max": "rigid", "top": "average"}
     return reduce(
-        mesh, Material(210e9, 0.0, 7850.0), interfaces=interfaces, modes=24, stiffening=True, progress=False
+        mesh, Material(210e9, 0.0, 7850.0), interfaces=interfaces, modes=24, options=ReductionOptions(stiffening=True),
+        progress=False
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online.history.history import History
 from warpffrf.online.run import run
 
@@ -42,7 +42,7 @@ def body() -> ReducedBody:
     mesh = roller(RADIUS, 0.015, 0.01, sectors=720, layers=4, axial=1, grading=1.8, order=1)
     return reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, max_frequency=12e3,
-        tangential=True, contact_fixed=False, cache=False, progress=False,
+        grid=ContactGrid(tangential=True, contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
 
 

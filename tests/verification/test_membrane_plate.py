@@ -12,6 +12,7 @@ from references.finite_elements.meshes import scalar_basis
 from references.large_deflections.body import StVenantKirchhoffBody
 from references.large_deflections.statics import by_load
 from references.membrane import membrane_gradient, membrane_tangent
+from scenes.flat_settings import reduce_flat
 from warpffrf.model import joints
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh, box
@@ -19,7 +20,6 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import membrane_amplitudes
 from warpffrf.model.reduced.stress_field import von_mises
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
 from warpffrf.output.simulate import equilibrium
 
 SIDE, THICK = 0.4, 4e-3  # m
@@ -50,7 +50,7 @@ class Plate:
 
     def reduced(self, **settings) -> ReducedBody:
         given = {"interfaces": {"rim": "rigid"}, "stiffening": "membrane", "cache": False, "progress": False}
-        return reduce(self.mesh, MATERIAL, **{**given, **settings})
+        return reduce_flat(self.mesh, MATERIAL, **{**given, **settings})
 
 
 @pytest.fixture(scope="module")

@@ -18,8 +18,8 @@ def ball() -> wf.ReducedBody:
     mesh = wf.mesh.roller(R, 0.015, 0.03, crown_radius=R, sectors=80, layers=8, axial=8)
     return wf.reduce(
         mesh, wf.Material(E, NU, 7850), interfaces={"bore": "rigid"},
-        contact={"rim": wf.surfaces.CrownedCylinder(crown_radius=R)}, modes=0, tangential=True, contact_fixed=True,
-        cache=False, progress=False,
+        contact={"rim": wf.surfaces.CrownedCylinder(crown_radius=R)}, modes=0,
+        grid=wf.ContactGrid(tangential=True, contact_fixed=True), cache=False, progress=False,
     )  # fmt: skip
 
 

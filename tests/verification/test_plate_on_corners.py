@@ -16,7 +16,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.output.simulate import equilibrium, simulate
 
 SIDE, THICK, CELLS = 0.4, 4e-3, 4  # m, cells a side
@@ -56,7 +56,15 @@ def full(mesh) -> HingedBody:
 
 def reduced(mesh: Mesh, stiffening: Any) -> ReducedBody:
     interfaces = dict.fromkeys(CORNERS, "rigid")
-    return reduce(mesh, MATERIAL, interfaces=interfaces, modes=20, stiffening=stiffening, cache=False, progress=False)
+    return reduce(
+        mesh,
+        MATERIAL,
+        interfaces=interfaces,
+        modes=20,
+        options=ReductionOptions(stiffening=stiffening),
+        cache=False,
+        progress=False,
+    )
 
 
 def scene_of(body: ReducedBody, load: float) -> Scene:

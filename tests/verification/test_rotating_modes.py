@@ -11,7 +11,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import box, roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online import run
 from warpffrf.output.modes_result import Modes, eigenmodes
 from warpffrf.output.result import Result
@@ -74,7 +74,15 @@ def test_ring_frequencies_and_the_lag_of_their_patterns(ring: ReducedBody) -> No
 @pytest.fixture(scope="module")
 def beam() -> ReducedBody:
     mesh = box((WIDTH, LENGTH, HEIGHT), (1, 32, 1), center=(0.0, 0.5 * LENGTH, 0.0))
-    return reduce(mesh, BEAM, interfaces={"y_min": "rigid"}, modes=24, stiffening=True, cache=False, progress=False)
+    return reduce(
+        mesh,
+        BEAM,
+        interfaces={"y_min": "rigid"},
+        modes=24,
+        options=ReductionOptions(stiffening=True),
+        cache=False,
+        progress=False,
+    )
 
 
 def first_flap(beam: ReducedBody, gamma: float, *, level: str, stiffening: bool) -> float:

@@ -15,7 +15,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online.diagnosis.cell_notes import MOST, SECOND_ORDER, line_load_error
 from warpffrf.output.contact.hertz import THIN, hertz_line
 from warpffrf.output.simulate import equilibrium
@@ -50,8 +50,8 @@ def pressed(
     cover = roller(RADIUS, core, WIDTH * (RADIUS - core) / (RADIUS - CORE), grading=1.0, **MESHES[mesh])
     body = reduce(
         cut_into_tets(cover) if tets else cover, material, interfaces={"bore": "rigid"},
-        contact={"rim": surfaces.Cylinder()}, traction_spacing=TET_SPACING if tets else None, modes=0, cache=False,
-        progress=False,
+        contact={"rim": surfaces.Cylinder()}, grid=ContactGrid(spacing=TET_SPACING if tets else None), modes=0,
+        cache=False, progress=False,
     )  # fmt: skip
     assert any("mixed" in note for note in body.report["notes"]) == material.mixed
     scene = Scene()

@@ -17,7 +17,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import interface_motion, skin_displacement, skin_variation
 from warpffrf.model.reduced.stress_field import skin_strain
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.output.geometry.places import rotate
 from warpffrf.output.modes_result import eigenmodes
 from warpffrf.output.result import Result
@@ -33,8 +33,8 @@ SHARE = 0.003  # of the largest second-order motion, `TRUNCATION`
 def beam() -> ReducedBody:
     mesh = box((LENGTH, WIDTH, THICK), (30, 1, 1))
     return reduce(
-        mesh, MATERIAL, interfaces={"x_min": "rigid", "x_max": "rigid"}, modes=6, stiffening="membrane", cache=False,
-        progress=False,
+        mesh, MATERIAL, interfaces={"x_min": "rigid", "x_max": "rigid"}, modes=6,
+        options=ReductionOptions(stiffening="membrane"), cache=False, progress=False,
     )  # fmt: skip
 
 

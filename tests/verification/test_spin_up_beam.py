@@ -60,8 +60,8 @@ def spun() -> wf.Result:
     """One body, clamped to a hub that is driven."""
     mesh = wf.mesh.box((LENGTH, demo.SIDE, demo.SIDE), (20, 1, 1), center=(0.5 * LENGTH, 0, 0))
     reduced = wf.reduce(
-        mesh, demo.MATERIAL, interfaces={"x_min": "rigid", "x_max": "rigid"}, modes=44, inertia_modes=44,
-        stiffening=True, progress=False,
+        mesh, demo.MATERIAL, interfaces={"x_min": "rigid", "x_max": "rigid"}, modes=44,
+        options=wf.ReductionOptions(inertia_modes=44, stiffening=True), progress=False,
     )  # fmt: skip
     scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
     body = scene.add_body(reduced, name="beam", damping=0.0, inertia="full", stiffening=True)

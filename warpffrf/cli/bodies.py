@@ -54,7 +54,7 @@ def reduce_mesh(
         str, typer.Option(help="free_free, craig_bampton, craig_chang, krylov, balanced or pod.")
     ] = "free_free",
     modes: Annotated[int | None, typer.Option(help="Keep at most this many vibration modes.")] = None,
-    traction_spacing: Annotated[
+    spacing: Annotated[
         float | None, typer.Option(help="Spacing of the contact grid in m; default: that of the mesh.")
     ] = None,
     half_width: Annotated[
@@ -118,14 +118,15 @@ def reduce_mesh(
             basis=basis,
             max_frequency=max_frequency,
             modes=modes,
-            traction_spacing=traction_spacing,
-            expected_half_width=half_width,
             stress={name: name for name in stress or []},
-            inertia_modes=inertia_modes,
-            stiffening="membrane" if membrane else stiffening,
-            membrane_modes=membrane_modes,
-            centrifugal=centrifugal,
-            local_dynamics=local_dynamics,
+            grid=warpffrf.ContactGrid(spacing=spacing, expected_half_width=half_width),
+            options=warpffrf.ReductionOptions(
+                inertia_modes=inertia_modes,
+                stiffening="membrane" if membrane else stiffening,
+                membrane_modes=membrane_modes,
+                centrifugal=centrifugal,
+                local_dynamics=local_dynamics,
+            ),
             cache=cache,
             progress=not Asked.quiet,
         )

@@ -1,7 +1,7 @@
 """Errors of commands: one line on stderr, in terms of the command line, and an exit code.
 
-Messages of the package name arguments, such as `part=` or `traction_spacing`. They are replaced with the options of the
-command, `--part` and `--traction-spacing`.
+Messages of the package name arguments, such as `part=` or `expected_half_width`. They are replaced with the options of
+the command, `--part` and `--half-width`.
 """
 
 from __future__ import annotations

@@ -214,6 +214,8 @@ class Ground(_Posed):
 class Body(_Posed):
     """One body of a scene, created by `Scene.add_body` and `Scene.add_rigid_body`.
 
+    A rigid body is a port at the origin of its user frame; `at` is a port at another point.
+
     mass [kg], center_of_mass (3,) [m, user frame], inertia (3, 3) [kg m2, about the centre of mass, user axes],
     `reduced` (None for a rigid body), damping (m,) [-] ratio of each global mode, initial `position`, `rotation` (may
     be changed), `velocity` of the user origin [m/s] and `angular_velocity` [rad/s], world axes; `level` of the inertia
@@ -318,11 +320,13 @@ def _known(surfaces: dict[str, RigidSurface]) -> str:
     return f"known surfaces: {', '.join(map(repr, surfaces))}; " if surfaces else ""
 
 
-PortLike: TypeAlias = Port | Ground  # the bare ground is a port whose point the other port defines
+# The bare ground is a port whose point the other port defines; a rigid body one at the origin of its user frame.
+PortLike: TypeAlias = Port | Ground | Body
 
 
 def as_port(value: Any, name: str) -> Port:
-    """`value` as a port; the bare ground is one without a point. `InputError` for anything else."""
+    """`value` as a port: the bare ground is one without a point, a rigid body one at the origin of its user frame.
+    `InputError` for anything else."""
     if isinstance(value, Port):
         return value
     if isinstance(value, Ground):
@@ -330,8 +334,12 @@ def as_port(value: Any, name: str) -> Port:
     if isinstance(value, SurfacePort):
         raise InputError(f"{name}: {value.label} is a contact surface; name an interface of the body instead")
     if isinstance(value, Body):
-        raise InputError(f"{name}: say where on body {value.name!r}: body['interface'], or .at((x, y, z)) if rigid")
-    raise InputError(f"{name}: a port is needed (body['interface'], body.at(point) or scene.ground), got {value!r}")
+        if value.reduced is None:
+            return value.at((0.0, 0.0, 0.0))
+        raise InputError(f"{name}: body {value.name!r} is flexible: name one of its interfaces, body['interface']")
+    raise InputError(
+        f"{name}: a port is needed (body['interface'], a rigid body, body.at(point) or scene.ground), got {value!r}"
+    )
 
 
 def require_relative_motion(a: Port, b: Port, label: str) -> None:

@@ -22,7 +22,7 @@ from warpffrf.model.reduced.far_field import LONGEST, UNUSABLE
 from warpffrf.model.surfaces.form_deviations import refuse_form
 
 UNILATERAL = Unilateral()
-EVALUATIONS = ("semi", "hyper")
+QUADRATURES = ("full", "reduced")
 GRIDS = ("auto", "body_fixed", "contact_fixed")
 KINEMATICS = ("auto", "closest_point")
 CELL_ERROR = 0.005  # of force and largest pressure: the size of the errors of half-space and mesh
@@ -35,11 +35,12 @@ class Contact(reprs.Item):
 
     Forces are reported on the first body. law: contact law (`warpffrf.model.laws`), default unilateral contact.
     friction: the coefficient, or a friction law (`warpffrf.model.friction`); above 0 it requires flexible bodies
-    reduced with tangential=True. evaluation: quadrature of the law, "semi" at all points of the contact grid (full),
-    "hyper" at the few points chosen when the first body was reduced (reduced). grid: "body_fixed", pressures on the
-    contact grid of the first body, fixed to its material, which requires four nodes per contact half-width;
-    "contact_fixed", on cells that move with the patch, for meshes of any size (bodies reduced on coarse meshes, or with
-    contact_fixed=True); "auto", the latter where bodies and options allow it, as reported in the notes of a run.
+    reduced with tangential=True. quadrature: of the law, "full" at all points of the contact grid
+    (semi-hyper-reduction, SHR), "reduced" at the few points chosen when the first body was reduced (hyper-reduction,
+    HR). grid: "body_fixed", pressures on the contact grid of the first body, fixed to its material, which requires four
+    nodes per contact half-width; "contact_fixed", on cells that move with the patch, for meshes of any size (bodies
+    reduced on coarse meshes, or with contact_fixed=True); "auto", the latter where bodies and options allow it, as
+    reported in the notes of a run.
     cell_error: admissible contribution of the patch cells to the relative error of force and largest pressure; after a
     run a note reports the change with finer cells at some saved steps. kinematics: computation of the gap: "auto",
     parallel-axes kinematics for rollers whose axes are parallel at the start, which is fast; otherwise, or with
@@ -67,7 +68,7 @@ class Contact(reprs.Item):
         *,
         law: Law = UNILATERAL,
         friction: FrictionLike = 0.0,
-        evaluation: Literal["semi", "hyper"] = "semi",
+        quadrature: Literal["full", "reduced"] = "full",
         grid: Literal["auto", "body_fixed", "contact_fixed"] = "auto",
         kinematics: Literal["auto", "closest_point"] = "auto",
         cell_error: float = CELL_ERROR,
@@ -103,7 +104,7 @@ class Contact(reprs.Item):
                 )
         self.law = law
         self.friction = friction
-        self.evaluation = evaluation
+        self.quadrature = quadrature
         self.cell_error = cell_error
         self.cells = cells
         self.grid = grid
@@ -137,20 +138,20 @@ class Contact(reprs.Item):
         self._check_patch()
 
     @property
-    def evaluation(self) -> str:
-        """Quadrature of the law, one of EVALUATIONS."""
-        return self._evaluation
+    def quadrature(self) -> str:
+        """Quadrature of the law, one of QUADRATURES."""
+        return self._quadrature
 
-    @evaluation.setter
-    def evaluation(self, value: Any) -> None:
-        if value not in EVALUATIONS:
-            raise unknown_name(f"{self._label}: evaluation", value, EVALUATIONS)
-        if value == "hyper" and self.a.surface.sampling is None:
+    @quadrature.setter
+    def quadrature(self, value: Any) -> None:
+        if value not in QUADRATURES:
+            raise unknown_name(f"{self._label}: quadrature", value, QUADRATURES)
+        if value == "reduced" and self.a.surface.sampling is None:
             raise InputError(
-                f"{self._label}: evaluation='hyper' needs points chosen offline, body {self.a.body.name!r} was "
-                "reduced without them; reduce(..., sampling_error=0.01), or use evaluation='semi'"
+                f"{self._label}: quadrature='reduced' needs points chosen offline, body {self.a.body.name!r} was "
+                "reduced without them; reduce(..., grid=ContactGrid(sampling_error=0.01)), or use quadrature='full'"
             )
-        self._evaluation = str(value)
+        self._quadrature = str(value)
         self._check_patch()
 
     @property
@@ -241,7 +242,7 @@ class Contact(reprs.Item):
         """Plain data for hashing."""
         surfaces = {"a": [self.a.body.name, self.a.name], "b": [self.b.body.name, self.b.name]}
         laws = {"law": self.law.describe(), "friction": self.friction.describe()}
-        options: dict[str, Any] = {"evaluation": self.evaluation, "capacity": self.capacity, "overlap": self.overlap}
+        options: dict[str, Any] = {"quadrature": self.quadrature, "capacity": self.capacity, "overlap": self.overlap}
         if self.grid != "auto":  # existing scenes keep their hash
             options |= {"grid": self.grid, "cells": None if self.cells is None else list(self.cells)}
         if self.kinematics != "auto":
@@ -259,12 +260,12 @@ class Contact(reprs.Item):
             if far is None:
                 return (
                     f"grid='contact_fixed' needs the far field of {port.label}, body {port.body.name!r} was reduced "
-                    "without it; reduce(..., contact_fixed=True)"
+                    "without it; reduce(..., grid=ContactGrid(contact_fixed=True))"
                 )
             if self.friction.acts and far.tangential is None:
                 return (
                     f"friction on a patch needs the tangential far field of {port.label}, body {port.body.name!r} "
-                    "was reduced without it; reduce(..., contact_fixed=True, tangential=True)"
+                    "was reduced without it; reduce(..., grid=ContactGrid(contact_fixed=True, tangential=True))"
                 )
             if (long := _longer_than_wide(port.surface)) > LONGEST:
                 return (
@@ -281,10 +282,10 @@ class Contact(reprs.Item):
                     "long compared with their width, or too coarse; reduce it with squarer cells at the surface, "
                     "finer along the longer side, or quadratic ones"
                 )
-        if self.evaluation != "semi":
+        if self.quadrature != "full":
             return (
-                f"evaluation {self.evaluation!r} belongs to grid='body_fixed'; a patch of cells is evaluated at their "
-                "middles, leave evaluation out"
+                f"quadrature {self.quadrature!r} belongs to grid='body_fixed'; a patch of cells is evaluated at their "
+                "middles, leave quadrature out"
             )
         return None
 
@@ -298,7 +299,7 @@ class Contact(reprs.Item):
             if not port.rigid and port.surface.tangential is None:
                 raise InputError(
                     f"{label}: friction needs tangential modes, body {port.body.name!r} was reduced without them; "
-                    "reduce(..., tangential=True)"
+                    "reduce(..., grid=ContactGrid(tangential=True))"
                 )
 
 
@@ -309,11 +310,11 @@ def _require_surface(port: Any, place: str) -> None:
             "reduce(contact=...) or in add_rigid_body(surfaces=...), got "
             f"{getattr(port, 'label', None) or repr(getattr(port, 'name', port))}"
         )
-    kind = "hats" if port.rigid else port.surface.grid.kind
-    if kind != "hats":
+    kind = "nodes" if port.rigid else port.surface.grid.kind
+    if kind != "nodes":
         raise InputError(
             f"contact: the {place} surface, {port.label}, was reduced with traction={kind!r}; normal contact "
-            "is solved with hats: reduce the body with traction='hats'"
+            "is solved with tractions on nodes: reduce the body with traction='nodes'"
         )
 
 

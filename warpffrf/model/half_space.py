@@ -79,7 +79,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced.contact_grid import GAUSS_PER_ROW, ContactGrid, cell_edges
+from warpffrf.model.reduced.contact_grid import GAUSS_PER_ROW, SurfaceGrid, cell_edges
 
 Array = np.ndarray
 
@@ -221,8 +221,8 @@ def require_inside(*distances: Array) -> None:
 
 SPLINE_DEGREE = 2
 # Of functions around a full revolution, in pitches: second moment about the middle, and the row of the Gram matrix.
-VARIANCE = {"hats": 1.0 / 6.0, "cells": 1.0 / 12.0}
-OVERLAP = {"hats": ((-1, 1.0 / 6.0), (0, 2.0 / 3.0), (1, 1.0 / 6.0)), "cells": ((0, 1.0),)}
+VARIANCE = {"nodes": 1.0 / 6.0, "cells": 1.0 / 12.0}
+OVERLAP = {"nodes": ((-1, 1.0 / 6.0), (0, 2.0 / 3.0), (1, 1.0 / 6.0)), "cells": ((0, 1.0),)}
 TAPS = 5  # 3 reproduce parabolas, but see what alternates, with five times the ripple on hex8; 7 smooth more
 
 
@@ -231,7 +231,7 @@ class FarSplines:
     """The splines of a contact `grid` of bilinear functions or cells on a resolved `shape`; `turn`: columns of the full
     revolution that the grid is part of, 0 for an arc or a plane that is not."""
 
-    grid: ContactGrid
+    grid: SurfaceGrid
     shape: Any
     turn: int
 

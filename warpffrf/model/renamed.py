@@ -6,8 +6,10 @@ from __future__ import annotations
 # old -> new, of which one is known where the old one is not; ARGUMENT=... is a new argument that takes the old one
 RENAMED: dict[str, tuple[str, ...]] = {
     # surfaces and grids of contact
-    "patch_grid": ("contact_fixed",), "patch": ("contact_fixed",), "material": ("body_fixed", "materials"),
+    "patch_grid": ("contact_fixed", "grid=wf.ContactGrid(contact_fixed=...)"),
+    "patch": ("contact_fixed",), "material": ("body_fixed", "materials"),
     "gaps": ("kinematics",), "points": ("closest_point",),
+    "evaluation": ("quadrature",), "semi": ("full",), "hyper": ("reduced",),
     # oil films
     "Groove": ("AxialGroove",), "Ring": ("CircumferentialGroove",), "Hole": ("SupplyHole",),
     "oil_groove": ("axial_groove",), "oil_ring": ("circumferential_groove",), "oil_hole": ("supply_hole",),
@@ -28,6 +30,14 @@ RENAMED: dict[str, tuple[str, ...]] = {
        for name in ("asperities", "boundary_friction", "roughness_a", "roughness_b")},
     "powers": ("axial_degrees",),
     "mass_conserving": ("jfo",), "half": ("half_sommerfeld",), "none": ("full_sommerfeld",),
+    # reductions
+    "hats": ("nodes",), "traction_spacing": ("spacing", "grid=wf.ContactGrid(spacing=...)"),
+    "contact_error": ("force_error", "grid=wf.ContactGrid(force_error=...)"),
+    **{name: (f"grid=wf.ContactGrid({name}=...)",)
+       for name in ("expected_half_width", "traction", "tangential", "contact_fixed", "sampling_error")},
+    **{name: (f"options=wf.ReductionOptions({name}=...)",)
+       for name in ("local_dynamics", "inertia_modes", "stiffening", "membrane_modes", "centrifugal", "periodic",
+                    "solver", "memory_limit")},
     # laws, forces, cages
     "StribeckCoulomb": ("Stribeck",), "TableCoulomb": ("TabulatedFriction",), "TableLayer": ("TabulatedLayer",),
     "ForceTable": ("TabulatedForce",), "RollingLever": ("RollingResistanceArm",), "Bearing": ("BearingSpring",),

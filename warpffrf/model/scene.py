@@ -12,7 +12,7 @@ import numpy as np
 
 from warpffrf.model.arguments import Matrix, RotationLike, Vector
 from warpffrf.model.bearings import Bearing, add_ball_bearing, add_roller_bearing
-from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, Port
+from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, PortLike, as_port
 from warpffrf.model.checks.contacts import refuse_double_claims, refuse_double_laps
 from warpffrf.model.checks.plausibility import gravity_doubts, warn
 from warpffrf.model.contact import Contact
@@ -249,17 +249,15 @@ class Scene(reprs.Shown):
         """The bearing called `name`; `InputError` lists those that exist."""
         return _named(self.bearings, name, "bearing")
 
-    def place(self, port: Port, *, onto: Port) -> None:
+    def place(self, port: PortLike, *, onto: PortLike) -> None:
         """Translate the body of `port` so that the port's point coincides with that of `onto` (orientation unchanged).
         Raises `InputError` for the ground, and for two ports of one body."""
-        for p, label in ((port, "place: port"), (onto, "place: onto")):
-            if not isinstance(p, Port):
-                raise InputError(f"{label} must be a port (body['interface'] or body.at(point)), got {p!r}")
-        if isinstance(port.body, Ground):
+        moved, target = as_port(port, "place: port"), as_port(onto, "place: onto")
+        if isinstance(moved.body, Ground):
             raise InputError("place: the ground cannot be moved; swap the two ports")
-        if port.body is onto.body:
-            raise InputError(f"place: both ports are on body {port.body.name!r}")
-        port.body.position = port.body.position + (onto.world_point() - port.world_point())
+        if moved.body is target.body:
+            raise InputError(f"place: both ports are on body {moved.body.name!r}")
+        moved.body.position = moved.body.position + (target.world_point() - moved.world_point())
 
     def close_gap(
         self,

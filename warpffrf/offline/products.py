@@ -13,7 +13,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.laps import LapSurface
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import CrossCompliance, Recovery, Tangential
 from warpffrf.model.reduced.data import Interface
 from warpffrf.model.reduced.inertia import InertiaTerms, SecondOrderMotion
@@ -50,7 +50,7 @@ class SurfaceProduct:
     functions on the mesh (`contact.independence`).
     """
 
-    grid: ContactGrid
+    grid: SurfaceGrid
     lags: np.ndarray
     mode_normal: np.ndarray
     recovery: Recovery

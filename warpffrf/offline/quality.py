@@ -188,7 +188,7 @@ def coupling(cross: CrossCompliance, target: ContactSurface, source: ContactSurf
 
 
 def grid_error(
-    window: Array, rows: int, *, kind: str = "hats", half_width: int = HALF_WIDTH
+    window: Array, rows: int, *, kind: str = "nodes", half_width: int = HALF_WIDTH
 ) -> tuple[float, int] | None:
     """Estimated relative error of the compliance energy of Hertz's pressure on this grid, and the corresponding
     half-width in spacings: `half_width`, or less if the window is narrower. None for a window of fewer than
@@ -232,7 +232,7 @@ def _coarser_cells(columns: int, half_width: int) -> tuple[Array, Array, int]:
     return p, np.kron(np.eye(pairs), np.ones((2, 1))), half
 
 
-COARSER = {"hats": _coarser_hats, "cells": _coarser_cells}
+COARSER = {"nodes": _coarser_hats, "cells": _coarser_cells}
 
 
 def _judged_grid(surface: ContactSurface, product: SurfaceProduct) -> dict[str, float] | None:

@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -51,6 +51,7 @@ from warpffrf.offline.inertia.invariants import MODES
 from warpffrf.offline.inertia.membrane import membrane_notes
 from warpffrf.offline.interfaces import body_interfaces
 from warpffrf.offline.near_field.far import find_far_field, is_coarse
+from warpffrf.offline.options import ContactGrid, ReductionOptions
 from warpffrf.offline.products import PathChoice, PathProduct, SurfaceProduct, choose_path, resolve_shapes
 from warpffrf.offline.progress import Progress
 from warpffrf.offline.quality import coupling, quality
@@ -76,23 +77,10 @@ def reduce(
     basis: str | Basis = "free_free",
     max_frequency: float | None = None,
     modes: int | None = None,
-    traction_spacing: float | None = None,
-    expected_half_width: float | None = None,
-    contact_error: float = 0.01,
-    traction: Literal["hats", "cells"] = "hats",
-    tangential: bool | Literal["hats", "cells"] = False,
     stress: Mapping[str, str | Matrix | StressPoints] | None = None,
-    local_dynamics: bool = False,
-    inertia_modes: int | None = None,
-    stiffening: bool | Literal["membrane"] = False,
-    centrifugal: bool = False,
-    periodic: bool | None = None,
-    solver: str | None = None,
-    memory_limit: float | None = None,
-    sampling_error: float | None = None,
-    contact_fixed: bool | None = None,
+    grid: ContactGrid = ContactGrid(),  # noqa: B008 (immutable)
+    options: ReductionOptions = ReductionOptions(),  # noqa: B008
     laps: Mapping[str, str | tuple[str, str] | LapCells] | None = None,
-    membrane_modes: int | None = None,
     cache: bool = True,
     progress: bool = True,
 ) -> ReducedBody:
@@ -111,43 +99,11 @@ def reduce(
     max_frequency [Hz], modes: for "free_free", vibration modes up to this frequency, or this number of modes, or the
         fewer of the two if both are given; if neither is given, attachment modes only. Pairs of equal frequencies are
         never split (see `report["notes"]`). The other bases define the meaning of both arguments.
-    traction_spacing [m]: spacing of the contact grid; None: the surface nodes of a structured mesh, otherwise the
-        longest facet edge.
-    expected_half_width [m], contact_error: alternative to a spacing: the half-width of the smallest contact patch of
-        interest and the admissible grid error of the contact force; the rule is given in `contact_spacing`.
-    traction, tangential: shape functions of the normal tractions on that grid, "hats" or "cells", and of the two
-        tangential directions: False (none), True ("cells"), "hats" or "cells".
     stress: {name: points} at which stresses can be recovered (`Result.stress`): points (p, 3) [m], the name of a
         facet set, "skin", "all", or `StressPoints` for one side of an interface between materials.
-    local_dynamics: True: also compute the mass of the local modes, required for dynamic local modes
-        (`warpffrf.model.reduced.local_modes`); one additional solution per unit load on the general path.
-    inertia_modes: number of global modes, lowest first, with inertia terms (`warpffrf.model.reduced.inertia`); None:
-        all up to 60. `report["inertia"]` states the number.
-    stiffening: True: also compute the geometric stiffness of these modes due to prestress from rotation and from
-        interface loads; on the general path. "membrane": also the membrane energy of plates, frames and shells with
-        deflections of their thickness or more, `warpffrf.model.reduced.inertia`; requires cells that do
-        not lock in bending, and enough bending modes.
-    membrane_modes: number of modes, lowest first, with membrane energy; None: up to 20. n modes require n (n + 1)/2
-        static responses.
-    centrifugal: True: also include the attachment modes of rotation, the static responses to the products of the
-        components of the angular velocity. Expansion and bending under the body's own rotation are then exact for any
-        number of modes. Intended for fast rotors, discs, rings and blades: the vibration modes of a round body hardly
-        represent that shape. Adds six modes; if `inertia_modes` is omitted, inertia terms extend to as many modes as
-        these need.
-    periodic: None: rotational periodicity is used, and detected in meshes that do not declare it; False: never used.
-    solver: name of an installed direct solver for large systems; None: the default, see `report["solver"]`.
-    memory_limit [byte]: bound on factors, dense operators and blocks of right-hand sides of the general path together;
-        None: 8 GiB.
-    sampling_error: also choose a small set of sampling points on each contact surface for
-        `Contact(evaluation="hyper")`, so that the error of the integrals of training patches is at most this
-        fraction of their size; None: no such points. 0.01 requires a third of the points of evaluation "semi", see
-        `warpffrf.offline.contact.cubature`.
-    contact_fixed: also compute the data for pressures on a contact-fixed grid, which travels with the patch and is much
-        finer than the mesh (`warpffrf.model.reduced.far_field`). None: for contact surfaces whose mesh is too coarse
-        for pressures on its own grid, where possible; True: for all, with an error that states why if impossible;
-        False: for none. With `tangential=` on cells it also serves friction. The cost is the solution of some hundred
-        to thousand dofs for every few dozen functions of the contact grid (of one sector). The cells near the surface
-        must be of one material.
+    grid: the grid of tractions on the contact surfaces: its spacing, or the half-width of the contact patches expected;
+        functions of normal and tangential tractions; data for a contact-fixed grid and for reduced quadrature.
+    options: settings that are rarely needed: inertia terms, stiffening, solver, memory.
     laps: small-sliding contact (joint interfaces): {name: ("facet set", "facet set")} for faces of this body that slide
         slightly on each other, or {name: "facet set"} for a face in contact with another body's; a `LapCells` as value
         also sets the cell size. On the general path.
@@ -182,23 +138,10 @@ def reduce(
         basis=basis,
         max_frequency=max_frequency,
         modes=modes,
-        traction_spacing=traction_spacing,
-        expected_half_width=expected_half_width,
-        contact_error=contact_error,
-        traction=traction,
-        tangential=tangential,
         stress=stress,
-        local_dynamics=local_dynamics,
-        inertia_modes=inertia_modes,
-        stiffening=stiffening,
-        centrifugal=centrifugal,
-        periodic=periodic,
-        solver=solver,
-        memory_limit=memory_limit,
-        sampling_error=sampling_error,
-        contact_fixed=contact_fixed,
+        grid=grid,
+        options=options,
         laps=laps,
-        membrane_modes=membrane_modes,
     )
     settings.check_against(mesh)
     assign(mesh, material)
@@ -251,8 +194,8 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
     report["notes"] += formulations
     report["warnings"] += locking
     report["notes"] += _not_used(settings, cyclic)
-    if settings.stiffening and given.cyclic is not None:
-        report["notes"].append(f"stiffening={settings.stiffening!r}: the periodic body was reduced on the general path")
+    if (stiffening := settings.options.stiffening) and given.cyclic is not None:
+        report["notes"].append(f"stiffening={stiffening!r}: the periodic body was reduced on the general path")
     if membrane := product.facts.get("membrane"):
         notes, warnings = membrane_notes(membrane, mesh)
         report["notes"] += notes
@@ -281,9 +224,9 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
             s.local_mass,
             slope_lags=s.slope_lags,
         )
-        if settings.sampling_error is not None:
+        if settings.grid.sampling_error is not None:
             with stages.stage("sampling points"):
-                points = choose_sampling(surfaces[name], settings.sampling_error, label=name)
+                points = choose_sampling(surfaces[name], settings.grid.sampling_error, label=name)
             surfaces[name] = replace(surfaces[name], sampling=points)
             report["contact"][name]["sampling"] = {"points": points.count, **points.facts()}
             report["stage_seconds"] = dict(stages.seconds)
@@ -381,15 +324,15 @@ def _product(
 ) -> PathProduct:
     """Run the chosen path."""
     how: dict[str, Any] = {
-        "traction": settings.traction,
-        "tangential": settings.tangential,
+        "traction": settings.grid.traction,
+        "tangential": settings.grid.tangential_kind,
         "observers": recovery.observers(),
         "sloping": [
             n for n, s in choice.shapes.items() if may_slope(s, facet_material(mesh, mesh.facets(n), assignment))
         ],
-        "local_dynamics": settings.local_dynamics,
-        "inertia_modes": settings.inertia_modes,
-        "centrifugal": settings.centrifugal,
+        "local_dynamics": settings.options.local_dynamics,
+        "inertia_modes": settings.options.inertia_modes,
+        "centrifugal": settings.options.centrifugal,
     }
     spacing = spacings(mesh, choice.shapes, settings, expected)
     limits = settings.limits
@@ -403,14 +346,14 @@ def _product(
         cyclic = [(name, shape, choice.patterns[name]) for name, shape in choice.shapes.items()]
         return reduce_cyclic(mesh, assignment, joints, cyclic, limits, spacing, stages, **how)
     how |= {
-        "stiffening": settings.stiffening,
-        "membrane_modes": settings.membrane_modes,
+        "stiffening": settings.options.stiffening,
+        "membrane_modes": settings.options.membrane_modes,
         "laps": settings.laps,
-        "solver": settings.solver,
+        "solver": settings.options.solver,
         "checkpoint": checkpoint,
     }
     named = list(choice.shapes.items())
-    memory = settings.memory_limit
+    memory = None if settings.options.memory_limit is None else int(settings.options.memory_limit)
     return reduce_general(mesh, assignment, joints, named, settings.basis, limits, spacing, memory, stages, **how)
 
 
@@ -425,11 +368,11 @@ def _with_far_field(
 ) -> ContactSurface:
     """The surface with its far field, if requested and available; notes and figures are added to the `report`."""
     name, shape, grid = surface.name, surface.shape, surface.grid
-    if settings.contact_fixed is False:
+    if settings.grid.contact_fixed is False:
         return surface
     material = facet_material(mesh, mesh.facets(name), assignment)
-    if settings.contact_fixed is None and not is_coarse(
-        mesh, name, shape, grid, settings.expected_half_width, material
+    if settings.grid.contact_fixed is None and not is_coarse(
+        mesh, name, shape, grid, settings.grid.expected_half_width, material
     ):
         return surface
     own = surface.lags, surface.tangential
@@ -438,7 +381,7 @@ def _with_far_field(
     report["warnings"] += found.warnings
     report["stage_seconds"] = dict(stages.seconds)
     if found.far is None:
-        if settings.contact_fixed:
+        if settings.grid.contact_fixed:
             raise InputError(found.notes[-1])
         return surface
     report["contact"][name]["far_field"] = found.facts
@@ -496,7 +439,7 @@ def _between_surfaces(product: PathProduct, settings: Settings) -> list[str]:
         notes.append(
             "loads on contact surfaces move the laps of this body through the global modes only, and the laps them"
         )
-    if product.cross and settings.local_dynamics:
+    if product.cross and settings.options.local_dynamics:
         notes.append(
             "local_dynamics=True: the mass of local modes is that of each contact surface alone; with inertia, loads "
             "on one surface move the others through the global modes only"
@@ -513,7 +456,7 @@ def _not_used(settings: Settings, cyclic: bool) -> list[str]:
     """Notes on settings that the chosen path does not use."""
     if not cyclic:
         return []
-    given = {"solver": settings.solver, "memory_limit": settings.memory_limit}
+    given = {"solver": settings.options.solver, "memory_limit": settings.options.memory_limit}
     return [
         f"{name} was not used: a periodic body is reduced harmonic by harmonic, with separate factors; periodic=False "
         "disables that"
@@ -524,12 +467,12 @@ def _not_used(settings: Settings, cyclic: bool) -> list[str]:
 
 def _other_spacing(name: str, shape: Any, s: SurfaceProduct, settings: Settings) -> list[str]:
     """A note if the column spacing of the grid differs from the requested one."""
-    wanted = settings.traction_spacing
+    wanted = settings.grid.spacing
     actual = s.grid.pitch * largest_radius(shape, s.grid.z)
     if wanted is None or abs(actual - wanted) <= SPACING_NOTED * wanted:
         return []
     return [
-        f"contact {name!r}: columns are {actual:.3g} m apart, traction_spacing={wanted:g}: they divide a full "
+        f"contact {name!r}: columns are {actual:.3g} m apart, spacing={wanted:g}: they divide a full "
         "revolution, or a sector, evenly"
     ]
 
@@ -543,7 +486,7 @@ def _report(
     if dropped:
         notes.append(f"{dropped} dependent direction(s) of attachment and vibration modes were dropped")
     covered = 0 if product.inertia_terms is None else product.inertia_terms.modes
-    if settings.centrifugal and settings.inertia_modes is None and covered > MODES:
+    if settings.options.centrifugal and settings.options.inertia_modes is None and covered > MODES:
         notes.append(
             f"centrifugal=True: {covered} modes have inertia terms, so that they contain the response to rotation; "
             f"inertia_modes={MODES} would be faster, and omit part of it"
@@ -562,9 +505,9 @@ def _report(
         "inertia": {
             "modes": covered,
             "of": len(product.omega),
-            "stiffening": bool(settings.stiffening),
+            "stiffening": bool(settings.options.stiffening),
             "membrane": facts.pop("membrane", None),
-            "centrifugal": settings.centrifugal,
+            "centrifugal": settings.options.centrifugal,
             "centrifugal_left_out": facts.pop("centrifugal_left_out"),
         },
         **facts,

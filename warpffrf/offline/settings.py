@@ -10,28 +10,25 @@ no mode (given in kHz).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.laps import LapCells
 from warpffrf.model.laps.lap_surface import lap_cells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.reduced.contact_grid import KINDS, require_kind
 from warpffrf.offline.bases import Basis, basis_options
 from warpffrf.offline.contact.hat_loads import ContactFacets
 from warpffrf.offline.inertia.invariants import require_cells
-from warpffrf.offline.inertia.membrane import MEMBRANE
 from warpffrf.offline.interfaces import INTERFACE_KINDS
 from warpffrf.offline.laps.cells import require_sets
+from warpffrf.offline.options import ContactGrid, ReductionOptions, require_modes
 from warpffrf.offline.products import Limits, resolve_shapes
-from warpffrf.offline.solvers import require_solver
 from warpffrf.offline.stress.plan import stress_settings
 
-TANGENTIAL = "cells"  # for `tangential=True`: friction is solved in cells; hats were measured to be less accurate
 CYCLIC_BASES = ("free_free", "craig_chang")  # their span is that of free vibration and attachment modes
 
 
@@ -45,23 +42,10 @@ class Settings:
     basis: Basis
     max_frequency: float | None
     modes: int | None
-    traction_spacing: float | None
-    expected_half_width: float | None
-    contact_error: float
-    traction: str
-    tangential: str | None
     stress: dict[str, Any]
-    local_dynamics: bool
-    inertia_modes: int | None
-    stiffening: bool | str
-    centrifugal: bool
-    periodic: bool | None
-    solver: str | None
-    memory_limit: int | None
-    sampling_error: float | None = None
-    contact_fixed: bool | None = None
+    grid: ContactGrid
+    options: ReductionOptions
     laps: dict[str, LapCells] = field(default_factory=dict)
-    membrane_modes: int | None = None
 
     @classmethod
     def of(
@@ -73,89 +57,28 @@ class Settings:
         basis: Any,
         max_frequency: float | None,
         modes: int | None,
-        traction_spacing: float | None,
-        expected_half_width: float | None,
-        contact_error: float,
-        traction: str,
-        tangential: bool | str,
         stress: Mapping[str, Any] | None,
-        local_dynamics: bool,
-        inertia_modes: int | None,
-        stiffening: bool | str,
-        centrifugal: bool,
-        periodic: bool | None,
-        solver: str | None,
-        memory_limit: float | None,
-        sampling_error: float | None = None,
-        contact_fixed: bool | None = None,
+        grid: Any,
+        options: Any,
         laps: Mapping[str, Any] | None = None,
-        membrane_modes: int | None = None,
     ) -> Settings:
         """The settings for the arguments of `reduce`, checked as far as possible without the mesh."""
-        options = basis_options(basis)
-        options.check_limits(max_frequency, modes)
+        chosen = basis_options(basis)
+        chosen.check_limits(max_frequency, modes)
         if max_frequency is not None:
             max_frequency = require_number(max_frequency, "reduce: max_frequency", positive=True)
-        if traction_spacing is not None:
-            require_number(traction_spacing, "reduce: traction_spacing", positive=True)
-        if expected_half_width is not None:
-            require_number(expected_half_width, "reduce: expected_half_width", positive=True)
-            if traction_spacing is not None:
-                raise InputError(
-                    "reduce: expected_half_width chooses the spacing of the contact grid; leave traction_spacing out"
-                )
-        require_number(contact_error, "reduce: contact_error", positive=True)
-        if sampling_error is not None:
-            _refuse_sampling(require_number(sampling_error, "reduce: sampling_error", positive=True), traction)
-        if memory_limit is not None:
-            memory_limit = int(require_number(memory_limit, "reduce: memory_limit", positive=True))
-        if periodic not in (None, False):
-            raise InputError(
-                f"reduce: periodic must be None (used where the mesh has it) or False (never used), got {periodic!r}"
-            )
-        if not isinstance(local_dynamics, bool):
-            raise InputError(f"reduce: local_dynamics must be True or False, got {local_dynamics!r}")
-        if not isinstance(stiffening, bool) and stiffening != MEMBRANE:
-            raise InputError(f"reduce: stiffening must be True or False, or {MEMBRANE!r}, got {stiffening!r}")
-        if membrane_modes is not None:
-            membrane_modes = _membrane_modes(membrane_modes, stiffening)
-        if not isinstance(centrifugal, bool):
-            raise InputError(f"reduce: centrifugal must be True or False, got {centrifugal!r}")
-        if contact_fixed not in (None, True, False):
-            raise InputError(
-                f"reduce: contact_fixed must be True, False or None (where the mesh is coarse), got {contact_fixed!r}"
-            )
         stress_settings(stress or {})  # raises unless it is {name: points}
-        if not isinstance(tangential, (bool, type(None))) and str(tangential) not in KINDS:
-            raise InputError(
-                f"reduce: tangential must be True, False or one of {', '.join(map(repr, KINDS))}, got {tangential!r}"
-            )
-        if tangential is True:
-            tangential = TANGENTIAL
         return cls(
             material=material,
             interfaces=_by_set(interfaces, "interfaces", '{"bore": "rigid"}'),
             contact=_by_set(contact, "contact", '{"rim": surfaces.Cylinder()}, None for a fitted shape'),
-            basis=options,
+            basis=chosen,
             max_frequency=max_frequency,
-            modes=None if modes is None else _count(modes, "modes"),
-            traction_spacing=traction_spacing,
-            expected_half_width=expected_half_width,
-            contact_error=contact_error,
-            traction=require_kind(traction),
-            tangential=require_kind(tangential) if tangential else None,
+            modes=None if modes is None else require_modes(modes, "reduce: modes"),
             stress=dict(stress or {}),
-            local_dynamics=local_dynamics,
-            inertia_modes=None if inertia_modes is None else _count(inertia_modes, "inertia_modes"),
-            stiffening=stiffening,
-            centrifugal=centrifugal,
-            periodic=periodic,
-            solver=None if solver is None else require_solver(solver),
-            memory_limit=memory_limit,
-            sampling_error=sampling_error,
-            contact_fixed=contact_fixed,
+            grid=_require(grid, ContactGrid, "grid"),
+            options=_require(options, ReductionOptions, "options"),
             laps=lap_cells(laps),
-            membrane_modes=membrane_modes,
         )
 
     def check_against(self, mesh: Mesh) -> None:
@@ -168,8 +91,8 @@ class Settings:
                 raise InputError(
                     f"interface {name!r}: kind {kind!r} does not exist; known: {', '.join(INTERFACE_KINDS)}"
                 )
-        if self.stiffening:
-            require_cells(mesh, self.material, self.stiffening)
+        if self.options.stiffening:
+            require_cells(mesh, self.material, self.options.stiffening)
         require_sets(mesh, self.laps, self.contact, self.interfaces)
         for name, shape in self.contact.items():
             mesh.facets(name)
@@ -189,12 +112,12 @@ class Settings:
     @property
     def general_reason(self) -> str | None:
         """The reason why these settings require the general path for any mesh, or None."""
-        if self.periodic is False:
+        if self.options.periodic is False:
             return "periodic=False"
         if self.laps:
             return "laps: the compliance of their cells is computed on the general path"
-        if self.stiffening:
-            return f"stiffening={self.stiffening!r}: geometric stiffness is computed on the general path"
+        if self.options.stiffening:
+            return f"stiffening={self.options.stiffening!r}: geometric stiffness is computed on the general path"
         if self.basis.kind not in CYCLIC_BASES or self.basis != type(self.basis)():
             return f"basis {self.basis.kind!r} with these options is computed on the general path"
         other = [name for name, kind in self.interfaces.items() if kind != "rigid"]
@@ -212,21 +135,9 @@ class Settings:
             "basis": self.basis.describe(),
             "max_frequency": self.max_frequency,
             "modes": self.modes,
-            "traction_spacing": self.traction_spacing,
-            "expected_half_width": self.expected_half_width,
-            "contact_error": self.contact_error if self.expected_half_width is not None else None,
-            "traction": self.traction,
-            "tangential": self.tangential,
             "stress": stress_settings(self.stress),
-            "local_dynamics": self.local_dynamics,
-            "inertia_modes": self.inertia_modes,
-            "stiffening": self.stiffening,
-            "membrane_modes": self.membrane_modes,
-            "centrifugal": self.centrifugal,
-            "periodic": self.periodic,
-            "memory_limit": self.memory_limit,
-            "sampling_error": self.sampling_error,
-            "contact_fixed": self.contact_fixed,
+            "grid": self.grid.describe(),
+            "options": {name: value for name, value in asdict(self.options).items() if name != "solver"},
             "laps": [[name, lap.describe()] for name, lap in self.laps.items()],
         }
 
@@ -240,32 +151,11 @@ def _by_set(value: Any, what: str, example: str) -> dict[str, Any]:
     return dict(value)
 
 
-def _refuse_sampling(error: float, traction: str) -> None:
-    """Raises `InputError` for an error of 1 or more, and for tractions without sampling points."""
-    if error >= 1.0:
-        raise InputError(f"reduce: sampling_error is a fraction below 1, got {error:g}; for one per cent give 0.01")
-    if traction == "cells":
-        raise InputError(
-            "reduce: sampling points are chosen for hats; use traction='hats', or leave sampling_error out"
-        )
-
-
-def _membrane_modes(modes: Any, stiffening: bool | str) -> int:
-    """The number of modes with membrane energy; raises `InputError` for zero, and without membrane stiffening."""
-    if stiffening != MEMBRANE:
-        raise InputError(f"reduce: membrane_modes is a number of modes of stiffening={MEMBRANE!r}; set that, too")
-    count = _count(modes, "membrane_modes")
-    if not count:
-        raise InputError(
-            "reduce: membrane_modes=0 is a membrane basis without bending modes; give a number, or leave it out"
-        )
-    return count
-
-
-def _count(modes: Any, name: str) -> int:
-    if isinstance(modes, bool):
-        raise InputError(f"reduce: {name} is a number of modes, got {modes}; leave it out for none")
-    return require_count(modes, f"reduce: {name}", 0)
+def _require(value: Any, kind: type, name: str) -> Any:
+    """`value`, a `kind` as argument `name`; raises `InputError` otherwise."""
+    if not isinstance(value, kind):
+        raise InputError(f"reduce: {name} must be a {kind.__name__}(...), got {value!r}")
+    return value
 
 
 def _numbers(material: Material | Mapping[str, Material] | None) -> Any:
@@ -286,7 +176,7 @@ def input_doubts(mesh: Mesh, settings: Settings) -> list[str]:
 
 
 def _half_width_doubts(mesh: Mesh, settings: Settings) -> list[str]:
-    half_width = settings.expected_half_width
+    half_width = settings.grid.expected_half_width
     if half_width is None:
         return []
     found = []

@@ -73,7 +73,7 @@ MOST_UNDAMPED = 0.95  # spectral radius at infinity up to which an alternation o
 OTHER_LEVELS = "a body has more inertia terms from here on than in the run that this one continues"
 VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
 STATIC_CURE = "; constrain free rotation or sliding (a weak spring is sufficient), or begin with a smaller load"
-COARSEN = "coarsen the contact grid (traction_spacing)"
+COARSEN = "coarsen the contact grid, ContactGrid(spacing=)"
 UPHILL = "every step from here increases the energy; begin from another pose, or with a smaller load"
 NO_LOAD_PATH = "a mechanism with no load path; add a joint, a spring, a drive or a contact that carries the load"
 UNSOLVED = int(k.NOT_CONVERGED | k.CAPACITY | k.CYCLING | k.STENCIL)  # failure bits of deeply wedged contact

@@ -341,7 +341,7 @@ def _several(one: str) -> str:
 
 def _room(own: CompiledScene, first: CompiledScene, i: int) -> str:
     here, there = own.model.capacity.slot_limit, first.model.capacity.slot_limit
-    return "" if here == there else f"the contacts of scene {i} allow {here} hats in play, those of scene 0 {there}"
+    return "" if here == there else f"the contacts of scene {i} allow {here} active nodes, those of scene 0 {there}"
 
 
 def _axes(own: Sizes, first: Sizes, i: int) -> str:

@@ -43,7 +43,7 @@ MOTIONS = ("m", "m/s", "rad", "rad/s")  # for other quantities `LEAST` applies, 
 LISTED = 20  # settings and histories in a report
 DRAWN = 6  # histories in a picture
 COUNTED = {field.name for field in RUN_FIELDS} | {
-    "contact_active_hats", "contact_first_column", "contact_center_column", "contact_first_column_second",
+    "contact_active_nodes", "contact_first_column", "contact_center_column", "contact_first_column_second",
     "contact_cell_column", "contact_cell_column_second", "contact_cells_per_step", "joint_friction_state",
 }  # fmt: skip
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.bodies import Port
+from warpffrf.model.bodies import Port, PortLike, as_port
 from warpffrf.model.errors import InputError, require_array, require_count, require_number
 from warpffrf.model.reduced.inertia import interface_motion, interface_slope
 from warpffrf.online.vibrations.eigenmodes import SceneModes
@@ -91,7 +91,7 @@ def equivalent_damping(
     i: int,
     amplitude: float | Sequence[float] | np.ndarray,
     *,
-    at: Port | None,
+    at: PortLike | None,
     cycles: int,
     steps: int,
 ) -> EquivalentDamping:
@@ -107,7 +107,8 @@ def equivalent_damping(
     for a in given:
         require_number(float(a), f"{label}: amplitude", positive=True)
     mode = rubbing_mode(modes, i)
-    unit = 1.0 if at is None else _displacement(modes, i, at)
+    port = None if at is None else as_port(at, f"{label}: at")
+    unit = 1.0 if port is None else _displacement(modes, i, port)
     loops = [mode.cycle(a / unit, cycles, steps) for a in given]
     numbers = np.array([equivalent(loop, a / unit) for loop, a in zip(loops, given, strict=True)])
     notes = []
@@ -122,20 +123,21 @@ def equivalent_damping(
         notes.append("without slip the loss is zero; smaller cells resolve micro-slip below the cell size")
     names = [lap.name for lap in modes.scene.laps]
     return EquivalentDamping(
-        mode=i, linear_frequency=mode.omega / (2.0 * np.pi), place="the mode's coordinate" if at is None else at.label,
-        unit="m kg^(1/2)" if at is None else "m", amplitude=given, coordinate=given / unit, loss=numbers[:, 0],
+        mode=i, linear_frequency=mode.omega / (2.0 * np.pi),
+        place="the mode's coordinate" if port is None else port.label,
+        unit="m kg^(1/2)" if port is None else "m", amplitude=given, coordinate=given / unit, loss=numbers[:, 0],
         energy=numbers[:, 1], damping_ratio=numbers[:, 2], frequency=numbers[:, 3] / (2.0 * np.pi),
         lap_loss={name: np.array([loop.loss[name] for loop in loops]) for name in names},
         slipping={name: np.array([loop.slipping[name] for loop in loops]) for name in names}, loops=loops, notes=notes,
     )  # fmt: skip
 
 
-def _displacement(modes: SceneModes, i: int, port: Any) -> float:
+def _displacement(modes: SceneModes, i: int, port: Port) -> float:
     """Magnitude [m] of the displacement of a port in mode i."""
-    if not isinstance(port, Port) or port.point is None or port.body.name not in modes.shapes:
+    if port.point is None or port.body.name not in modes.shapes:
         raise InputError(
             "equivalent_damping: at must be a place on a body that moves, body['interface'] or body.at((x, y, z)), "
-            f"got {getattr(port, 'label', None) or repr(port)}"
+            f"got {port.label}"
         )
     name = port.body.name
     shape, A = modes.shapes[name][i], rot.matrix(modes.rotation[name])

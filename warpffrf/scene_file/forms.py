@@ -310,7 +310,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     from warpffrf.model.mesh.cut import cut
     from warpffrf.model.reduced.body import ReducedBody
     from warpffrf.model.scene import Scene
-    from warpffrf.offline import reduce
+    from warpffrf.offline import ContactGrid, ReductionOptions, reduce
     from warpffrf.online.stages import Stage
     from warpffrf.output.simulate import equilibrium, simulate
 
@@ -332,7 +332,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
         "reduced_bodies": {
             "reduce": form_of(
                 "reduction",
-                reduce,
+                flat(reduce, grid=ContactGrid, options=ReductionOptions),
                 {"mesh": "meshes", "material": "materials", "contact": "shapes", "stress": "value of reduce"},
                 ("progress",),
             ),

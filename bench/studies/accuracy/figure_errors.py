@@ -26,7 +26,7 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online.history.history import BudgetLine
 from warpffrf.output.budget.budget import FLOOR
 from warpffrf.output.budget.figures import UNKNOWN, figures, total
@@ -116,8 +116,8 @@ def cover(axial: int, order: int = 2) -> ReducedBody:
     """A rubber cover of 10 mm on a rigid core, 100 mm wide, with so many cells along."""
     mesh = roller_mesh(0.05, 0.04, 0.1, sectors=96, layers=3, axial=axial, order=order)
     return reduce(
-        mesh, RUBBER, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=2, contact_fixed=True,
-        cache=False, progress=False,
+        mesh, RUBBER, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=2,
+        grid=ContactGrid(contact_fixed=True), cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -202,7 +202,7 @@ def hats() -> Iterator[Stated]:
         mesh = roller_mesh(0.05, 0.015, 0.02, sectors=sectors, layers=layers, axial=2, order=1, grading=grading)
         return reduce(
             mesh, rollers.STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=2,
-            contact_fixed=False, cache=False, progress=False,
+            grid=ContactGrid(contact_fixed=False), cache=False, progress=False,
         )  # fmt: skip
 
     bodies = {720: body(720, 14, 1.3), 960: body(960, 12, 1.4), 1920: body(1920, 30, 1.1)}
@@ -219,7 +219,7 @@ def rolling() -> Iterator[Stated]:
     )  # fmt: skip
     body = reduce(
         mesh, carter.STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=0,
-        tangential=True, contact_fixed=True, cache=False, progress=False,
+        grid=ContactGrid(tangential=True, contact_fixed=True), cache=False, progress=False,
     )  # fmt: skip
 
     def run(strips: int, steps: int) -> Result:

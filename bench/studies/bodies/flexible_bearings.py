@@ -51,7 +51,7 @@ def roller_body() -> wf.ReducedBody:
     mesh = wf.mesh.roller(5 * MM, 0.0, 9.6 * MM, sectors=24, layers=2, axial=4)
     return wf.reduce(
         mesh, E206, interfaces={"ends": "average"}, contact={"rim": wf.surfaces.Cylinder()}, modes=MODES,
-        contact_fixed=True, progress=False,
+        grid=wf.ContactGrid(contact_fixed=True), progress=False,
     )  # fmt: skip
 
 
@@ -60,9 +60,8 @@ def ball_body(diameter: float, material: wf.Material) -> wf.ReducedBody:
     R = 0.5 * diameter
     mesh = wf.mesh.roller(R, 0.0, 1.8 * R, crown_radius=R, sectors=16, layers=3, axial=2, tread=0.94 * R)
     return wf.reduce(
-        mesh, material, interfaces={"ends": "average"},
-        contact={"tread": wf.surfaces.Sphere(axis_direction=(0, 1, 0))}, modes=MODES, contact_fixed=True,
-            progress=False,
+        mesh, material, interfaces={"ends": "average"}, contact={"tread": wf.surfaces.Sphere(axis_direction=(0, 1, 0))},
+        modes=MODES, grid=wf.ContactGrid(contact_fixed=True), progress=False,
     )  # fmt: skip
 
 

@@ -36,7 +36,7 @@ from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import momentum
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online import History, run
 from warpffrf.online.free_flight.check_run import run_check
 
@@ -118,7 +118,7 @@ def rigid_flight(integrator: Any, step: float) -> Flight:
 def ring() -> ReducedBody:
     """A rubber ring, 0.1 m across, of 12 curved quadratic cells; its first 8 vibration modes."""
     mesh = roller(0.05, 0.042, 0.02, sectors=12, layers=1, axial=1, order=2)
-    return reduce(mesh, RUBBER, modes=8, periodic=False, cache=False, progress=False)
+    return reduce(mesh, RUBBER, modes=8, options=ReductionOptions(periodic=False), cache=False, progress=False)
 
 
 def ring_scene(body: ReducedBody, level: str = "full") -> Scene:

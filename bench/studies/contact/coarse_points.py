@@ -43,7 +43,7 @@ from warpffrf.model.mesh import ball as ball_mesh
 from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium, simulate
 
@@ -92,7 +92,7 @@ def roller(material: Material, elements: int, order: int, below: Array | None = 
     spacing = 2.0 * np.pi * ROLLER_RADIUS / sectors if fewer else None
     return reduce(
         mesh, material, interfaces={"end_low": "average"}, contact={"rim": surfaces.Cylinder()}, modes=0,
-        traction_spacing=spacing, stress=stress, contact_fixed=True, cache=False, progress=False,
+        grid=ContactGrid(spacing=spacing, contact_fixed=True), stress=stress, cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -225,7 +225,7 @@ def ball(material: Material, mesh: BallMesh, below: Array | None = None) -> Redu
         stress["below"] = np.column_stack([BALL_RADIUS - below, 0.0 * below, 0.0 * below])
     return reduce(
         mesh.mesh(), material, interfaces={"outside": "average"}, contact={"patch": surfaces.Sphere()}, modes=0,
-        stress=stress, contact_fixed=True, cache=False, progress=False,
+        stress=stress, grid=ContactGrid(contact_fixed=True), cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -342,8 +342,8 @@ def block(material: Material, kind: str, size: float) -> ReducedBody:
     mesh = as_tets(grid(x, x, -np.concatenate([[0.0], np.cumsum(down)])[::-1], order=2), kind)
     mesh = mesh.select("top", "z_max", lambda c: np.max(np.abs(c[:, :2]), axis=1) < half)
     return reduce(
-        mesh, material, interfaces={"z_min": "rigid"}, contact={"top": surfaces.Plane()}, modes=0, contact_fixed=True,
-        traction_spacing=size, cache=False, progress=False,
+        mesh, material, interfaces={"z_min": "rigid"}, contact={"top": surfaces.Plane()}, modes=0,
+        grid=ContactGrid(contact_fixed=True, spacing=size), cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -415,7 +415,7 @@ def trouble() -> list[tuple[str, str]]:
         mesh = roller_mesh(ROLLER_RADIUS, 0.0, ROLLER_RADIUS, sectors=8, layers=1, axial=1, order=1)
         body = reduce(
             mesh, STEEL, interfaces={"end_low": "average"}, contact={"rim": surfaces.Cylinder()}, modes=0,
-            contact_fixed=True, cache=False, progress=False,
+            grid=ContactGrid(contact_fixed=True), cache=False, progress=False,
         )  # fmt: skip
         return "; ".join(body.report["warnings"]) or "reduced"
 

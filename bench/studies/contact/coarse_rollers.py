@@ -24,6 +24,7 @@ from references.finite_elements.free_end import (
     press_pair,
     press_roller,
 )
+from scenes.flat_settings import reduce_flat
 from scenes.user_meshes import cut_into_tets, gmsh_roller, serendipity, straight
 from warpffrf.model import joints, signals, surfaces
 from warpffrf.model import rotation as rot
@@ -85,7 +86,7 @@ def reduced(mesh: Mesh, crown_radius: float | None = None, **options: Any) -> Re
     """The roller for contact on cells, its bore rigid."""
     shape = surfaces.Cylinder() if crown_radius is None else surfaces.CrownedCylinder(crown_radius=crown_radius)
     given = {"modes": 0, "contact_fixed": True, "cache": False, "progress": False, **options}
-    return reduce(mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": shape}, **given)
+    return reduce_flat(mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": shape}, **given)
 
 
 def held(

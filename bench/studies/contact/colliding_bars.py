@@ -29,7 +29,7 @@ from references.closed_forms import BarImpact
 from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery
 from warpffrf.model.reduced.data import DisplaySurface
 from warpffrf.model.reduced.local_mass import LocalMass
@@ -72,7 +72,7 @@ def bar(modes: int) -> ReducedBody:
 def _face(name: str, x: float, sense: float, outward: np.ndarray, rest: float, mass: float) -> ContactSurface:
     """One column of two nodes; `outward` (modes,) displacement of the face per unit mode."""
     plane = Plane(origin=(x, 0.0, 0.0), outward=(sense, 0.0, 0.0), direction=ALONG)
-    grid = ContactGrid(np.asarray(plane.e_0), 0.0, 0.5 * SIDE, 1, False, 0.5 * SIDE * np.array([-1.0, 1.0]), 1)
+    grid = SurfaceGrid(np.asarray(plane.e_0), 0.0, 0.5 * SIDE, 1, False, 0.5 * SIDE * np.array([-1.0, 1.0]), 1)
     M = np.kron(grid.gram_theta(), grid.gram_z(plane))
     # int psi, the nodes are half as wide as the face: pressures are twice what they would be, forces are not
     area = np.full(2, 0.5 * SIDE * 0.5 * SIDE)

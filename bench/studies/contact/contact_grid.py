@@ -103,7 +103,7 @@ def sweep(
     fineness, errors, centred = [], [], []
     for low, high in itertools.pairwise(bins):
         count = SAMPLES[dimension] if samples is None else samples
-        for n, where, facing in positions(low, high, dimension, pairs=traction == "hats", samples=count):
+        for n, where, facing in positions(low, high, dimension, pairs=traction == "nodes", samples=count):
             fineness.append(n)
             errors.append(grid_errors(patch, traction, tuple(stretch / n), where, facing))
         centred.append(grid_errors(patch, traction, tuple(stretch / low), (0.0,) * dimension))
@@ -113,7 +113,7 @@ def sweep(
 def measure() -> list[Sweep]:
     """All sweeps, by traction, lines before ellipses."""
     found = []
-    for traction in ("hats", "cells"):
+    for traction in ("nodes", "cells"):
         found.append(sweep(LinePatch(DEPTH), traction, LINE_BINS, "line"))
         found += [sweep(EllipsePatch(r), traction, ELLIPSE_BINS, f"ellipse 1:{r}") for r in RATIOS]
         longest = RATIOS[-1]
@@ -163,7 +163,7 @@ def _factor_rows(found: list[Sweep]) -> list[list[str]]:
 def _put_rows() -> list[list[str]]:
     rows, patch = [], LinePatch(DEPTH)
     steps = (0.0, 0.25, 0.5)
-    for traction, n in itertools.product(("hats", "cells"), (1, 2, 4, 8)):
+    for traction, n in itertools.product(("nodes", "cells"), (1, 2, 4, 8)):
         states = [(1.0 / (n + more), x) for more, x in itertools.product(steps, steps)]
         values, projected = np.abs([put_on_grid(patch, traction, s, x) for s, x in states]).max(axis=0)
         best = max(grid_errors(patch, traction, (s,), (x,)).compliance for s, x in states)
@@ -174,13 +174,13 @@ def _put_rows() -> list[list[str]]:
 def _deep_rows() -> list[list[str]]:
     rows = []
     for depth in (DEPTH, DEEP):
-        s = sweep(LinePatch(depth), "hats", LINE_BINS[:5], f"line, depth {depth:g} b", samples=20)
+        s = sweep(LinePatch(depth), "nodes", LINE_BINS[:5], f"line, depth {depth:g} b", samples=20)
         rows.append([s.name, *(f"{c:.3g}" for c in s.factors())])
     return rows
 
 
 def _roller_rows() -> list[list[str]]:
-    c, p = RULES["hats", "line"]["force"]
+    c, p = RULES["nodes", "line"]["force"]
     return [
         [
             NAMES[r.order],
@@ -224,7 +224,7 @@ def page(figures: tuple[list[Sweep], dict[str, list[list[str]]]]) -> str:
     found, rows = figures
     hats, cells = (
         table(["patch", "b/s", *NAMED], _error_rows([s for s in found if s.traction == traction]))
-        for traction in ("hats", "cells")
+        for traction in ("nodes", "cells")
     )
     states, over = sum(len(s.fineness) for s in found), exceeded(found)
     verdict = "No state exceeds the rule." if not over else "Above the rule: " + "; ".join(over) + "."
@@ -255,7 +255,7 @@ Largest c measured with the p of the rule; in brackets the slope of the worst er
 {table(["traction", "patch", *NAMED], _factor_rows(found))}
 Errors of a line contact depend on how deep the body is, because the rest of its compliance does. Largest c:
 
-{table(["hats", *NAMED], rows["deep"])}
+{table(["nodes", *NAMED], rows["deep"])}
 ## Centred and worst position
 
 Each entry: patch centred on a function, single body, at the lower end of the bin / worst of all states in the bin.
@@ -296,12 +296,12 @@ def picture(figures: tuple[list[Sweep], dict[str, list[list[str]]]], path: Path)
     """Errors of all states with nodes compared with the rule."""
     found, rows = figures[0], []
     for patch in PATCHES:
-        sweeps = [s for s in found if (s.traction, s.patch) == ("hats", patch)]
+        sweeps = [s for s in found if (s.traction, s.patch) == ("nodes", patch)]
         sizes = 1.0 / np.concatenate([s.fineness for s in sweeps])
         errors = np.abs(np.concatenate([s.errors for s in sweeps]))
         rows.append(
             [
-                ErrorPanel(f"{patch}: {name}", sizes, errors[:, i], *RULES["hats", patch][q])
+                ErrorPanel(f"{patch}: {name}", sizes, errors[:, i], *RULES["nodes", patch][q])
                 for i, (q, name) in enumerate(zip(QUANTITIES, NAMED, strict=True))
             ]
         )

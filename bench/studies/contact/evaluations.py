@@ -1,19 +1,19 @@
-r"""The evaluations of one contact compared: "semi" and "hyper" against the law at FE nodes, "full" in what follows,
+r"""The quadratures of one contact compared: "full" and "reduced" against the law "at nodes" of the finite elements,
 and what a step of each costs.
 
 Two rollers with the mesh of the two-roller demo and hats on a part of their rims (a *tread*) roll on each other at a
-constant approach, with a stiff layer between them: the same in all three, in the hats of "semi" and "hyper" and
-at every FE node of "full", where all local modes are coordinates of one Newton system (`references.monolithic`).
+constant approach, with a stiff layer between them: the same in all three, in the hats of "full" and "reduced" and
+at every FE node "at nodes", where all local modes are coordinates of one Newton system (`references.monolithic`).
 Compared over the saved steps
 are
 
-    force      |F - F_full| over |F_full|, the largest
-    pressure   means over the hats of the first grid, `sum_j M_ij s_j / a_i`, and of "full" the node forces spread in
-               the same way: |p - p_full| over |p_full| in the L2 norm of the surface, the largest
+    force      |F - F_nodal| over |F_nodal|, the largest
+    pressure   means over the hats of the first grid, `sum_j M_ij s_j / a_i`, and the node forces spread in the
+               same way: |p - p_nodal| over |p_nodal| in the L2 norm of the surface, the largest
     stress     von Mises stress at points under the tread, from SHALLOWEST half-widths deep on: the largest difference
                over the largest stress
 
-Step times are those of the graph, of "full" those of the loop; its systems are dense, and a few steps of it suffice.
+Step times are those of the graph, "at nodes" those of the loop; its systems are dense, and few steps suffice.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from warpffrf.model.reduced.contact_surface import ALL_ALONG, ALL_AROUND
 from warpffrf.model.reduced.stress_field import von_mises
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
@@ -47,17 +47,17 @@ SHALLOWEST, DEEPEST = 0.3, 2.0  # half-widths: the largest shear stress of a lin
 RHO = 0.8  # of the integrator, the same for all
 STEP = 1e-4  # s
 OPTIONS: dict[str, Any] = {"step": STEP, "integrator": GeneralizedAlpha(RHO), "progress": False}
-SEPARATED = ("semi", "hyper")
+SEPARATED = ("full", "reduced")
 STIFFER = 3.0  # layer over a hat: it yields by some per cent of the approach, as penalties are chosen
 
 
 @dataclass(frozen=True)
 class Errors:
-    """Differences of an evaluation from "full", as fractions (module docstring)."""
+    """Differences of a quadrature from "at nodes", as fractions (module docstring)."""
 
-    evaluation: str
+    quadrature: str
     points: int  # of a strip
-    half_width: float  # of the patch of "full" [columns]
+    half_width: float  # of the patch of "at nodes" [columns]
     force: float
     pressure: float
     stress: float
@@ -86,7 +86,7 @@ def tread(
     stress = None if half_width is None else {POINTS: stress_points(half_width)}
     return reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"tread": Cylinder()}, modes=0, stress=stress,
-        sampling_error=sampling_error, contact_fixed=contact_fixed, progress=False,
+        grid=ContactGrid(sampling_error=sampling_error, contact_fixed=contact_fixed), progress=False,
     )  # fmt: skip
 
 
@@ -105,7 +105,7 @@ def layer_of(body: ReducedBody, stiffer: float = STIFFER) -> LinearLayer:
 
 def scene_of(
     body: ReducedBody,
-    evaluation: str,
+    quadrature: str,
     approach: float,
     swing: float,
     rate: float,
@@ -116,26 +116,26 @@ def scene_of(
     """The rolling pair with the stiff layer of `layer_of` the lower body; arguments as of `step_time.swinging_pair`."""
     scene = swinging_pair(body, approach, swing, rate, duration, second)
     contact = scene.contacts[0]
-    contact.law, contact.evaluation = layer_of(body, stiffer), evaluation
+    contact.law, contact.quadrature = layer_of(body, stiffer), quadrature
     for item in scene.bodies:
         item.level = "constant"
     return scene
 
 
-def run_evaluation(scene: Scene, steps: int) -> Result:
+def run_quadrature(scene: Scene, steps: int) -> Result:
     """`steps` steps of the scene by the engine."""
-    return _completed(simulate(scene, steps * STEP, start="equilibrium", **OPTIONS), scene.contacts[0].evaluation)
+    return _completed(simulate(scene, steps * STEP, start="equilibrium", **OPTIONS), scene.contacts[0].quadrature)
 
 
 def run_at_nodes(scene: Scene, steps: int, *, start: Any = "equilibrium", variant: str = "low_rank") -> Result:
     """`steps` steps of the scene by the monolithic reference, with the law at the nodes."""
     options = {**OPTIONS, "start": start, "variant": variant, "at_nodes": True}
-    return _completed(monolithic.simulate(scene, steps * STEP, **options), "full")
+    return _completed(monolithic.simulate(scene, steps * STEP, **options), "at nodes")
 
 
-def _completed(result: Result, evaluation: str) -> Result:
+def _completed(result: Result, quadrature: str) -> Result:
     if result.status != "completed":
-        raise RuntimeError(f"{evaluation}: {result.status}: {result.message}")
+        raise RuntimeError(f"{quadrature}: {result.status}: {result.message}")
     return result
 
 
@@ -148,29 +148,29 @@ def compare(
     stiffer: float = STIFFER,
     second: ReducedBody | None = None,
 ) -> list[Errors]:
-    """Errors of "semi" and "hyper" against "full" over `steps` steps of rolling; arguments as of `scene_of`."""
+    """Errors of "full" and "reduced" against "at nodes" over `steps` steps of rolling; arguments as of `scene_of`."""
     scenes = {
-        evaluation: scene_of(body, evaluation, approach, swing, rate, steps * STEP, stiffer, second)
-        for evaluation in SEPARATED
+        quadrature: scene_of(body, quadrature, approach, swing, rate, steps * STEP, stiffer, second)
+        for quadrature in SEPARATED
     }
-    full = run_at_nodes(scenes["semi"], steps)
-    found = {"full": full, **{name: run_evaluation(scene, steps) for name, scene in scenes.items()}}
+    full = run_at_nodes(scenes["full"], steps)
+    found = {"at nodes": full, **{name: run_quadrature(scene, steps) for name, scene in scenes.items()}}
     sizes = np.linalg.norm(full.history.contacts[PAIR].force, axis=1)
     stress = under(body, full, True)
-    pressures = {name: hat_means(body, result, name == "full") for name, result in found.items()}
+    pressures = {name: hat_means(body, result, name == "at nodes") for name, result in found.items()}
     gram = np.asarray(body.contact_surfaces["tread"].gram_z)
     out = []
     for name in SEPARATED:
         force = np.linalg.norm(found[name].history.contacts[PAIR].force, axis=1)
         worst = 0.0
-        for p, reference in zip(pressures[name], pressures["full"], strict=True):
+        for p, reference in zip(pressures[name], pressures["at nodes"], strict=True):
             worst = max(worst, surface_norm(p - reference, gram) / surface_norm(reference, gram))
         difference = np.abs(under(body, found[name], False) - stress).max()
         out.append(
             Errors(
                 name,
                 points_of(body, name),
-                patch_columns(body, pressures["full"]),
+                patch_columns(body, pressures["at nodes"]),
                 float(np.abs(force / sizes - 1.0).max()),
                 float(worst),
                 float(difference / stress.max()),
@@ -188,10 +188,10 @@ def patch_columns(body: ReducedBody, pressure: np.ndarray) -> float:
     return float(2.0 * np.sqrt(second).mean())
 
 
-def points_of(body: ReducedBody, evaluation: str) -> int:
-    """Points of a strip that `evaluation` looks at."""
+def points_of(body: ReducedBody, quadrature: str) -> int:
+    """Points of a strip that `quadrature` looks at."""
     surface = body.contact_surfaces["tread"]
-    if evaluation == "hyper":
+    if quadrature == "reduced":
         return 0 if surface.sampling is None else surface.sampling.count
     return ALL_AROUND * ALL_ALONG * (surface.grid.rows - 1)
 

@@ -27,8 +27,8 @@ from references.half_space.compliances import Array, EllipsePatch, LinePatch, fa
 
 Patch = LinePatch | EllipsePatch
 MARGIN = 2  # functions beyond the patch on each side: the contact on a coarse grid is up to one and a half wider
-SECOND_MOMENT = {"hats": 6.0, "cells": 12.0}  # of one function about its middle: s^2 over this
-REACH = {"hats": 1.0, "cells": 0.5}  # spacings from the middle of a function to its end
+SECOND_MOMENT = {"nodes": 6.0, "cells": 12.0}  # of one function about its middle: s^2 over this
+REACH = {"nodes": 1.0, "cells": 0.5}  # spacings from the middle of a function to its end
 HERTZ_MOMENT = {1: 4.0, 2: 5.0}  # second moment of the Hertz pressure: (semi-axis)^2 over this, by dimension
 GAUSS, PARTS = 4, {1: 8, 2: 2}  # quadrature of weak displacements, parts of a spacing by dimension
 ITERATIONS = 100  # of the active set; a dozen is usual
@@ -66,7 +66,7 @@ def grid_errors(
         gap += curvature * (X**2 + s**2 / SECOND_MOMENT[traction])
     f = contact_pressures(G, area * gap.ravel()).reshape(table.shape)
     mean = f
-    if traction == "hats":
+    if traction == "nodes":
         for axis in range(f.ndim):
             mean = convolve1d(mean, np.array([1.0, 4.0, 1.0]) / 6.0, axis=axis, mode="constant")
 
@@ -94,7 +94,7 @@ def put_on_grid(patch: LinePatch, traction: str, spacing: float, position: float
     G = toeplitz(patch.table(traction, (spacing,), (len(x[0]),)))
     reach = weak_displacement(patch, traction, x, (spacing,), patch.pressure)
     M = spacing * np.eye(len(reach))
-    if traction == "hats":
+    if traction == "nodes":
         M = toeplitz(spacing * np.pad([2.0 / 3.0, 1.0 / 6.0], (0, len(reach) - 2)))
     found = [patch.pressure(x[0]), np.linalg.solve(M, reach)]
     return tuple(float(f @ G @ f / patch.energy - 1.0) for f in found)  # pyright: ignore[reportReturnType]
@@ -149,7 +149,7 @@ def _quadrature(
         at = (cuts[:, None] + 0.5 * (t + 1.0) * s / parts).ravel()
         away = np.abs(at[None] - middles[:, None]) / s
         points.append(at)
-        functions.append(np.maximum(1.0 - away, 0.0) if traction == "hats" else (away < 0.5) * 1.0)
+        functions.append(np.maximum(1.0 - away, 0.0) if traction == "nodes" else (away < 0.5) * 1.0)
         weights.append(np.tile(0.5 * w * s / parts, len(cuts)))
     return points, functions, weights
 

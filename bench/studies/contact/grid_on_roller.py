@@ -19,7 +19,7 @@ from warpffrf.model.mesh import Mesh, roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.offline.contact.mesh_error import line_mesh_error
 
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")
@@ -74,7 +74,7 @@ def pressed_roller(
     """The roller with `nodes` nodes around, cells of `order`; spacing [m] of its contact grid, None: its nodes."""
     return reduce(
         meshed_roller(nodes, order, growth or GROWTH[order]), STEEL, interfaces={"bore": "rigid"},
-        contact={"rim": Cylinder()}, traction_spacing=spacing, cache=cache, progress=False,
+        contact={"rim": Cylinder()}, grid=ContactGrid(spacing=spacing), cache=cache, progress=False,
     )  # fmt: skip
 
 

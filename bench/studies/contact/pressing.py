@@ -5,8 +5,8 @@ delta the approach. With D the compliance of the hats of one roller, global mode
 under the forces f of the hats. Between the rollers lies a layer p = k d. Its law is met in four ways, all of them
 minima of convex energies, on the same displacements u:
 
-    nodes    "full":  f = k a <-(g_0 + u)>  at the nodes, a their areas
-    hats     "semi":  p = sum s_j psi_j, f = M s, 0 <= s, 0 <= w + 2 M D M s + M s/k, w the weak gaps of g_0
+    nodes    "at nodes":  f = k a <-(g_0 + u)>  at the nodes, a their areas
+    hats     "full":  p = sum s_j psi_j, f = M s, 0 <= s, 0 <= w + 2 M D M s + M s/k, w the weak gaps of g_0
     cells    as hats, with functions that are constant in a cell around each node instead: f = B s, B_ij = int psi_i dA
              over the cell j
     points   f_i = int psi_i k <-(g_0 + sum_j psi_j u_j)> dA by Gauss points: the law itself, on bodies of that mesh
@@ -27,7 +27,7 @@ WAYS = ("nodes", "hats", "cells", "points")
 SETTLED = 1e-10  # of the force: the secant over the approach
 FIRST = 30e-6, 45e-6  # m: approaches from which the secant starts
 ROUNDS = 60  # of an active set; a handful in practice
-GAUSS = 6, 2  # points around and along a cell: "semi" has 3 x 2, which miss the corner where pressure begins
+GAUSS = 6, 2  # points around and along a cell: "full" has 3 x 2, which miss the corner where pressure begins
 
 
 class Pressing:

@@ -1,7 +1,7 @@
 r"""Errors at the edge of a patch, of nodes, shape functions and contact-fixed cells; ten minutes.
 
 Two equal treads (`evaluations.tread`) are pressed together by a given force with a layer between them, in the ways of
-`pressing`: at *nodes* ("full"), by *hats* ("semi"), by pressures constant in *cells*, at *points*; and by the program
+`pressing`: at *nodes*, by *hats* ("full"), by pressures constant in *cells*, at *points*; and by the program
 on STRIPS contact-fixed cells (`patch_ends`), "patch 11" and so on, on the same bodies.
 
 The *reference* is `points` on a mesh of REFINED times as many sectors. Pressures are compared as everywhere, meaned
@@ -52,7 +52,7 @@ class Ends:
 
 
 def ends(coarse: Pressing, fine: Pressing, k: float, approach: float) -> Ends:
-    """Errors of all ways with a layer of stiffness k [Pa/m], under the force of "full" at `approach` [m]."""
+    """Errors of all ways with a layer of stiffness k [Pa/m], under the force of "at nodes" at `approach` [m]."""
     load = float(coarse.by_nodes(k, 0.0, approach).sum())
     kinds = ("reference", "points", "nodes", "stress_points", "stress_nodes")
     worst: dict[str, dict[str, float]] = {kind: {} for kind in kinds}
@@ -116,16 +116,16 @@ def compute() -> list[tuple[int, float, float, Ends]]:
 def page(rows: list[tuple[int, float, float, Ends]]) -> str:
     """The page of docs/studies."""
     fixed = ["sectors", "approach [µm]", "layer", "columns"]
-    of_law, of_full = WAYS[:-1], WAYS[1:]
-    sides = [f"{way} / law" for way in of_law] + [f"{way} / full" for way in of_full]
+    of_law, of_nodal = WAYS[:-1], WAYS[1:]
+    sides = [f"{way} / law" for way in of_law] + [f"{way} / at nodes" for way in of_nodal]
     pressure, stress, travelling = [], [], []
     for sectors, approach, stiffer, e in rows:
         line = [str(sectors), f"{approach * 1e6:.0f}", f"{stiffer:g}", f"{e.half_width:.1f}"]
         values = (
-            [e.reference[way] for way in WAYS] + [e.points[way] for way in of_law] + [e.nodes[way] for way in of_full]
+            [e.reference[way] for way in WAYS] + [e.points[way] for way in of_law] + [e.nodes[way] for way in of_nodal]
         )
         pressure.append(line + [f"{value:.2%}" for value in values])
-        values = [e.stress_points[way] for way in of_law] + [e.stress_nodes[way] for way in of_full]
+        values = [e.stress_points[way] for way in of_law] + [e.stress_nodes[way] for way in of_nodal]
         stress.append(line + [f"{value:.2%}" for value in values])
         values = [e.reference[way] for way in ("nodes", "hats", *PATCHES)]
         values += [e.nodes[way] for way in ("hats", *PATCHES)] + [e.stress_nodes[way] for way in ("hats", *PATCHES)]
@@ -133,18 +133,19 @@ def page(rows: list[tuple[int, float, float, Ends]]) -> str:
     head = [*fixed, *(f"{way} / reference" for way in WAYS), *sides]
     patch_head = [
         *fixed, *(f"{way} / reference" for way in ("nodes", "hats", *PATCHES)),
-        *(f"{way} / full" for way in ("hats", *PATCHES)), *(f"{way} / full, stress" for way in ("hats", *PATCHES)),
+        *(f"{way} / at nodes" for way in ("hats", *PATCHES)),
+        *(f"{way} / at nodes, stress" for way in ("hats", *PATCHES)),
     ]  # fmt: skip
-    return f"""# Where a patch ends: "semi" and "full" compared with the law itself
+    return f"""# Where a patch ends: "full" and "at nodes" compared with the law itself
 
-Two equal steel rollers, R = {RADIUS * 1e3:.0f} mm, linear cells, pressed together by the force that "full" has
+Two equal steel rollers, R = {RADIUS * 1e3:.0f} mm, linear cells, pressed together by the force that "at nodes" has
 at the approach, with a layer so many times as stiff as the surface under a hat. *Columns* of the grid, which is the
-mesh, in a half-width. The law of the layer is met at the *nodes* ("full"), by pressures in *hats* ("semi"), by
+mesh, in a half-width. The law of the layer is met at the *nodes*, by pressures in *hats* ("full"), by
 pressures constant in *cells* around the nodes, or at *points* inside the elements; the last is the law itself on bodies
 of that mesh. Worst of {len(PHASES)} places of the patch on the grid.
 
 Pressure, meaned over the hats, L2 norm: against the *reference*, the law at points of {REFINED} times as many sectors;
-against the *law* at points of the same mesh; against *full* on the same mesh.
+against the *law* at points of the same mesh; against *at nodes* on the same mesh.
 
 {table(head, pressure)}
 Stress under the patch, von Mises, the largest difference over the largest, on the same mesh:
@@ -167,9 +168,9 @@ READ_MATERIAL = """\
 What to read from it. Nodes err where a patch ends between two of them: a node has its whole share of the surface or
 nothing. Hats that are not negative cannot end inside a cell: the outermost one reaches beyond the patch, or is missing,
 and its neighbours make up for it. Under a layer as compliant as the penalties of practice both err by about the same,
-in different ways, so that their difference is larger than either error; an evaluation without error would differ from
-"full" by as much as "full" errs. Under a layer that is hardly there nodes are the better ones, and most of the
-difference is an error of "semi": it excludes tension at every point of the surface, not only in the sum at a node.
+in different ways, so that their difference is larger than either error; a quadrature without error would differ from
+"at nodes" by as much as that errs. Under a layer that is hardly there nodes are the better ones, and most of the
+difference is an error of "full": it excludes tension at every point of the surface, not only in the sum at a node.
 Pressures in cells have less of it. The law at points, in hats that are cut off at the edge of the patch, would have
 none, at a price: products of hats over a part of a cell are no constants of a body, so that no compliance of the
 pressures could be tabulated when it is reduced, and any change of the edge would need rows of the local solve again.
@@ -192,11 +193,11 @@ def read_patch(rows: list[tuple[int, float, float, Ends]]) -> str:
     silent = [e.reference[way] for e in finer for way in PATCHES if not np.isnan(e.reference[way])]
     wrong = f" In the others it errs by up to {max(silent):.1%}." if silent else ""
     return f"""\
-What to read from it. On {MESHES[0][0]} sectors "semi" errs by {between("hats")} against the reference, "full" by
+What to read from it. On {MESHES[0][0]} sectors "full" errs by {between("hats")} against the reference, "at nodes" by
 {between("nodes")}, contact-fixed cells by {counts}.
 Their edge lies inside a cell too, but the cell is as narrow as is asked for, on the same body and mesh: the error falls
-with the strips, where that of hats and nodes falls with the mesh only. From "full" they differ by what "full" errs,
-with {most} strips by {beyond:.1%} more at most: the distance of "semi" from "full" is one of hats and nodes, which
+with the strips, where that of hats and nodes falls with the mesh only. From "at nodes" they differ by what that errs,
+with {most} strips by {beyond:.1%} more at most: the distance of "full" from "at nodes" is one of hats and nodes, which
 end where the mesh lets them. The {STRIPS[0]} strips of the default are no finer than the grid here: a strip is a
 quarter of the half-width, and a pressure that is constant in it makes steps which hats narrower than it see. They are
 chosen for force and largest pressure, right to {CELL_ERROR:.1%}; whoever wants the pressure at the edge takes more, by

@@ -43,7 +43,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.output.simulate import equilibrium
 from warpffrf.study.markdown import table
 
@@ -79,7 +79,7 @@ def reduced(roller: Roller, half_width: float, hats: int, lines: Array) -> Reduc
     )  # fmt: skip
     return reduce(
         mesh, roller.material, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=0,
-        contact_fixed=False, progress=False,
+        grid=ContactGrid(contact_fixed=False), progress=False,
     )  # fmt: skip
 
 
@@ -121,7 +121,7 @@ def pressed(
     p = 0.5 * (p + p[:, ::-1])[:, grid.rows // 2 :]
     return EndPressure(
         roller.outer_radius, grid.pitch * np.arange(reach + 1), np.asarray(c.z)[grid.rows // 2 :], p,
-        -float(result.joint(GUIDE).named("translation")[-1]), int(c.active_hats[-1]),
+        -float(result.joint(GUIDE).named("translation")[-1]), int(c.active_nodes[-1]),
     )  # fmt: skip
 
 

@@ -32,7 +32,7 @@ from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
@@ -55,7 +55,7 @@ def rolling_body(cells: int, *, order: int = 2, cache: bool = True) -> ReducedBo
     mesh = roller(RADIUS, BORE, WIDTH, sectors=columns // order, layers=8, axial=1, grading=1.8, order=order)
     return reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=0,
-        tangential=True, contact_fixed=False, cache=cache,
+        grid=ContactGrid(tangential=True, contact_fixed=False), cache=cache,
         progress=False,
     )  # fmt: skip
 

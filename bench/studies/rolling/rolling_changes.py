@@ -61,7 +61,7 @@ from warpffrf.model import surfaces
 from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.signals import Table
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online.compile.patches.plan import span_of
 from warpffrf.output.result import Result
 from warpffrf.study.markdown import table
@@ -333,8 +333,8 @@ def humped(tilt: float = 0.0) -> ReducedBody:
         R, BORE, WIDTH, sectors=4 * round(0.5 * np.pi * R / SIZE), layers=7, axial=round(WIDTH / SIZE), profile=shape
     )
     return reduce(
-        mesh, PLANE_STEEL, interfaces={"bore": "rigid"}, contact={"rim": shape}, modes=0, contact_fixed=True,
-        tangential=True, progress=False,
+        mesh, PLANE_STEEL, interfaces={"bore": "rigid"}, contact={"rim": shape}, modes=0,
+        grid=ContactGrid(contact_fixed=True, tangential=True), progress=False,
     )  # fmt: skip
 
 

@@ -21,13 +21,13 @@ from typing import Any
 import numpy as np
 from scipy.spatial import KDTree
 
+from scenes.flat_settings import reduce_flat
 from warpffrf.model import joints
 from warpffrf.model import rotation as rot
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
 from warpffrf.offline.fe import assemble, assign
 from warpffrf.online import GeneralizedAlpha, History, run
 
@@ -62,7 +62,7 @@ def reduced_bar(mesh: Mesh, modes: int, **options: Any) -> ReducedBody:
     """The bar with `modes` global modes, attachment modes counted, all of them with inertia terms; `options` of
     `reduce`."""
     options = {"inertia_modes": modes, **options}
-    return reduce(
+    return reduce_flat(
         mesh, SOFT, interfaces={"root": "rigid"}, modes=modes - ATTACHMENT, cache=False, progress=False, **options
     )
 

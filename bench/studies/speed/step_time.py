@@ -24,7 +24,7 @@ from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, ReductionOptions, reduce
 from warpffrf.online import History, LocalDynamics, Settings, run
 
 RADIUS, BORE, WIDTH = 0.05, 0.015, 0.02  # m
@@ -37,7 +37,7 @@ class StepTime:
     """One measured run."""
 
     local_modes: int  # of one roller
-    active_hats: float  # mean over the run
+    active_nodes: float  # mean over the run
     outer_columns: int
     iterations: float  # Newton iterations per step, mean
     factorisations: float  # of the active block per step, mean
@@ -70,7 +70,7 @@ def tread_body(
         name = "tread"
     return reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={name: Cylinder()}, modes=modes,
-        local_dynamics=local_dynamics, contact_fixed=False, progress=False,
+        options=ReductionOptions(local_dynamics=local_dynamics), grid=ContactGrid(contact_fixed=False), progress=False,
     )  # fmt: skip
 
 
@@ -122,7 +122,7 @@ def measured(history: History, local_modes: int) -> StepTime:
     steps = max(int(c["steps"]), 1)
     return StepTime(
         local_modes=local_modes,
-        active_hats=float(contact.active_hats.mean()),
+        active_nodes=float(contact.active_nodes.mean()),
         outer_columns=int(c["outer_columns"]),
         iterations=float(c["mean_iterations"]),
         factorisations=float(history.factorisations[1:].sum() / steps),

@@ -16,7 +16,7 @@ from typing import Any
 
 Document = dict[str, Any]
 IDENTITY = (
-    "table", "scene", "name", "case", "cells", "treatment", "evaluation", "law", "variant", "kept", "path", "solver",
+    "table", "scene", "name", "case", "cells", "treatment", "quadrature", "law", "variant", "kept", "path", "solver",
     "friction", "sectors", "layers", "columns", "approach", "gap_columns", "bodies", "pairs", "modes", "count",
     "points", "local_modes", "dofs", "runs", "saved",
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Reduced quadrature (evaluation "hyper") with parallel-axes kinematics: weak gaps of `line_of_centres` at few points.
+"""Reduced quadrature with parallel-axes kinematics: weak gaps of `line_of_centres` at few points.
 
 A pair with few points is located and measured as with all points, station by station along the line of centres; only
 the points in the circumferential direction differ. Point p of the pair's list is at the fraction x_p of a column on one

@@ -22,7 +22,7 @@ from references.half_space.compliances import plane_table, space_table, toeplitz
 from references.half_space.influence import mean_2d, mean_3d
 from warpffrf.model.material import Material
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery, Tangential
 from warpffrf.model.reduced.data import DisplaySurface, Interface
 from warpffrf.model.surfaces import Plane
@@ -37,7 +37,7 @@ def half_plane(columns: int, pitch: float, width: float, material: Material, dep
     """Plane strain; `columns` nodes `pitch` [m] apart along x about the origin, `width` [m] along y; displacements
     against a point at `depth` [m], above columns * pitch."""
     modulus = contact_modulus(material)
-    hats = toeplitz(plane_table("hats", pitch, columns, depth)) / modulus
+    hats = toeplitz(plane_table("nodes", pitch, columns, depth)) / modulus
     cells = mean_2d(columns, pitch, modulus, depth) / (pitch * 0.5 * width)
     tangential = np.einsum("de,ij,kl->dikejl", np.eye(2), cells, np.eye(2))
     return _body(
@@ -50,24 +50,24 @@ def half_space(columns: int, rows: int, pitch: float, material: Material) -> Red
     grid = _grid(columns, pitch, pitch * (np.arange(rows) - 0.5 * (rows - 1)))
     centers = np.stack(np.meshgrid(grid.theta, grid.z, indexing="ij"), axis=-1).reshape(-1, 2)
     size = (pitch, pitch)
-    hats = toeplitz(space_table("hats", size, (columns, rows))) / contact_modulus(material)
+    hats = toeplitz(space_table("nodes", size, (columns, rows))) / contact_modulus(material)
     cells = mean_3d(centers, size, material) / pitch**2
     n = len(centers)
     return _body(grid, hats, cells.reshape(n, 2, n, 2).transpose(1, 0, 3, 2))
 
 
-def _grid(columns: int, pitch: float, z: Array) -> ContactGrid:
+def _grid(columns: int, pitch: float, z: Array) -> SurfaceGrid:
     start = -0.5 * (columns - 1) * pitch
-    return ContactGrid(np.asarray(PLANE.e_0), start, pitch, columns, False, z, columns)
+    return SurfaceGrid(np.asarray(PLANE.e_0), start, pitch, columns, False, z, columns)
 
 
-def _body(grid: ContactGrid, C: Array, tangential: Array) -> ReducedBody:
+def _body(grid: SurfaceGrid, C: Array, tangential: Array) -> ReducedBody:
     """C (n, n) [m3/Pa] of the nodes; tangential [m/N], (2 n, 2 n) in the shape of its directions and cells."""
     n = len(C)
     around, along = (np.linalg.inv(M) for M in (grid.gram_theta(), grid.gram_z(PLANE)))
     inverse = np.kron(around, along)
     D = inverse @ C @ inverse
-    cells = ContactGrid(grid.e_0, grid.theta_start, grid.pitch, grid.columns, False, grid.z, grid.columns, "cells")
+    cells = SurfaceGrid(grid.e_0, grid.theta_start, grid.pitch, grid.columns, False, grid.z, grid.columns, "cells")
     shear = Tangential(
         cells, tangential.reshape(1, 2 * n, 2 * n), np.zeros((1, n, 2 * n)), np.zeros((2, n, 0)),
         Recovery(np.zeros((1, 9, 2 * n), np.float32), 1, np.eye(3)),

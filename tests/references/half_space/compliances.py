@@ -30,7 +30,7 @@ import numpy as np
 from scipy.special import elliprd, elliprf
 
 Array = np.ndarray
-DEGREE = {"hats": 3, "cells": 1}  # of the B-spline that is the autocorrelation of a function of the grid
+DEGREE = {"nodes": 3, "cells": 1}  # of the B-spline that is the autocorrelation of a function of the grid
 GAUSS = 10  # points each way in a square: 1e-9 next to the one at the origin
 INVERSE_REACH = 16  # the inverse of the Gram matrix decays by 0.27 per node: 1e-9 remains
 

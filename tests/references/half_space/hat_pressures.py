@@ -34,7 +34,7 @@ def line_pressures(contact: LineContact, x: Array, depth: float) -> Array:
     """Coefficients (n,) [Pa] at the nodes x (n,) [m], uniform and wider than the patch; depth L [m]. Raises InputError
     if the patch reaches the outermost nodes."""
     w = float(x[1] - x[0])
-    G = toeplitz(plane_table("hats", w, len(x), depth)) / contact.modulus
+    G = toeplitz(plane_table("nodes", w, len(x), depth)) / contact.modulus
     return _inside(_pressed(G, w, x * x + w * w / 6.0, contact.radius, contact.load))
 
 
@@ -42,7 +42,7 @@ def point_pressures(contact: PointContact, nodes: Array) -> Array:
     """Coefficients (n, m) [Pa] at `nodes` (n, m, 2) [m] of a square grid wider than the patch. Raises InputError
     if the patch reaches the outermost nodes."""
     w = float(nodes[1, 0, 0] - nodes[0, 0, 0])
-    G = toeplitz(space_table("hats", (w, w), nodes.shape[:2])) / contact.modulus
+    G = toeplitz(space_table("nodes", (w, w), nodes.shape[:2])) / contact.modulus
     square = (nodes**2).sum(axis=2).ravel() + w * w / 3.0
     return _inside(_pressed(G, w * w, square, contact.radius, contact.load).reshape(nodes.shape[:2]))
 

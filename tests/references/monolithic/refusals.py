@@ -35,8 +35,8 @@ def refuse_contacts(scene: Any, at_nodes: bool) -> None:
         )
     for contact in scene.contacts:
         label = f"contact {contact.name!r}"
-        if contact.evaluation == "hyper":
-            raise InputError(f"{label}: the monolithic reference has no evaluation 'hyper'; use evaluation 'semi'")
+        if contact.quadrature == "reduced":
+            raise InputError(f"{label}: the monolithic reference has no quadrature 'reduced'; use quadrature 'full'")
         if contact.grid == "contact_fixed":
             raise InputError(
                 f"{label}: the monolithic reference has no cells that travel with the patch; use grid='body_fixed', or "
@@ -53,7 +53,7 @@ def refuse_contacts(scene: Any, at_nodes: bool) -> None:
                 if not port.rigid and port.surface.tangential is None:
                     raise InputError(
                         f"{label}: friction needs tangential modes, body {port.body.name!r} was reduced without them; "
-                        "reduce(..., tangential=True)"
+                        "reduce(..., grid=ContactGrid(tangential=True))"
                     )
 
 
@@ -61,8 +61,8 @@ def refuse_films(scene: Any, local: str, variant: str) -> None:
     """Raises `InputError` naming the film, and the cure, for features that films of this solver do not support."""
     for film in scene.films:
         beyond = None
-        if film.evaluation == "hyper":
-            beyond, cure = "has no evaluation 'hyper' of films", "take evaluation='semi'"
+        if film.quadrature == "reduced":
+            beyond, cure = "has no quadrature 'reduced' of films", "take quadrature='full'"
         elif not film.b.rigid:
             beyond, cure = f"has a rigid second surface of a film only, {film.b.label} is flexible", "make it rigid"
         elif film.mixed.asperities is not None:

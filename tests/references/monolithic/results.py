@@ -119,7 +119,7 @@ def to_history(found: MonolithicHistory, notes: list[str]) -> History:
     contacts = {
         name: ContactHistory(
             **{field: getattr(c, field) for field in CONTACT_FIELDS},
-            active_hats=c.active,
+            active_nodes=c.active,
             friction=None if c.friction is None else FrictionHistory(**c.friction),
         )
         for name, c in found.contacts.items()

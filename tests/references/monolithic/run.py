@@ -38,7 +38,7 @@ SIZED = ("q", "r", "locked", "nodes", "film_nodes", "film_points")  # fields of 
 VOIDS_STAY = 1e-9  # of the clearance: admissible change of cavity volumes in the last step
 MESSAGES = {
     "not_converged": "the Newton iteration did not converge; reduce step",
-    "cycling": "the active set of contact cycles; reduce step, or coarsen the contact grid (traction_spacing)",
+    "cycling": "the active set of contact cycles; reduce step, or coarsen the contact grid, ContactGrid(spacing=)",
     "not_finite": "a NaN or infinite number arose; look for extreme loads, masses or stiffnesses",
     "singular": "the equations are singular: redundant constraints, or a mechanism with no load path",
 }

@@ -33,7 +33,7 @@ from scipy.spatial.transform import Rotation
 from warpffrf.model import laws, surfaces
 from warpffrf.model.bearings.geometry import Geometry
 from warpffrf.model.bearings.parts import Place
-from warpffrf.model.bodies import Body, Ground, Port, as_port
+from warpffrf.model.bodies import Body, Port, PortLike, as_port
 from warpffrf.model.errors import InputError, require_array, require_number
 from warpffrf.model.friction import FrictionLike
 from warpffrf.model.joints import Drive, LineInPlane, PointInPlane, Revolute
@@ -161,7 +161,7 @@ class Cage(ABC):
 
     _: KW_ONLY
     mass: float | None = None
-    guide: Port | Ground | None = None
+    guide: PortLike | None = None
     kind: ClassVar[str] = ""
 
     @abstractmethod

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from warpffrf.model.errors import no_attribute
 from warpffrf.model.films.feeds import FEEDS, AxialGroove, CircumferentialGroove, Feed, SupplyHole
-from warpffrf.model.films.film import CAVITATIONS, EVALUATIONS, Film
+from warpffrf.model.films.film import CAVITATIONS, QUADRATURES, Film
 from warpffrf.model.films.roughness import ROUGHNESSES, MixedLubrication, Roughness
 from warpffrf.model.surfaces.form_deviations import (
     FORMS,
@@ -29,7 +29,7 @@ from warpffrf.model.surfaces.form_deviations import (
 )
 
 __all__ = [
-    "CAVITATIONS", "EVALUATIONS", "FEEDS", "FORMS", "ROUGHNESSES", "BarrelForm", "Feed", "Film", "Form",
+    "CAVITATIONS", "QUADRATURES", "FEEDS", "FORMS", "ROUGHNESSES", "BarrelForm", "Feed", "Film", "Form",
     "AxialGroove", "SupplyHole",
     "LobedForm", "MeasuredForm", "MixedLubrication", "CircumferentialGroove", "Roughness", "CompositeForm", "WornForm",
 ]  # fmt: skip

@@ -23,11 +23,11 @@ from warpffrf.model.films.roughness import MixedLubrication
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.oils import Oil, as_oil
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.surfaces.form_deviations import Form, as_form, refuse_form
 
-EVALUATIONS = ("semi", "hyper")
+QUADRATURES = ("full", "reduced")
 PROFILES = (0, 1, 2)  # axial degrees: a tilting shaft requires odd ones
 MOST_POWER = 8
 LEAST_ROWS, LEAST_COLUMNS = 3, 8  # rows between the ends, and columns: fewer resolve no pressure
@@ -44,8 +44,8 @@ class Film(reprs.Item):
     Forces are reported on the first body. oil: one of `warpffrf.oils`. feeds: grooves and holes that supply oil
     (`warpffrf.films`). cavitation: one of `films.CAVITATIONS`. ambient_pressure [Pa]: at the ends of the film, above
     the cavitation pressure. mixed: `films.MixedLubrication(...)`, asperities and roughness of the walls; None for
-    smooth walls. form_a, form_b: form deviations of the two surfaces (`warpffrf.films`). evaluation: "semi", all nodes
-    of the contact grid with full quadrature, or "hyper", in each column a few axial profiles (1 - zeta^2) zeta^m with m
+    smooth walls. form_a, form_b: form deviations of the two surfaces (`warpffrf.films`). quadrature: "full", all nodes
+    of the contact grid at all points, or "reduced", in each column a few axial profiles (1 - zeta^2) zeta^m with m
     of `axial_degrees`, 0 first, at few points. name: default "<first body>-<second body>". Raises `InputError`.
     """
 
@@ -64,7 +64,7 @@ class Film(reprs.Item):
         mixed: MixedLubrication | None = None,
         form_a: Form | None = None,
         form_b: Form | None = None,
-        evaluation: str = "semi",
+        quadrature: str = "full",
         axial_degrees: Sequence[int] = PROFILES,
         name: str | None = None,
     ) -> None:
@@ -77,10 +77,10 @@ class Film(reprs.Item):
         self._require_bodies()
         if cavitation not in CAVITATIONS:
             raise unknown_name(f"{label}: cavitation", cavitation, CAVITATIONS)
-        if evaluation not in EVALUATIONS:
-            raise unknown_name(f"{label}: evaluation", evaluation, EVALUATIONS)
+        if quadrature not in QUADRATURES:
+            raise unknown_name(f"{label}: quadrature", quadrature, QUADRATURES)
         self.cavitation = str(cavitation)
-        self.evaluation = str(evaluation)
+        self.quadrature = str(quadrature)
         self.oil: Oil = as_oil(oil, label)
         self.mixed: MixedLubrication = MixedLubrication() if mixed is None else mixed
         if not isinstance(self.mixed, MixedLubrication):
@@ -111,7 +111,7 @@ class Film(reprs.Item):
         return self.a, self.b
 
     @property
-    def grid(self) -> ContactGrid:
+    def grid(self) -> SurfaceGrid:
         """The contact grid of the first surface, whose nodes carry the film."""
         return self.a.surface.grid
 
@@ -173,8 +173,8 @@ class Film(reprs.Item):
             "feeds": [feed.describe() for feed in self.feeds],
             "cavitation": self.cavitation,
             "ambient_pressure": self.ambient_pressure,
-            "evaluation": self.evaluation,
-            "axial_degrees": list(self.axial_degrees) if self.evaluation == "hyper" else None,
+            "quadrature": self.quadrature,
+            "axial_degrees": list(self.axial_degrees) if self.quadrature == "reduced" else None,
             **self.mixed.describe(),
         }
 
@@ -199,12 +199,12 @@ class Film(reprs.Item):
                 f"{self.label}: axial_degrees must rise from 0 to {MOST_POWER} at most, as (0, 2) of a shaft that "
                 f"stays straight or (0, 1, 2), got {degrees!r}"
             )
-        if self.evaluation != "hyper":
+        if self.quadrature != "reduced":
             return found
-        cure = "take evaluation='semi'"
+        cure = "take quadrature='full'"
         if self.ambient_pressure:
             raise InputError(
-                f"{self.label}: the profiles of evaluation 'hyper' end without pressure, and ambient_pressure is "
+                f"{self.label}: the profiles of quadrature 'reduced' end without pressure, and ambient_pressure is "
                 f"{self.ambient_pressure:g} Pa; {cure}"
             )
         if self.cavitation == "half_sommerfeld":
@@ -212,11 +212,11 @@ class Film(reprs.Item):
                 f"{self.label}: cavitation 'half_sommerfeld' cuts pressures at zero, which profiles do not do; {cure}"
             )
         if self.mixed.asperities is not None:
-            raise InputError(f"{self.label}: asperities stand at hats, which evaluation 'hyper' does not have; {cure}")
+            raise InputError(f"{self.label}: asperities stand at nodes, which quadrature 'reduced' lacks; {cure}")
         partly = self._held()[0][:, 1:-1]
         if np.any(partly.any(axis=1) != partly.all(axis=1)):
             raise InputError(
-                f"{self.label}: evaluation 'hyper' has a profile along for each column, and holds none of it: a feed "
+                f"{self.label}: quadrature 'reduced' has a profile along for each column, and holds none of it: a feed "
                 f"must be a Groove over the whole length; {cure}"
             )
         return found
@@ -297,10 +297,10 @@ class Film(reprs.Item):
         if b.rigid:
             refuse_form(b, label)
         for port, place in ((a, "first"), (b, "second")):
-            if not port.rigid and port.surface.grid.kind != "hats":
+            if not port.rigid and port.surface.grid.kind != "nodes":
                 raise InputError(
                     f"{label}: the {place} surface, {port.label}, was reduced with traction={port.surface.grid.kind!r};"
-                    " a film stands on hats: reduce the body with traction='hats'"
+                    " a film stands on nodes: reduce the body with traction='nodes'"
                 )
 
     def _require_gap(self) -> None:
@@ -345,7 +345,7 @@ class Film(reprs.Item):
             raise InputError(
                 f"{self.label}: the contact grid of {self.a.label} has {grid.columns} columns and {max(free, 0)} rows "
                 f"between its ends, and a film needs {LEAST_COLUMNS} columns and {LEAST_ROWS} rows at least; reduce "
-                "the body with more cells at the surface, or a smaller traction_spacing"
+                "the body with more cells at the surface, or a smaller spacing of the contact grid"
             )
 
 

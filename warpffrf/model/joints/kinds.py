@@ -83,7 +83,7 @@ class Revolute(Joint):
 
     >>> machine = wf.Scene(gravity=(0, 0, 0))
     >>> wheel = machine.add_rigid_body(1.0, (0.01, 0.02, 0.01), name="wheel")
-    >>> axle = machine.add(wf.joints.Revolute(machine.ground, wheel.at((0, 0, 0)), axis=(0, 1, 0), name="axle"))
+    >>> axle = machine.add(wf.joints.Revolute(machine.ground, wheel, axis=(0, 1, 0), name="axle"))
     """
 
     kind = "revolute"

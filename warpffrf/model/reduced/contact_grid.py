@@ -1,5 +1,5 @@
-r"""The grid of tractions on a contact surface: bilinear shape functions of its nodes ("hats"), or constants on cells
-around its nodes.
+r"""The grid of tractions on a contact surface: bilinear shape functions of its nodes ("nodes"), or constants on
+cells around its nodes ("cells").
 
 Both are non-negative and add up to one, so that coefficients >= 0 mean a traction >= 0 everywhere. Bilinear functions
 are continuous and overlap; a cell extends half way to the neighbouring nodes, `[theta_j - pitch/2, theta_j + pitch/2] x
@@ -21,16 +21,16 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import unknown_name
 
-KINDS = ("hats", "cells")
+KINDS = ("nodes", "cells")
 GAUSS_PER_ROW = 6  # points between two grid rows: a crown's measure is not polynomial, six points leave 1e-14 of it
 
 
-def require_kind(kind: str) -> str:
-    """`kind`, one of `KINDS`; raises `InputError` otherwise."""
-    if kind not in KINDS:
-        raise InputError(f"traction {kind!r} is not available, use one of {', '.join(KINDS)}")
+def require_kind(kind: str, name: str = "traction") -> str:
+    """`kind`, one of `KINDS`; raises `InputError` with the `name` of the argument otherwise."""
+    if not isinstance(kind, str) or kind not in KINDS:
+        raise unknown_name(name, kind, KINDS)
     return kind
 
 
@@ -40,7 +40,7 @@ def cell_edges(z: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
-class ContactGrid:
+class SurfaceGrid:
     """Bilinear functions or cells over the chart (theta, z).
 
     Node (j, k) lies at `theta_start + j*pitch`, `z[k]`; its function has the flat index `j*rows + k`. `periodic`: the
@@ -55,7 +55,7 @@ class ContactGrid:
     periodic: bool
     z: np.ndarray  # (rows,) m, ascending
     columns_per_sector: int
-    kind: str = "hats"
+    kind: str = "nodes"
 
     def __post_init__(self) -> None:
         require_kind(self.kind)

@@ -26,7 +26,7 @@ cell the coefficient is the mean displacement and the force the traction times t
 
 Recovery. Displacements of points of a body from the nodal forces of one of its contact surfaces.
 
-Sampling. Reduced quadrature points of a contact surface: `Contact(evaluation="hyper")`.
+Sampling. Reduced quadrature points of a contact surface: `Contact(quadrature="reduced")`.
 
 The strip between two columns of a contact grid is periodic around the surface, so that one list of points serves every
 strip. Point p lies at the fraction x_p of a column, and zeta_p between the rows row_p and row_p + 1; its weight w_p > 0
@@ -64,7 +64,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.half_space import FarSplines
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.far_field import FarField
 from warpffrf.model.reduced.local_mass import LocalMass
 
@@ -75,7 +75,7 @@ class ContactSurface:
 
     name: str
     shape: Any  # resolved surface of revolution, see `warpffrf.model.surfaces`
-    grid: ContactGrid
+    grid: SurfaceGrid
     lags: np.ndarray  # (sectors, c rows, c rows) m/N
     mode_normal: np.ndarray  # (columns rows, m) m per unit modal coordinate
     recovery: Recovery
@@ -152,7 +152,7 @@ class Tangential:
     block (s, s') of the operators is `lags[(s - s') mod L]`. Columns and rows are those of the normal grid.
     """
 
-    grid: ContactGrid
+    grid: SurfaceGrid
     lags_tt: np.ndarray
     lags_nt: np.ndarray
     mode_tangent: np.ndarray  # (2, columns rows, m) m per unit modal coordinate
@@ -298,7 +298,7 @@ class Sampling:
 
 def gauss_points(rows: int, around: int, along: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Tensor Gauss points of a strip between `rows` rows: fraction, row, zeta (n,) and the share (n,) of the area of a
-    cell of the chart, whose sum is 1 per cell. Evaluation "semi" has `ALL_AROUND` x `ALL_ALONG` of them."""
+    cell of the chart, whose sum is 1 per cell. Quadrature "full" has `ALL_AROUND` x `ALL_ALONG` of them."""
     (x, wx), (z, wz) = ((0.5 * (p + 1.0), 0.5 * w) for p, w in map(np.polynomial.legendre.leggauss, (around, along)))
     cell = np.arange(rows - 1)
     row, zeta, fraction = (a.ravel() for a in np.meshgrid(cell, z, x, indexing="ij"))

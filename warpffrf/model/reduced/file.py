@@ -22,7 +22,7 @@ from warpffrf.model.files.hdf5_parts import COMPLEX, REAL
 from warpffrf.model.files.sealed_file import check_schema, verify, written_sealed
 from warpffrf.model.laps import LapSurface
 from warpffrf.model.reduced.check import check_body
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ContactSurface, CrossCompliance, Recovery, Sampling, Tangential
 from warpffrf.model.reduced.data import DisplaySurface, Interface, ReducedBodyData
 from warpffrf.model.reduced.far_field import FarField
@@ -168,7 +168,7 @@ def _inertia_terms(arrays: dict[str, np.ndarray]) -> InertiaTerms | None:
     return InertiaTerms(first, second, gyroscopic, stiffening)
 
 
-def _grid_facts(grid: ContactGrid) -> dict[str, Any]:
+def _grid_facts(grid: SurfaceGrid) -> dict[str, Any]:
     return {
         "theta_start": float(grid.theta_start),
         "pitch": float(grid.pitch),
@@ -179,9 +179,9 @@ def _grid_facts(grid: ContactGrid) -> dict[str, Any]:
     }
 
 
-def _grid(arrays: dict[str, np.ndarray], root: str, f: dict[str, Any]) -> ContactGrid:
+def _grid(arrays: dict[str, np.ndarray], root: str, f: dict[str, Any]) -> SurfaceGrid:
     """The grid of `_grid_facts` on the lines of `root`."""
-    return ContactGrid(
+    return SurfaceGrid(
         e_0=arrays[f"{root}/grid/e_0"],
         theta_start=f["theta_start"],
         pitch=f["pitch"],

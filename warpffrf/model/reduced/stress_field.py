@@ -114,8 +114,8 @@ class GridSpan:
     closed: bool
 
     def coefficients(self, forces: np.ndarray, kind: str, pitch: float, gram_z: np.ndarray) -> np.ndarray:
-        """`M^-1 f` (d, whole columns, rows) [Pa] of forces (d, columns, rows) [N] on "hats" or "cells"; M = M_theta (x)
-        M_z, `pitch` [rad] between columns, `gram_z` (rows, rows) [m^2/rad]. M is that of the whole grid where it is
+        """`M^-1 f` (d, whole columns, rows) [Pa] of forces (d, columns, rows) [N] on "nodes" or "cells"; M = M_theta
+        (x) M_z, `pitch` [rad] between columns, `gram_z` (rows, rows) [m^2/rad]. M is that of the whole grid where it is
         closed, else that of the surface's own functions; others have zeros."""
         directions, columns, rows = forces.shape
         n = self.columns
@@ -151,13 +151,13 @@ class LoadStress:
 
     @property
     def grid(self) -> Any:
-        """The grid of the forces: `ContactGrid`."""
+        """The grid of the forces: `SurfaceGrid`."""
         return self.surface.tangential.grid if self.tangential else self.surface.grid
 
     @property
     def kind(self) -> str:
-        """Grid functions, "hats" or "cells"; a `ContactGrid` holds hats."""
-        return getattr(self.grid, "kind", "hats")
+        """Grid functions, "nodes" or "cells"; a `SurfaceGrid` holds hats."""
+        return getattr(self.grid, "kind", "nodes")
 
     @property
     def shape(self) -> tuple[int, ...]:

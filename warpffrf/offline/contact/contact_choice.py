@@ -31,7 +31,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.offline.contact.contact_grid import (
     GridChoice,
     choose_spacing,
@@ -45,6 +45,7 @@ from warpffrf.offline.contact.contact_grid import (
 from warpffrf.offline.contact.hat_loads import ContactFacets
 from warpffrf.offline.contact.mesh_error import line_mesh_error, touched_in_lines
 from warpffrf.offline.fe import Assignment, facet_material
+from warpffrf.offline.options import ContactGrid
 from warpffrf.offline.settings import Settings
 
 GRID_SHARE = 0.5  # of the required error
@@ -53,17 +54,17 @@ POWERS = {"line": 1.0, "ellipse": 1.5}  # of the force in the approach: Hertz, l
 
 @dataclass(frozen=True)
 class ContactChoice:
-    """For `reduce`: traction_spacing [m] and sampling_error; `grid_error` and `sampling_share` are their parts
+    """For `ContactGrid`: spacing [m] and sampling_error; `grid_error` and `sampling_share` are their parts
     of the required error, None if the patch is smaller than the spacing."""
 
-    traction_spacing: float
+    spacing: float
     sampling_error: float
     grid_error: float | None
     sampling_share: float
 
-    def settings(self) -> dict[str, float]:
-        """Arguments for `reduce`."""
-        return {"traction_spacing": self.traction_spacing, "sampling_error": self.sampling_error}
+    def grid(self) -> ContactGrid:
+        """The grid for `reduce`."""
+        return ContactGrid(spacing=self.spacing, sampling_error=self.sampling_error)
 
 
 def contact_choice(half_width: float, *, error: float = 0.01, patch: str = "line") -> ContactChoice:
@@ -105,7 +106,7 @@ def layer_depth(mesh: Mesh, name: str, shape) -> float:
     return deepest
 
 
-def node_spacing(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float | None:
+def node_spacing(mesh: Mesh, name: str, shape, grid: SurfaceGrid) -> float | None:
     """Distance [m] of nodes and of the columns of the `grid`, along the surface or into the depth, whichever is larger;
     None if cells behind the facets are not hexahedra."""
     kinds = _behind(mesh, name)
@@ -128,7 +129,7 @@ def _behind(mesh: Mesh, name: str) -> dict[str, np.ndarray]:
     return found
 
 
-def depth_ratio(depth: float, shape, grid: ContactGrid) -> float:
+def depth_ratio(depth: float, shape, grid: SurfaceGrid) -> float:
     """`depth` [m] over the smaller spacing of the grid, around the largest circle or along the axis."""
     around = grid.pitch * largest_radius(shape, grid.z)
     return depth / min(around, float(np.min(np.diff(grid.z))))
@@ -142,7 +143,7 @@ def depth_warning(name: str, depth: float, ratio: float) -> str | None:
         f"contact {name!r}: the first layer of nodes lies {depth:.3g} m behind the surface, {ratio:.3g} spacings of "
         f"the contact grid, where at most {DEEPEST:g} is admissible: patches come out too narrow and their pressure "
         "too high; grade the mesh towards the surface (mesh.roller: leave grading out, or more layers), or use "
-        f"traction_spacing >= {depth / DEEPEST:.3g} m"
+        f"spacing >= {depth / DEEPEST:.3g} m"
     )
 
 
@@ -150,7 +151,7 @@ ROUND_OFF = 1e-9  # of the size of the mesh: other nodes on the surface itself a
 INSIDE = 0.05  # of the extent of the grid: end faces, which meet the surface there, are not another side of the body
 
 
-def wall(mesh: Mesh, name: str, shape: Any, grid: ContactGrid, assignment: Assignment) -> float | None:
+def wall(mesh: Mesh, name: str, shape: Any, grid: SurfaceGrid, assignment: Assignment) -> float | None:
     """Smallest distance [m] from the surface `shape` of facet set `name` with the `grid` to the end of its material.
 
     That is the outside of the body, or another material than that of most facets. None if there is no such limit, as
@@ -185,15 +186,15 @@ def expected_grids(mesh: Mesh, shapes: dict[str, Any], settings: Settings) -> di
     """The rule's choice by surface; empty if no half-width is expected. Contact on a surface curved in both directions,
     or on a plane, on which anything may lie, is taken as an ellipse; on one with a straight or slightly profiled
     meridian as a line."""
-    if settings.expected_half_width is None:
+    if settings.grid.expected_half_width is None:
         return {}
     return {
         name: choose_spacing(
-            settings.expected_half_width,
+            settings.grid.expected_half_width,
             _finest(mesh, name, shape),
-            error=settings.contact_error,
+            error=settings.grid.force_error,
             patch=_patch(shape),
-            traction=settings.traction,
+            traction=settings.grid.traction,
         )
         for name, shape in shapes.items()
     }
@@ -219,7 +220,7 @@ def spacings(mesh: Mesh, shapes: dict[str, Any], settings: Settings, chosen: dic
     """
     found = {}
     for name, shape in shapes.items():
-        spacing = settings.traction_spacing
+        spacing = settings.grid.spacing
         if name in chosen:
             spacing = None if chosen[name].limited_by_mesh else chosen[name].spacing
         if name in chosen and spacing is not None and mesh.cyclic is not None and not shape.profile().planar:
@@ -235,7 +236,7 @@ def _radius(mesh: Mesh, name: str, shape: Any) -> float:
     return largest_radius(shape, shape.chart(mesh.points[mesh.facets(name).node_set])[1])
 
 
-def promised(choice: GridChoice, grid: ContactGrid, shape: Any, mesh: Mesh) -> GridChoice:
+def promised(choice: GridChoice, grid: SurfaceGrid, shape: Any, mesh: Mesh) -> GridChoice:
     """The choice with the spacing of the finished grid, and its expected error on the mesh."""
     spacing = grid.pitch * largest_radius(shape, grid.z)
     error = grid_error(spacing, choice.half_width, quantity=choice.quantity, patch=_patch(shape), traction=grid.kind)

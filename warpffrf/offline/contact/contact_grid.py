@@ -47,7 +47,7 @@ import scipy.sparse as sp
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.model.messages.named_arguments import named_arguments
-from warpffrf.model.reduced.contact_grid import cell_edges
+from warpffrf.model.reduced.contact_grid import cell_edges, require_kind
 from warpffrf.model.reduced.stress_field import GridSpan
 from warpffrf.offline.fe import Sparse
 
@@ -75,7 +75,7 @@ class GridPlan:
 
         An arc of n columns has n + 1 lines around its cells, the outer two beyond its edges.
         """
-        if kind == "hats":
+        if kind == "nodes":
             return self
         start, columns = self.theta_start - 0.5 * self.pitch, self.columns + (not self.periodic)
         return GridPlan(start, self.pitch, columns, self.periodic, cell_edges(self.z), False)
@@ -232,7 +232,7 @@ def check_count(functions: int, nodes: int, name: str, edge: float) -> None:
 def too_fine(detail: str, name: str, edge: float) -> InputError:
     """The error for a contact grid whose functions are dependent on the surface mesh."""
     return InputError(
-        f"contact {name!r}: contact grid finer than the surface mesh ({detail}); use traction_spacing >= {edge:.3g} m, "
+        f"contact {name!r}: contact grid finer than the surface mesh ({detail}); use spacing >= {edge:.3g} m, "
         "or a finer mesh"
     )
 
@@ -254,14 +254,14 @@ def thinned_rows(z: np.ndarray, spacing: float) -> np.ndarray:
 FINER_BEHIND = "let its layers grow more slowly (mesh.roller: more layers, grading=1.2), or use quadratic cells"
 QUANTITIES = ("compliance", "force", "peak_pressure", "half_width", "pressure")
 RULES: dict[tuple[str, str], dict[str, tuple[float, float]]] = {  # (c, p) by (traction, patch), written from the study
-    ("hats", "line"): {
+    ("nodes", "line"): {
         "compliance": (0.012, 3.0),
         "force": (0.062, 2.0),
         "peak_pressure": (0.35, 2.0),
         "half_width": (0.34, 2.0),
         "pressure": (0.46, 1.0),
     },
-    ("hats", "ellipse"): {
+    ("nodes", "ellipse"): {
         "compliance": (0.062, 3.0),
         "force": (0.22, 2.5),
         "peak_pressure": (0.66, 2.0),
@@ -284,7 +284,6 @@ RULES: dict[tuple[str, str], dict[str, tuple[float, float]]] = {  # (c, p) by (t
     },
 }
 PATCHES = ("line", "ellipse")
-TRACTIONS = ("hats", "cells")
 ROUND_OFF = 1e-12  # a spacing of one half-width up to round-off is one half-width
 COARSEST = 1.0  # spacing in half-widths: beyond it a patch has one or two nodes, and the errors follow no rate
 
@@ -296,9 +295,9 @@ def contact_spacing(
     error: float = 0.01,
     quantity: str = "force",
     patch: str = "line",
-    traction: str = "hats",
+    traction: str = "nodes",
 ) -> float:
-    """Spacing [m] of a contact grid, for `reduce(..., traction_spacing=)`, that keeps the error of the grid below
+    """Spacing [m] of a contact grid, for `ContactGrid(spacing=)`, that keeps the error of the grid below
     `error` for any position of the patch on the grid.
 
     Parameters
@@ -310,7 +309,7 @@ def contact_spacing(
         given pressure; "peak_pressure"; "half_width" of the patch; "pressure": all pressures, in the L2 norm.
     patch: "line" (long compared with its width; along it the pressure varies slowly and the spacing may be far larger)
         or "ellipse" (circle included).
-    traction: "hats" (normal pressure) or "cells" (friction).
+    traction: "nodes" (normal pressure) or "cells" (friction).
 
     `s = b (error/c)^(1/p)`, at most b; c and p in the module docstring. This is the error of the grid alone: the mesh
     below must be as fine, otherwise `reduce` refuses it. Raises `InputError` for impossible numbers and unknown names.
@@ -324,7 +323,7 @@ def contact_spacing(
 
 
 def grid_error(
-    spacing: float, half_width: float, *, quantity: str = "force", patch: str = "line", traction: str = "hats"
+    spacing: float, half_width: float, *, quantity: str = "force", patch: str = "line", traction: str = "nodes"
 ) -> float | None:
     """Bound on the error of a grid of `spacing` [m] on a patch of `half_width` [m]: `c (s/b)^p`, or None if the
     spacing is larger than the half-width and the rule does not hold."""
@@ -340,8 +339,7 @@ def rule(quantity: str, patch: str, traction: str) -> tuple[float, float]:
         raise InputError(f"contact_spacing: quantity {quantity!r} is not available, use one of {', '.join(QUANTITIES)}")
     if patch not in PATCHES:
         raise InputError(f"contact_spacing: patch {patch!r} is not available, use one of {', '.join(PATCHES)}")
-    if traction not in TRACTIONS:
-        raise InputError(f"contact_spacing: traction {traction!r} is not available, use one of {', '.join(TRACTIONS)}")
+    require_kind(traction, "contact_spacing: traction")
     return RULES[traction, patch][quantity]
 
 
@@ -409,7 +407,7 @@ def choose_spacing(
     error: float = 0.01,
     quantity: str = "force",
     patch: str = "line",
-    traction: str = "hats",
+    traction: str = "nodes",
 ) -> GridChoice:
     """The rule's spacing, but not below `finest` [m], the smallest that the surface mesh admits; `error` of the
     choice is the expected error of that spacing. Other arguments as in `contact_spacing`."""
@@ -435,7 +433,7 @@ def grid_values(theta: Array, z: Array, grid: Any, span: GridSpan, turn: float) 
         x = x % whole
     else:
         x = wrapped(x, turn / grid.pitch, -0.5 * grid.pitch / turn)
-    if getattr(grid, "kind", "hats") == "cells":
+    if getattr(grid, "kind", "nodes") == "cells":
         margin = BORDER * np.min(np.diff(lines))
         sides = [(dx, dz) for dx in (-BORDER, BORDER) for dz in (-margin, margin)]
         column = np.stack([np.floor(x + dx).astype(np.int64) for dx, _ in sides], axis=1)

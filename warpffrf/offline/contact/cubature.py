@@ -1,4 +1,4 @@
-r"""Choice of few sampling points with positive weights for a contact surface: `reduce(..., sampling_error=)`.
+r"""Choice of few sampling points with positive weights for a contact surface: `ContactGrid(sampling_error=)`.
 
 From many candidates in a strip of the contact grid, those points are selected and weighted that integrate a training
 set (`warpffrf.offline.contact.cubature`) like all points do, to a required error:
@@ -66,7 +66,7 @@ the integrand of the bracket, at the points, is a *snapshot*; it requires no sim
 with u, v along the axes of the patch. Semi-axes a, b, position, skew and the position of the opposite grid follow a
 low-discrepancy sequence (Halton), the same each time. Every family is scaled to size one.
 
-The targets are the integrals by *all* points, the Gauss points of evaluation "semi": the reduced set replaces the full
+The targets are the integrals by *all* points, the Gauss points of quadrature "full": the reduced set replaces the full
 set, and is not charged with the full set's own error for an opposite grid whose kinks lie inside a cell (2 % of a
 response if rows are far apart). Only the areas are those of the exact surface.
 """
@@ -203,7 +203,7 @@ class Family:
 
 
 def all_points(surface: Any, around: int = ALL_AROUND, along: int = ALL_ALONG) -> tuple[Places, np.ndarray]:
-    """Gauss points of a strip and their weights [m^2], with the number per cell of evaluation "semi" or as given."""
+    """Gauss points of a strip and their weights [m^2], with the number per cell of quadrature "full" or as given."""
     grid = surface.grid
     x, row, zeta, share = gauss_points(grid.rows, around, along)
     places = Places.of(surface, x, row, zeta)
@@ -384,12 +384,12 @@ def choose_sampling(surface: Any, wanted_error: float, *, patches: int = PATCHES
     """
     wanted = require_number(wanted_error, "reduce: sampling_error", positive=True)
     where = f"contact {label!r}" if label else "contact surface"
-    if surface.grid.kind != "hats":
-        raise InputError(f"{where}: sampling points are chosen for hats; use traction='hats' or no sampling_error")
+    if surface.grid.kind != "nodes":
+        raise InputError(f"{where}: sampling points require tractions on nodes; take traction='nodes'")
     if surface.grid.rows > MOST_ROWS:
         raise InputError(
             f"{where}: sampling points are chosen for up to {MOST_ROWS} rows of the contact grid, it has "
-            f"{surface.grid.rows}; use a coarser traction_spacing, or no sampling_error"
+            f"{surface.grid.rows}; use a larger spacing, or no sampling_error"
         )
     best: Sampling | None = None
     reached = np.inf

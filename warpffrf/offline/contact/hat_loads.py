@@ -94,10 +94,10 @@ def hat_loads(
     shape,
     plan: GridPlan,
     *,
-    basis: str = "hats",
+    basis: str = "nodes",
     direction: Direction = "normal",
 ) -> HatLoads:
-    """Loads of all functions of `plan` that reach the facets `nodes` (m, k) of `kind`: `basis` "hats" on its nodes or
+    """Loads of all functions of `plan` that reach the facets `nodes` (m, k) of `kind`: `basis` "nodes" on its nodes or
     "cells" around them, between the lines `GridPlan.lines`, in one of `DIRECTIONS` or in user-defined vectors. Rows and
     edge columns are clipped."""
     parts = []
@@ -352,7 +352,7 @@ class ContactFacets:
 
 @dataclass(frozen=True)
 class TractionField:
-    """Functions of one `kind` ("hats", "cells") in `directions` on all nodes of `plan`, edge columns of arcs
+    """Functions of one `kind` ("nodes", "cells") in `directions` on all nodes of `plan`, edge columns of arcs
     included, where the functions are half ones."""
 
     kind: str

@@ -61,7 +61,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.local_mass import LocalMass
 from warpffrf.offline.contact.contact_grid import GridPlan, too_fine
 from warpffrf.offline.contact.hat_loads import ContactFacets
@@ -156,7 +156,7 @@ def eigenvalue_ratio(window: np.ndarray) -> float:
     return float(values[0] / values[-1]) if values[-1] > 0.0 else -1.0
 
 
-def trace_ratio(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
+def trace_ratio(mesh: Mesh, name: str, shape, grid: SurfaceGrid) -> float:
     """Eigenvalue ratio of the traces of the grid's first columns on the facets of set `name` (module docstring).
 
     NaN if a function has no area.
@@ -173,7 +173,7 @@ def trace_ratio(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
     near = (low < reach) | (low + span > turn - grid.pitch)
     columns = int(np.ceil(turn / grid.pitch - 1e-6))
     plan = GridPlan(grid.theta_start, turn / columns, columns, True, grid.z, False)
-    loads = facets.part(near).loads(plan, getattr(grid, "kind", "hats"), "normal")
+    loads = facets.part(near).loads(plan, getattr(grid, "kind", "nodes"), "normal")
     column = loads.column % columns
     nodes, node = np.unique(loads.node, return_inverse=True)
     lumped = np.bincount(node, weights=np.abs(loads.area))
@@ -187,7 +187,7 @@ def trace_ratio(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
     return eigenvalue_ratio(scaled @ scaled.T)
 
 
-def check_traces(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
+def check_traces(mesh: Mesh, name: str, shape, grid: SurfaceGrid) -> float:
     """`trace_ratio` of the grid; raises `InputError` if it is too small."""
     traces = trace_ratio(mesh, name, shape, grid)
     _require_finite(traces, name)

@@ -25,7 +25,7 @@ import numpy as np
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import cell_kind
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.offline.contact.contact_grid import FINER_BEHIND, largest_radius
 
 FACTORS = {1: (0.2, 1.5), 2: (0.014, 2.0)}  # c_p, n_p by degree of the cells
@@ -38,7 +38,7 @@ AXIAL, MOST_AXIAL, WORTH_A_WORD = 10.0, 0.05, 0.01
 CHUNK = 100_000  # cells processed together
 
 
-def line_mesh_error(mesh: Mesh, shape: Any, grid: ContactGrid, half_width: float | None = None) -> float | None:
+def line_mesh_error(mesh: Mesh, shape: Any, grid: SurfaceGrid, half_width: float | None = None) -> float | None:
     """Relative error of the force at a given approach under a line load at mid-width, `half_width` [m] to either side
     (None: `EXPECTED` spacings of the grid), on surface `shape` with the contact `grid`: the worst of `PLACES` around.
 
@@ -69,7 +69,7 @@ def mesh_error_warning(name: str, error: float | None) -> str | None:
     )
 
 
-def axial_error(shape: Any, grid: ContactGrid, material: Material | None) -> float:
+def axial_error(shape: Any, grid: SurfaceGrid, material: Material | None) -> float:
     """Estimated relative excess of the line load at mid-width due to few cells along the axis: between two free ends,
     pressures of a nearly incompressible cover on few nodes are not smooth. 0 for other surfaces and materials."""
     if material is None or not material.mixed or not touched_in_lines(shape) or len(grid.z) < 2:

@@ -71,7 +71,7 @@ def reduce_cyclic(
     spacing: Mapping[str, float | None],
     progress: Progress,
     *,
-    traction: str = "hats",
+    traction: str = "nodes",
     tangential: str | None = None,
     observers: Sequence[CyclicObserver] = (),
     sloping: Collection[str] = (),
@@ -83,7 +83,7 @@ def reduce_cyclic(
     See the module docstring.
 
     `spacing` of the contact grid by surface [m] (None: the mesh's own); `traction`, `tangential`: kind of the functions
-    of normal and of tangential tractions ("hats", "cells"; None: no tangential ones). `observers` are added to the
+    of normal and of tangential tractions ("nodes", "cells"; None: no tangential ones). `observers` are added to the
     display skin. `sloping`: surfaces for which the compliance of slopes is stored. `local_dynamics`: also compute the
     mass of the normal local modes. `inertia_modes`: number of modes with inertia terms (None: `invariants.MODES`);
     `centrifugal`: also attachment modes of rotation.

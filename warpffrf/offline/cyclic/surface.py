@@ -39,7 +39,7 @@ import scipy.sparse as sp
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
-from warpffrf.model.reduced.contact_grid import ContactGrid, meridian_gram, require_kind
+from warpffrf.model.reduced.contact_grid import SurfaceGrid, meridian_gram, require_kind
 from warpffrf.model.reduced.contact_surface import CrossCompliance
 from warpffrf.offline.contact.contact_grid import (
     FEWEST_COLUMNS,
@@ -112,7 +112,7 @@ class CyclicSurface:
         shape,
         pattern: FacetPattern,
         spacing: float | None,
-        traction: str = "hats",
+        traction: str = "nodes",
         tangential: str | None = None,
         sloping: bool = False,
     ) -> None:
@@ -181,7 +181,7 @@ class CyclicSurface:
         if columns < 1:
             raise InputError(
                 f"contact {self.name!r}: the facets span {pattern.count} sectors, too short for one hat; "
-                "choose a longer arc or a smaller traction_spacing"
+                "choose a longer arc or a smaller spacing of the contact grid"
             )
         return first, columns, False
 
@@ -223,14 +223,14 @@ class CyclicField:
         """Functions of one sector, all directions."""
         return len(self.directions) * self.c * self.rows
 
-    def grid(self) -> ContactGrid:
+    def grid(self) -> SurfaceGrid:
         """The grid of the field as stored in the reduced body."""
         s = self.surface
         start = s.plan.theta_start + s.first * self.pitch
         if not s.periodic:
             start = centred(start, self.pitch * (self.columns - 1), FULL_TURN)
         e_0 = np.asarray(s.shape.e_0, dtype=float)
-        return ContactGrid(e_0, start, self.pitch, self.columns, s.periodic, s.plan.z, self.c, self.kind)
+        return SurfaceGrid(e_0, start, self.pitch, self.columns, s.periodic, s.plan.z, self.c, self.kind)
 
     def _add_loads(self, loads, sector: Sector, number: int) -> None:
         nn = sector.nodes

@@ -65,7 +65,7 @@ def reduce_general(
     memory_limit: int | None,
     progress: Progress,
     *,
-    traction: str = "hats",
+    traction: str = "nodes",
     tangential: str | None = None,
     observers: Sequence[Observer] = (),
     sloping: Collection[str] = (),
@@ -81,7 +81,7 @@ def reduce_general(
     """Reduce any mesh; `surfaces` are name and resolved shape. See the module docstring.
 
     `spacing` of the contact grid by surface [m] (None: the mesh's own); `options`: the basis of the global modes;
-    `traction`, `tangential`: kind of the functions of normal and of tangential tractions ("hats", "cells"; None: no
+    `traction`, `tangential`: kind of the functions of normal and of tangential tractions ("nodes", "cells"; None: no
     tangential ones); `observers`: observed quantities of modes and responses in addition to the skin;
     `sloping`: surfaces for which the compliance of slopes is stored;
     `local_dynamics`: also compute the mass of the normal local modes; `inertia_modes`: number of modes with inertia
@@ -245,6 +245,7 @@ def _check_results(counts: list[int], observers: list[Observer], massed: list[in
     needed = results_bytes(counts, observers, massed)
     if needed > limit:
         raise InputError(
-            f"the dense compliance of {sum(counts)} hats needs {needed / 2**30:.3g} GiB, memory_limit is "
-            f"{limit / 2**30:.3g} GiB; raise memory_limit or traction_spacing, or use a rotationally periodic mesh"
+            f"the dense compliance of {sum(counts)} functions of contact grids needs {needed / 2**30:.3g} GiB, "
+            f"memory_limit is {limit / 2**30:.3g} GiB; raise memory_limit or the spacing of the grids, or use a "
+            "rotationally periodic mesh"
         )

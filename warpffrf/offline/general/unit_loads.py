@@ -40,7 +40,7 @@ import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import CrossCompliance, Recovery, Tangential
 from warpffrf.model.reduced.local_mass import LocalMass
 from warpffrf.offline.contact.hat_loads import NORMAL, TANGENTIAL, ContactFacets, KeptFunctions, TractionField
@@ -138,7 +138,7 @@ class ResponseSolver:
             raise InputError(
                 f"memory_limit of {limit / 2**30:.3g} GiB is too small: factors, modes and results take "
                 f"{kept / 2**30:.3g} GiB, a block of one load {column / 2**20:.3g} MiB more; raise memory_limit to "
-                f"{int(np.ceil((kept + column) / 2**20))} MiB or more, or raise traction_spacing"
+                f"{int(np.ceil((kept + column) / 2**20))} MiB or more, or raise the spacing of the contact grid"
             )
         return min(width, BLOCK)
 
@@ -238,14 +238,14 @@ class GeneralSurface:
         name: str,
         shape: Any,
         spacing: float | None,
-        traction: str = "hats",
+        traction: str = "nodes",
         tangential: str | None = None,
         sloping: bool = False,
     ) -> None:
         self.name, self.shape, self.nodes = name, shape, len(mesh.points)
         facets = ContactFacets.of(mesh.points, mesh.facets(name), shape)
         self.plan = facets.plan(name, spacing, len(mesh.facets(name).node_set))
-        self.first, self.columns = self._extent(TractionField("hats", NORMAL, self.plan, facets))
+        self.first, self.columns = self._extent(TractionField("nodes", NORMAL, self.plan, facets))
         self.fields = [TractionField(traction, NORMAL, self.plan, facets)]
         if tangential is not None:
             self.fields.append(TractionField(tangential, TANGENTIAL, self.plan, facets))
@@ -290,11 +290,11 @@ class GeneralSurface:
             )
         return int(kept[0]), len(kept)
 
-    def _grid(self, f: TractionField) -> ContactGrid:
+    def _grid(self, f: TractionField) -> SurfaceGrid:
         plan = self.plan
         start = plan.theta_start + plan.pitch * self.first
         e_0 = np.asarray(self.shape.e_0, dtype=float)
-        return ContactGrid(e_0, start, plan.pitch, self.columns, plan.periodic, plan.z, self.columns, f.kind)
+        return SurfaceGrid(e_0, start, plan.pitch, self.columns, plan.periodic, plan.z, self.columns, f.kind)
 
     def product(self, C: Array, transfers: dict[str, Array], loads_on_modes: Array, omega: Array) -> SurfaceProduct:
         """Operators from C (count, count), the observed values {name: (rows, count)}, and B^T Phi (count, m)."""

@@ -22,8 +22,9 @@ for the loads of rotation. With
 
     F_c = T^T M a,        a_ab = -(R_a R_b + R_b R_a) X,   a_aa = -R_a R_a X,        A_c = G F_c,
 
-in addition to the interface loads (`reduce(centrifugal=True)`), Phi Omega^-2 Phi^T F_c = G F_c. Vibration modes alone
-hardly contain it: that of a disc is the breathing one, above hundreds of others, and interface modes only by accident.
+in addition to the interface loads (`ReductionOptions(centrifugal=True)`), Phi Omega^-2 Phi^T F_c = G F_c. Vibration
+modes alone hardly contain it: that of a disc is the breathing one, above hundreds of others, and interface modes only
+by accident.
 
 Without it, or if the inertia terms cover the lowest k modes only, a part of G F_c is omitted,
 

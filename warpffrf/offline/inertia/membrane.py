@@ -42,7 +42,7 @@ from warpffrf.offline.interfaces import InterfaceSystem
 from warpffrf.offline.products import MembraneTerms
 
 Array = np.ndarray
-MEMBRANE = "membrane"  # its name in `reduce(stiffening=)`
+MEMBRANE = "membrane"  # its name in `ReductionOptions(stiffening=)`
 MODES = 20  # default number with membrane energy: 210 pairs, each a field of displacements
 TRUNCATION = 1e-2  # of the largest eigenvalue: a plate's deflection changes by less than 0.05 %
 BENDING = 0.1  # strain, see the module docstring: a beam five times as long as thick has 0.02, a cube 0.24

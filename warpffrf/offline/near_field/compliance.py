@@ -39,7 +39,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.half_space import transposed
 from warpffrf.model.material import Material
 from warpffrf.model.mesh.elements import facet_kind
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.far_field import NOTHING, FreeEnd, cutoff
 from warpffrf.offline.contact.contact_grid import GridPlan
 from warpffrf.offline.fe import Assignment
@@ -155,7 +155,7 @@ def _symmetric(lags: Array, known: Array) -> tuple[Array, float]:
     return 0.5 * (lags + mirrored), float(np.max(np.abs(lags - mirrored)[known]) / np.max(np.abs(lags)))
 
 
-def _known(g: ContactGrid, sectors: int, first: int) -> Array:
+def _known(g: SurfaceGrid, sectors: int, first: int) -> Array:
     """Lags (sectors,) bool for which columns of the surface lie on either side of the sector starting at column
     `first`: all of a revolution, and of an arc up to half of it."""
     if sectors == 1 or g.periodic:
@@ -298,7 +298,7 @@ class _Window:
         hats = self._nodal(f.hats, here, columns, only)
         own = ((self.columns - columns[0])[:, None] * g.rows + self.rows).ravel()
         unit = hats.unit[:, own]
-        inside = {"hats": hats.inside}
+        inside = {"nodes": hats.inside}
         shape = (len(columns), g.rows, len(self.columns), len(self.rows))
         if f.cells is None:
             (v,) = self._answer([FlatLoads(unit, self.loads)])
@@ -449,13 +449,13 @@ def _other_material(f: NearFunctions) -> InputError:
     )
 
 
-def _without_gram(g: ContactGrid, shape: Any, lags: Array) -> Array:
+def _without_gram(g: SurfaceGrid, shape: Any, lags: Array) -> Array:
     """M^-1 `lags` M^-1 by distance in sectors."""
     half = _targets_without_gram(g, shape, lags)
     return np.ascontiguousarray(transposed(_targets_without_gram(g, shape, transposed(half))))
 
 
-def _targets_without_gram(g: ContactGrid, shape: Any, lags: Array) -> Array:
+def _targets_without_gram(g: SurfaceGrid, shape: Any, lags: Array) -> Array:
     sectors, rows = len(lags), g.rows
     total = sectors * g.columns_per_sector
     values = lags.reshape(total, rows, -1)

@@ -12,7 +12,7 @@ from warpffrf.model.half_space import FarSplines
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import Tangential
 from warpffrf.model.reduced.far_field import ASYMMETRIC, FarField, FarTangential
 from warpffrf.offline.contact.contact_choice import wall
@@ -55,7 +55,7 @@ class FoundField:
 
 
 def is_coarse(
-    mesh: Mesh, name: str, shape: Any, grid: ContactGrid, half_width: float | None, material: Material | None
+    mesh: Mesh, name: str, shape: Any, grid: SurfaceGrid, half_width: float | None, material: Material | None
 ) -> bool:
     """Whether the nodes of the surface are too far apart for nodal pressures: for the expected `half_width` [m] if
     known, otherwise for all but heavily loaded contacts of the `material` (`COARSE`). On a cylinder, loaded along its
@@ -82,7 +82,7 @@ def find_far_field(
     mesh: Mesh,
     name: str,
     shape: Any,
-    grid: ContactGrid,
+    grid: SurfaceGrid,
     lags: np.ndarray,
     tangential: Tangential | None,
     material: Material | None,
@@ -93,8 +93,8 @@ def find_far_field(
     """The far field of the surface `name` with its nodal compliance `lags`, also that of its `tangential` part if it
     exists and its tractions are on cells."""
     # cases without a far field
-    if grid.kind != "hats":
-        return FoundField(None, notes=[_none(name, "its tractions are constant on cells; use traction='hats'")])
+    if grid.kind != "nodes":
+        return FoundField(None, notes=[_none(name, "its tractions are constant on cells; use traction='nodes'")])
     if material is None or mesh.matrices is not None:
         return FoundField(None, notes=[_none(name, "a body of matrices has no cells near a load; use a mesh")])
     if min(grid.columns, grid.rows) < 2:
@@ -168,7 +168,7 @@ def _far_tangential(own: Tangential, near: NearTangential | None, hats: FarSplin
 
 
 def _thin_wall(
-    mesh: Mesh, name: str, shape: Any, grid: ContactGrid, assignment: Assignment, edge: float
+    mesh: Mesh, name: str, shape: Any, grid: SurfaceGrid, assignment: Assignment, edge: float
 ) -> tuple[float, str]:
     """Relative error of the force at a given approach due to the cells of the wall behind the surface, and a message if
     the wall is as thin as they are wide, else ""; `edge`: longest facet edge [m]."""

@@ -60,7 +60,7 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.checks import FLAT_CELL, jacobian_range
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
 from warpffrf.model.mesh.facets import FacetSet, outer_faces, row_numbers
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.far_field import FreeEnd
 from warpffrf.offline.contact.hat_loads import ContactFacets
 from warpffrf.offline.fe import Assignment, Sparse, assemble
@@ -216,11 +216,11 @@ class SpreadFunctions:
     """The functions of a contact `grid`, nodes or cells, on a resolved `shape`: their areas, and unit loads distributed
     over them as forces at points."""
 
-    def __init__(self, shape: Any, grid: ContactGrid) -> None:
+    def __init__(self, shape: Any, grid: SurfaceGrid) -> None:
         self.shape, self.grid = shape, grid
         x, w = np.polynomial.legendre.leggauss(GAUSS)
         x, w = 0.5 * (x + 1.0), 0.5 * w
-        share, value = (1.0, 1.0 - x) if grid.kind == "hats" else (0.5, np.ones(GAUSS))  # of the step to the next node
+        share, value = (1.0, 1.0 - x) if grid.kind == "nodes" else (0.5, np.ones(GAUSS))  # of the step to the next node
         reach = share * np.diff(grid.z)
         rows = grid.rows
         self._z = np.repeat(grid.z[:, None], 2 * GAUSS, axis=1)
@@ -252,7 +252,7 @@ class NearFunctions:
     if there is one."""
 
     def __init__(
-        self, mesh: Mesh, name: str, shape: Any, grid: ContactGrid, tangential: ContactGrid | None = None
+        self, mesh: Mesh, name: str, shape: Any, grid: SurfaceGrid, tangential: SurfaceGrid | None = None
     ) -> None:
         self.mesh, self.shape, self.grid, self.name = mesh, shape, grid, name
         self.surface = mesh.facets(name)
@@ -326,7 +326,7 @@ ON_SURFACE = 1e-4  # of a facet's edge: nodes within this distance of the true s
 SQUARE = 0.05  # slope dR/dz at an end up to which its edge counts as square: 3 degrees
 
 
-def free_ends(mesh: Mesh, name: str, shape: Any, grid: ContactGrid, edge: float) -> tuple[list[FreeEnd], list[str]]:
+def free_ends(mesh: Mesh, name: str, shape: Any, grid: SurfaceGrid, edge: float) -> tuple[list[FreeEnd], list[str]]:
     """The square ends of the contact surface, and notes on other edges. `edge`: longest facet edge [m]."""
     own = np.zeros(len(mesh.points), dtype=bool)
     own[mesh.facets(name).node_set] = True

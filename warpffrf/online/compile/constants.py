@@ -67,7 +67,7 @@ class Constants:
         if data.size > LARGEST_INDEX:
             raise InputError(
                 f"scene: a table of {data.size} numbers is needed, at most {LARGEST_INDEX} can be indexed; reduce with "
-                "a coarser traction_spacing"
+                "a coarser contact grid, ContactGrid(spacing=)"
             )
         within = WITHIN.get(declaration.dtype, ())
         if data.size == 0:  # one unused entry, so that it can be passed to kernels

@@ -93,7 +93,7 @@ def _plan(body: Body, speed: float, fastest: float, notes: list[str]) -> BodyIne
     stiffening = terms.stiffening if terms is not None and body.stiffening else None
     if body.stiffening and stiffening is None:
         raise InputError(
-            f"body {body.name!r}: it was reduced without geometric stiffening; use reduce(..., stiffening=True)"
+            f"body {body.name!r}: it was reduced without geometric stiffening; use ReductionOptions(stiffening=True)"
         )
     if level == "auto":
         if terms is None or not len(terms.first):

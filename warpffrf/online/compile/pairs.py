@@ -95,7 +95,7 @@ def fill_pairs(collector: Collector, m: Model) -> None:
     if stencil[0] * stencil[1] > k.MOST_STENCIL:
         raise InputError(
             f"scene: a node of a contact's first grid overlaps {stencil[0]} x {stencil[1]} nodes of the second, at "
-            f"most {k.MOST_STENCIL}: swap the two surfaces, or give the second a coarser traction_spacing"
+            f"most {k.MOST_STENCIL}: swap the two surfaces, or give the second a coarser grid, ContactGrid(spacing=)"
         )
     collector.fill(
         m.pairs, first=collector.sides[::2], second=collector.sides[1::2], family=families,
@@ -176,7 +176,7 @@ def _half_window(collector: Collector, pair: Pair, turned: float) -> int:
     if half < wanted and half == MAX_HALF_WINDOW:
         collector.notes.append(
             f"contact {contact.name!r}: window capped at {2 * MAX_HALF_WINDOW + 1} columns of {2 * wanted + 1}; "
-            "a coarser contact grid (traction_spacing) would do, or give capacity="
+            "a coarser contact grid (ContactGrid(spacing=)) would do, or give capacity="
         )
     return half
 

@@ -18,7 +18,7 @@ ON_STATION = 1e-9  # of the distance of two rows: round-off of the Gauss points 
 
 def is_hyper(contact: Contact) -> bool:
     """Whether `contact` is evaluated at chosen points only."""
-    return contact.evaluation == "hyper"
+    return contact.quadrature == "reduced"
 
 
 def on_stations(contact: Contact, theta_points: int, z_points: int) -> bool:

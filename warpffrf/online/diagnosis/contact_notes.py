@@ -8,7 +8,7 @@ Skew. Parallel-axes kinematics treats the section of the second body as a circle
 angle e that section is an ellipse, of the curvature cos(e)^2/R_B on its side: with equal radii the relative curvature
 is too large by e^2/2. Contacts skewed at the start use closest-point kinematics; the kinematics do not change in a run.
 
-Sampling check. The online check of evaluation "hyper" (reduced quadrature): few points compared with all points, at
+Sampling check. The online check of quadrature "reduced": few points compared with all points, at
 sampled saved steps, on the host.
 
 At a saved step the poses, global coordinates and nodal forces are known. With the points x_p of a rule and weights w_p
@@ -18,7 +18,7 @@ At a saved step the poses, global coordinates and nodal forces are known. With t
 g the distance of x_p from B's true surface, u_B = Phi_B q_B - D_B S^T s B's outward displacement there. A's own
 displacement enters through the exact Gram matrix of its nodes and is equal for both rules; a layer with nonlinear
 compression y(p) is evaluated at the same points and adds `sum_p w_p psi_i(x_p) y(p(x_p))`. The difference dg between
-the few points and the Gauss points of evaluation "semi" changes the pressures of the active nodes, at fixed bodies, by
+the few points and the Gauss points of quadrature "full" changes the pressures of the active nodes, at fixed bodies, by
 
     ds = -G^-1 dg,     G = M D_A M + S D_B S^T + E,     E_ij = sum_p w_p psi_i psi_j y'(p(x_p)),
 
@@ -240,9 +240,9 @@ class SamplingCheck:
     def note(self, name: str, few: int, all_points: int) -> str:
         """The line for the report."""
         if not self.rows:
-            return f"contact {name!r}: evaluation 'hyper' was not checked, no saved step with contact"
+            return f"contact {name!r}: quadrature 'reduced' was not checked, no saved step with contact"
         text = (
-            f"contact {name!r}: evaluation 'hyper', {few} of {all_points} points per strip; compared with all points "
+            f"contact {name!r}: quadrature 'reduced', {few} of {all_points} points per strip; compared with all points "
             f"on {len(self.rows)} saved steps at most {self.gap:.2%} of the depth in a gap, {self.force:.2%} of the "
             f"force, {self.pressure:.2%} of the pressure (L2)"
         )
@@ -252,10 +252,10 @@ class SamplingCheck:
 
 
 def sampling_notes(scene: Scene, history: History) -> list[str]:
-    """One note for each contact of evaluation "hyper"."""
+    """One note for each contact of quadrature "reduced"."""
     notes = []
     for contact in scene.contacts:
-        if contact.evaluation != "hyper":
+        if contact.quadrature != "reduced":
             continue
         surface = contact.a.surface
         settings = Settings()

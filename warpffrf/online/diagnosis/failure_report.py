@@ -194,11 +194,11 @@ def _fullest(engine: Engine, world: int) -> str:
     contacts = engine.scene.contacts
     H = engine.compiled.model.window.half
     window = _array(engine.scratch, "window", world)[: len(contacts)]
-    hats = (_array(engine.state, "active", world)[: len(contacts)] != 0.0).reshape(len(contacts), -1).sum(axis=1)
+    nodes = (_array(engine.state, "active", world)[: len(contacts)] != 0.0).reshape(len(contacts), -1).sum(axis=1)
     widest = [i for i, (low, high) in enumerate(window) if low <= -H or high >= H] or list(range(len(contacts)))
-    worst = max(widest, key=lambda i: hats[i])
+    worst = max(widest, key=lambda i: nodes[i])
     others = f"; further windows at full width: {len(widest) - 1}" if 1 < len(widest) < len(contacts) else ""
-    return f"at contact {contacts[worst].name!r}, which has {int(hats[worst])} active nodes{others}"
+    return f"at contact {contacts[worst].name!r}, which has {int(nodes[worst])} active nodes{others}"
 
 
 def _undetermined(engine: Engine, world: int) -> str:

@@ -81,7 +81,7 @@ class FilmGridError:
 def film_grid_errors(engine: Engine) -> dict[str, FilmGridError]:
     """Errors by name, of films of nodes, at the state of the last attempt of world 0."""
     films = enumerate(engine.scene.films)
-    return {str(film.name): _error_of(engine, i, film) for i, film in films if film.evaluation == "semi"}
+    return {str(film.name): _error_of(engine, i, film) for i, film in films if film.quadrature == "full"}
 
 
 class _Finer:
@@ -153,7 +153,7 @@ def _figures(engine: Engine, i: int, film: Film, by: tuple[int, int]) -> Array |
         slice(*(int(n) for n in getattr(films, f"{name}_start").numpy()[i : i + 2])) for name in ("function", "point")
     )
     finer, own = _Finer(film, by), basis_of(film)
-    basis: Basis = basis_of(finer, "semi")  # type: ignore[arg-type]
+    basis: Basis = basis_of(finer, "full")  # type: ignore[arg-type]
     shape = film.grid.columns, film.grid.rows
 
     def nodes(values: Array) -> Array:
@@ -313,11 +313,11 @@ def transport(basis: Basis, carried: Array) -> Any:
 
 
 class HatFilm:
-    """All nodes of a film at all points, whatever its own evaluation is."""
+    """All nodes of a film at all points, whatever its own quadrature is."""
 
     def __init__(self, film: Film) -> None:
         surface, body = film.a.surface, film.a.body
-        self.film, self.basis = film, basis_of(film, "semi")
+        self.film, self.basis = film, basis_of(film, "full")
         basis = self.basis
         columns = np.arange(film.grid.columns)
         self.opening = surface.compliance(columns) @ hat_gram(surface, 1)[0]  # (nodes, nodes) m/Pa

@@ -5,8 +5,8 @@ The pressure on nodes spaced by a RULE-th of this width has the error ERROR at i
 the pitch (rigid bearings, nodes compared with fine volumes: docs/studies/oil_film.md). An elastic surface flattens the
 film there, so the estimate is conservative.
 
-Film check. The online check of films of evaluation "hyper": a few axial profiles compared with all nodes, on states of
-the run.
+Film check. The online check of films of quadrature "reduced": a few axial profiles compared with all nodes, on states
+of the run.
 
 A run keeps up to `SEEN` states on the way, an equilibrium its own: positions, velocities, global coordinates, pressures
 and cavity fractions, and the rates of film and cavity fractions of the step. On `SAMPLED` of them (those of the largest
@@ -223,7 +223,7 @@ class FilmCheck:
 
     def note(self, film: Film) -> str:
         """The line for the report."""
-        label, states = f"{film.label}: evaluation 'hyper', axial_degrees {film.axial_degrees}", len(self.time)
+        label, states = f"{film.label}: quadrature 'reduced', axial_degrees {film.axial_degrees}", len(self.time)
         lost = f"no film of all nodes was found in {self.missed} of {states + self.missed} states of the run"
         if not states:
             return (
@@ -258,7 +258,7 @@ def cure_of(film: Film) -> str:
     even = tuple(range(0, max(film.axial_degrees) + 3, 2))
     more = even if not any(m % 2 for m in film.axial_degrees) else tuple(range(max(film.axial_degrees) + 2))
     tilts = "" if any(m % 2 for m in film.axial_degrees) else ", odd ones too where the shaft tilts"
-    return f"take more axial_degrees, as {more}{tilts}, or evaluation='semi'"
+    return f"take more axial_degrees, as {more}{tilts}, or quadrature='full'"
 
 
 @dataclass(frozen=True)
@@ -280,12 +280,12 @@ class _Seen:
 
 
 class FilmWatch:
-    """States of the films of evaluation "hyper" between smooth walls, the second rigid, of a run of user steps `first`
+    """States of films of quadrature "reduced" between smooth walls, the second rigid, of a run of user steps `first`
     to `last`."""
 
     def __init__(self, engine: Engine, first: int, last: int) -> None:
         self.films = [
-            i for i, film in enumerate(engine.scene.films) if film.evaluation == "hyper" and not _beyond(film)
+            i for i, film in enumerate(engine.scene.films) if film.quadrature == "reduced" and not _beyond(film)
         ]
         steps = np.unique(np.linspace(first, last, SEEN + 1).astype(int))[1:]
         self.steps = steps if self.films else steps[:0]
@@ -308,7 +308,7 @@ class FilmWatch:
 
 
 def check_films(engine: Engine, watch: FilmWatch, sampled: int = SAMPLED) -> dict[str, FilmCheck]:
-    """Checks by name of the film, of evaluation "hyper"."""
+    """Checks by name of the film, of quadrature "reduced"."""
     found = {}
     for i, seen in watch.seen.items():
         film = engine.scene.films[i]
@@ -319,15 +319,15 @@ def check_films(engine: Engine, watch: FilmWatch, sampled: int = SAMPLED) -> dic
 
 
 def film_check_notes(engine: Engine, checks: dict[str, FilmCheck]) -> list[str]:
-    """One note for each film of evaluation "hyper"."""
+    """One note for each film of quadrature "reduced"."""
     found = []
     for film in engine.scene.films:
         if str(film.name) in checks:
             found.append(checks[str(film.name)].note(film))
-        elif film.evaluation == "hyper":
+        elif film.quadrature == "reduced":
             found.append(
-                f"{film.label}: evaluation 'hyper'was not compared with all nodes, as {_beyond(film)}; compare "
-                "with evaluation='semi'"
+                f"{film.label}: quadrature 'reduced'was not compared with all nodes, as {_beyond(film)}; compare "
+                "with quadrature='full'"
             )
     return found
 

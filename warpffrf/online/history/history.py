@@ -176,7 +176,7 @@ class ContactHistory(reprs.Rows):
     load_second: np.ndarray  # (T, columns2, rows2) N, nodal forces on the second surface, positive inwards
     approach: np.ndarray  # (T,) m, rigid approach at mid-width: sum of radii minus the distance of the axes
     # ... or minus the smallest undeformed gap with closest-point kinematics
-    active_hats: np.ndarray  # (T,) int
+    active_nodes: np.ndarray  # (T,) int
     friction: FrictionHistory | None = None  # None if frictionless
     cells: CellHistory | None = None  # if `pressure` is constant on contact-fixed cells
 
@@ -227,11 +227,11 @@ class FilmHistory(reprs.Rows):
     force: np.ndarray  # (T, 3) N, on the first body, shear included; the opposite acts on the second
     torque: np.ndarray  # (T, 3) N m, on the first body, about its user origin
     torque_second: np.ndarray  # (T, 3) N m, on the second body, about its user origin, of the ground the world's
-    smallest_gap: np.ndarray  # (T,) m, at a point of the film; of evaluation "hyper" around nodes, the ends with them
+    smallest_gap: np.ndarray  # (T,) m, at a point of the film; of quadrature "reduced" around nodes, the ends with them
     largest_pressure: np.ndarray  # (T,) Pa
     pressure_loss: np.ndarray  # (T,) W, dissipated by pressure-driven flow, closing cavities and feeds
     friction_power: np.ndarray  # (T,) W, dissipated by sliding
-    feed_flow: np.ndarray  # (T,) m3/s, of oil in through feeds; NaN of evaluation "hyper"
+    feed_flow: np.ndarray  # (T,) m3/s, of oil in through feeds; NaN of quadrature "reduced"
     end_flow: np.ndarray  # (T,) m3/s, of oil out at the ends; likewise
     void_fraction: np.ndarray  # (T,) volume of cavities divided by that of the gap
     oil_volume: np.ndarray  # (T,) m3 in the film, at the density without pressure

@@ -137,7 +137,7 @@ def _contact(compiled: CompiledScene, i: int, rows: SavedRows, bodies: dict[str,
         force=force.copy(), torque=torque, force_second=force_second.copy(), torque_second=torque_second,
         first_column=x["saved_center"][:, 0] - m.window.half, center_column=x["saved_column"].copy(),
         pressure=pressure.copy(), first_column_second=x["saved_center"][:, 1] - m.window.second_half,
-        load_second=load.copy(), approach=approach, active_hats=x["saved_active"].astype(int),
+        load_second=load.copy(), approach=approach, active_nodes=x["saved_active"].astype(int),
         cells=None if plan is None else _cells(plan, rows["saved_patch"][:, i]),
     )  # fmt: skip
 

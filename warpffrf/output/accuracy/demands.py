@@ -120,7 +120,7 @@ def _grids(scene: Scene, result: Any, limits: Limits) -> list[Choice]:
     free = [
         c for c in scene.contacts if c.grid == AUTO and (c.name in chosen or runs[c.name].history.cells is not None)
     ]
-    ruled = [not c.friction.acts and c.evaluation == "semi" and np.any(runs[c.name].touching) for c in free]
+    ruled = [not c.friction.acts and c.quadrature == "full" and np.any(runs[c.name].touching) for c in free]
     if not all(ruled):
         return []
     errors = {c.name: _hats_errors(c, runs[c.name]) for c in free}

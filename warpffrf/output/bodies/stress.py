@@ -326,7 +326,7 @@ class PatchStress:
         """The stress (n, 6) of the nodal pressures at points (n, 3) of this body's flat chart; theta on its grid."""
         surface, shape = self.surface, self.surface.shape
         grid = surface.grid
-        whole = -self.span.coefficients(forces[None], "hats", grid.pitch, surface.gram_z)[0]
+        whole = -self.span.coefficients(forces[None], "nodes", grid.pitch, surface.gram_z)[0]
         middle = (theta - grid.theta_start) / grid.pitch
         loaded = np.flatnonzero(np.any(forces != 0.0, axis=1))
         away = loaded - middle

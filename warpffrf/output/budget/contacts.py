@@ -35,8 +35,8 @@ The lines have different remedies: `numerical` depends on the step, `contact_gri
 any step. The line that changed more between the rows of the largest rise or fall is named, with the other if it
 contributed more than `SHARE`.
 
-Films. Errors of oil films: with evaluation "hyper" a few axial profiles compared with all nodes, in states of the run;
-the grid of the nodes compared with finer ones, in the last state.
+Films. Errors of oil films: with quadrature "reduced" a few axial profiles compared with all nodes, in states of the
+run; the grid of the nodes compared with finer ones, in the last state.
 
 The smallest gap and the largest pressure are compared at the same force, the force at the same positions
 (`online.diagnosis.film_check`); force, flow and torque of finer grids at the same gap (`online.diagnosis.film_grid`).
@@ -142,7 +142,7 @@ def _beside(line: BudgetLine, share: float) -> BudgetLine:
 
 def _of_hats(found: Any, quantity: str) -> BudgetLine:
     """Error of the body-fixed grid by the rule, at the largest load."""
-    cure = "a finer grid (half_width= or traction_spacing= of reduce), or contact_fixed=True"
+    cure = "a finer grid (half_width= of the mesh, ContactGrid(spacing=)), or contact_fixed=True"
     of = f"{quantity} of contact {found.name!r}"
     if found.patch_kind not in PATCHES:
         return BudgetLine(GRID, of, np.nan, f"there is no rule for a patch that is {found.patch_kind!r}", cure)
@@ -202,10 +202,10 @@ def friction_lines(result: Any) -> list[BudgetLine]:
 
 
 def point_lines(result: Any) -> list[BudgetLine]:
-    """One line for each contact of evaluation "hyper"."""
+    """One line for each contact of quadrature "reduced"."""
     lines = []
     for contact in result.history.scene.contacts:
-        if contact.evaluation == "hyper" and np.any(result.contact(contact.name).touching):
+        if contact.quadrature == "reduced" and np.any(result.contact(contact.name).touching):
             check = check_sampling(contact, result.history)
             cure = "a smaller sampling_error of the first body"
             lines.append(BudgetLine(POINTS, _force(contact.name), check.force, "all points at sampled steps", cure))
@@ -328,9 +328,7 @@ def _missed(time: np.ndarray, force: np.ndarray, highest: float) -> tuple[float,
 
 SOURCE, OF = "energy ledger", "energy at hand"
 SHARE = 0.2  # of the gain or loss: a line with less is not named
-FINER_GRID = (
-    "a finer contact grid (expected_half_width= or traction_spacing= of reduce), or more cells of a patch (cells=)"
-)
+FINER_GRID = "a finer contact grid (expected_half_width= or spacing= of ContactGrid), or more cells of a patch (cells=)"
 
 
 def energy_lines(result: Any) -> list[BudgetLine]:

@@ -65,9 +65,9 @@ OPEN, STICK, SLIP = 0, 1, 2
 STATES = ("open", "stick", "slip")
 ROLLS = 1e-9  # of the largest rolling speed of the run: below it the contact is stationary, and creepage is undefined
 MOVES = 1e-6  # columns per step: a smaller advance of the patch is round-off
-MOST_CELLS = {"hats": 1.0, "cells": 2.5}  # columns per step up to which entering material is treated correctly
+MOST_CELLS = {"nodes": 1.0, "cells": 2.5}  # columns per step up to which entering material is treated correctly
 FRICTION_ERROR = 0.01  # of the largest friction force, up to that limit
-COARSER = {"hats": "a coarser contact grid", "cells": "fewer strips, Contact(..., cells=(strips, rows))"}
+COARSER = {"nodes": "a coarser contact grid", "cells": "fewer strips, Contact(..., cells=(strips, rows))"}
 
 # relative error of the loss in micro-slip, times the cube of the cells across the slip zone: two spheres in pre-sliding
 # compared with Mindlin and Deresiewicz: 58, 4.8, 15, 3.2, 1.0, -4.8, -0.9 % with 0.63, 0.81, 1.0, 1.1, 1.3, 1.4 and 1.9

@@ -73,7 +73,7 @@ class PairResult(reprs.Shown, ABC):
     tractions, slip and creepage of a contact with friction.
     """
 
-    loaded = "hats"  # carrier of the pressure
+    loaded = "nodes"  # carrier of the pressure
 
     _hidden = frozenset(
         {
@@ -98,7 +98,7 @@ class PairResult(reprs.Shown, ABC):
         "distance of the axes at mid-width, for closest points minus the smallest undeformed gap. Negative if they are "
         "apart."
     )
-    active_hats = Recorded("(T,) number of active nodes of the contact grid, or of loaded cells.")
+    active_nodes = Recorded("(T,) number of active nodes of the contact grid, or of loaded cells.")
 
     def __init__(self, history: Any, view: PairView, bodies: dict[str, Any] | None = None) -> None:
         """bodies: motions by name, `History.bodies`; without them both user frames are at the world's origin."""

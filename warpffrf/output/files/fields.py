@@ -88,7 +88,7 @@ CONTACT_FIELDS = (
     Field("contact_force_second", "force_second", "N", "world, on the second body", AXIS),
     Field("contact_torque_second", "torque_second", "N m", f"{USER_ORIGIN}, on the second body", AXIS),
     Field("contact_approach", "approach", "m", "along the line of centres"),
-    Field("contact_active_hats", "active_hats", "1", "none"),
+    Field("contact_active_nodes", "active_nodes", "1", "none"),
     Field("contact_first_column", "first_column", "1", "contact grid of the first surface"),
     Field("contact_center_column", "center_column", "1", "contact grid of the first surface"),
     Field("contact_first_column_second", "first_column_second", "1", "contact grid of the second surface"),

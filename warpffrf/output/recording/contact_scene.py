@@ -205,13 +205,13 @@ FRICTION_PLOTS = {
 
 
 def contact_series(contact: Any) -> list[Series]:
-    """Entities `plots/<kind>/<pair>` and `solver/active_hats/<pair>`; NaN where a quantity is undefined."""
+    """Entities `plots/<kind>/<pair>` and `solver/active_nodes/<pair>`; NaN where a quantity is undefined."""
     name = contact.name
     found: list[Series] = [
         (("plots", "force", name), f"{name} [kN]", contact.force_magnitude * 1e-3),
         (("plots", "peak_pressure", name), f"{name} [MPa]", contact.peak_pressure * 1e-6),
         (("plots", "half_width", name), f"{name} along the arc [µm]", contact.half_width * 1e6),
-        (("solver", "active_hats", name), f"{name} active {contact.loaded}", contact.active_hats),
+        (("solver", "active_nodes", name), f"{name} active {contact.loaded}", contact.active_nodes),
     ]
     if contact.patch_kind == "point":
         along = contact.half_widths[:, 1] * 1e6

@@ -69,7 +69,7 @@ def blueprint(recorder: Any) -> Any:
         rrb.TimeSeriesView(
             origin="/solver/iterations", contents=["/solver/iterations", "/solver/factorisations"], name="Newton"
         ),
-        rrb.TimeSeriesView(origin="/solver/active_hats", name="Active hats or cells"),
+        rrb.TimeSeriesView(origin="/solver/active_nodes", name="Active nodes or cells"),
         rrb.TimeSeriesView(
             origin="/solver/energy_residual", name="Energy residual [-]", axis_y=_axis([result.energy_residual], 1.0)
         ),

@@ -30,7 +30,7 @@ KINDS = {
     "flat": "flat faces",
 }
 
-CARRIERS = {"hats": "nodes of the contact grid", "cells": "cells of the patch"}
+CARRIERS = {"nodes": "nodes of the contact grid", "cells": "cells of the patch"}
 
 
 def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") -> str:
@@ -104,7 +104,7 @@ def _contact_lines(contact: Any) -> list[str]:
         f"  peak pressure   {contact.mid_peak_pressure[-1] / 1e6:.5g} MPa {_section(contact)}, "
         f"{contact.peak_pressure[-1] / 1e6:.5g} MPa anywhere",
         f"  approach        {without_round_off(contact.approach[-1], LENGTH) * 1e6:.5g} um",
-        f"  loaded          {int(contact.active_hats[-1])} {CARRIERS[contact.loaded]}",
+        f"  loaded          {int(contact.active_nodes[-1])} {CARRIERS[contact.loaded]}",
     ]
     try:
         found = hertz(contact, -1)

@@ -1,7 +1,7 @@
 """Choices of a study, and the combinations to run.
 
     step, local, integrator             options of `simulate`
-    grid, evaluation, cell_error        of all distributed contacts of the scene
+    grid, quadrature, cell_error        of all distributed contacts of the scene
     inertia                             of all flexible bodies
     stiffening                          of flexible bodies reduced with it
     any other name                      a parameter of the scene builder: mesh, modes, spacing, ...
@@ -30,7 +30,7 @@ from warpffrf.online.local_dynamics import TREATMENTS
 from warpffrf.output.simulate import DEFAULT_INTEGRATOR
 
 RUN = ("step", "local", "integrator")
-CONTACT = ("grid", "evaluation", "cell_error")
+CONTACT = ("grid", "quadrature", "cell_error")
 BODY = ("inertia", "stiffening")
 BUILT_IN = (*RUN, *CONTACT, *BODY)
 STEP_RATIOS = (2.0, 1.0, 0.5, 0.25)
@@ -154,7 +154,7 @@ def _patch_ready(contact: Any) -> bool:
 def _contact_choices(scene: Any, base: Setting, found: Choices) -> list[Setting]:
     """Compatible grids and evaluations."""
     if not scene.contacts:
-        found.left_out.append(("grid, evaluation", "all", "the scene has no distributed contact"))
+        found.left_out.append(("grid, quadrature", "all", "the scene has no distributed contact"))
         return [{}]
     pairs: list[Setting] = [{}]  # "auto" uses the patch if possible
     if all(_patch_ready(contact) for contact in scene.contacts):
@@ -162,7 +162,7 @@ def _contact_choices(scene: Any, base: Setting, found: Choices) -> list[Setting]
     else:
         found.left_out.append(("grid", "contact_fixed", "a body in contact was reduced without contact_fixed=True"))
     if all(contact.a.surface.sampling is not None for contact in scene.contacts):
-        pairs.append({"grid": "body_fixed", "evaluation": "hyper"})
+        pairs.append({"grid": "body_fixed", "quadrature": "reduced"})
     else:
-        found.left_out.append(("evaluation", "hyper", "a first body was reduced without sampling_error"))
+        found.left_out.append(("quadrature", "reduced", "a first body was reduced without sampling_error"))
     return pairs

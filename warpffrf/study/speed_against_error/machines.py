@@ -185,7 +185,9 @@ def applied(scene: Any, setting: Setting) -> Iterator[None]:
         raise InputError(f"no body is flexible, and there is no {' or '.join(asked)} to choose")
     stiffened = [body for body in flexible if can_stiffen(body)] if "stiffening" in setting else []
     if setting.get("stiffening") and not stiffened:
-        raise InputError("stiffening is asked for, and no body was reduced with it; reduce(..., stiffening=True)")
+        raise InputError(
+            "stiffening is asked for, and no body was reduced with it; use ReductionOptions(stiffening=True)"
+        )
     wanted = {name: setting[name] for name in CONTACT if name in setting}
     before = [(contact, {name: getattr(contact, name) for name in wanted}) for contact in scene.contacts]
     levels = [(body, body.level, body.stiffening) for body in flexible]
@@ -208,7 +210,7 @@ def applied(scene: Any, setting: Setting) -> Iterator[None]:
 def _set_all(contact: Any, old: Mapping[str, Any], values: Mapping[str, Any]) -> None:
     """Set options of a contact that must be compatible: the grid is first set to a value that allows all, then to the
     requested one."""
-    if "grid" in values and "evaluation" in values:
+    if "grid" in values and "quadrature" in values:
         contact.grid = "body_fixed"
     for name in sorted(values, key=lambda name: name == "grid"):
         setattr(contact, name, values[name])

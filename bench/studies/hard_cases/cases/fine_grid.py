@@ -16,7 +16,7 @@ from warpffrf.model import surfaces
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.output.result import Result
 
 SECTORS, FINER, LOAD = 60, 10, 20e3  # N
@@ -27,8 +27,8 @@ def _body() -> ReducedBody:
     mesh = roller(0.05, 0.015, 0.02, sectors=SECTORS, layers=3, axial=2, grading=1.5, order=1)
     spacing = 2.0 * np.pi * 0.05 / SECTORS / FINER
     return reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=4, contact_fixed=False,
-        traction_spacing=spacing, cache=False, progress=False,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=4,
+        grid=ContactGrid(contact_fixed=False, spacing=spacing), cache=False, progress=False,
     )  # fmt: skip
 
 

@@ -24,7 +24,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import ContactGrid, reduce
 from warpffrf.output.result import Result
 
 MM, TONNE = 1e3, 1e-3  # in the numbers of the other system
@@ -42,8 +42,8 @@ def _block(length: float, mass: float) -> ReducedBody:
     mesh = box(sides, (10, 10, 3), center=(0.0, 0.0, -0.5 * sides[2]), order=1)
     top = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0), direction=(0.0, 1.0, 0.0))
     return reduce(
-        mesh, _steel(length, mass), interfaces={"z_min": "rigid"}, contact={"z_max": top}, modes=4, tangential=True,
-        contact_fixed=False, cache=False, progress=False,
+        mesh, _steel(length, mass), interfaces={"z_min": "rigid"}, contact={"z_max": top}, modes=4,
+        grid=ContactGrid(tangential=True, contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
 
 

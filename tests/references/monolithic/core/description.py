@@ -168,7 +168,7 @@ def inertia_level(body: Any) -> str:
     terms = body.reduced.inertia_terms
     if body.stiffening and (terms is None or terms.stiffening is None):
         raise InputError(
-            f"body {body.name!r}: it was reduced without geometric stiffening; use reduce(..., stiffening=True)"
+            f"body {body.name!r}: it was reduced without geometric stiffening; use ReductionOptions(stiffening=True)"
         )
     if body.level == "auto":
         return "constant" if terms is None else "full"

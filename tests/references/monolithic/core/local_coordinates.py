@@ -118,7 +118,7 @@ def _refuse_many(count: int, label: str) -> None:
     if count > MOST_COORDINATES:
         raise InputError(
             f"{label}: the monolithic reference would need {count} local coordinates, at most {MOST_COORDINATES} "
-            "per body are possible; use warpffrf.simulate, or reduce with a coarser traction_spacing"
+            "per body are possible; use warpffrf.simulate, or reduce with a coarser contact grid, ContactGrid(spacing=)"
         )
 
 

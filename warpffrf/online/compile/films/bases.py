@@ -1,9 +1,9 @@
 r"""Functions of the pressure of a film, and the points where its equations are evaluated.
 
-*Nodes* ("semi"): one function per node of the grid, each with its own cavity fraction; Gauss points, `ACROSS` x `ALONG`
+*Nodes* ("full"): one function per node of the grid, each with its own cavity fraction; Gauss points, `ACROSS` x `ALONG`
 in each cell, on the true surface.
 
-*Strips* ("hyper"): circumferential nodal functions times axial polynomials, with zeta from -1 to 1 between the ends,
+*Strips* ("reduced"): circumferential nodal functions times axial polynomials, with zeta from -1 to 1 between the ends,
 
     phi_jm = psi_j(theta) (1 - zeta^2) (zeta^m - c_m),
 
@@ -65,9 +65,9 @@ class Basis:
         return len(self.given)
 
 
-def basis_of(film: Film, evaluation: str | None = None) -> Basis:
-    """The basis for the given evaluation of a film, its own or another one."""
-    return _strips(film, film.axial_degrees) if (evaluation or film.evaluation) == "hyper" else _hats(film)
+def basis_of(film: Film, quadrature: str | None = None) -> Basis:
+    """The basis for the given quadrature of a film, its own or another one."""
+    return _strips(film, film.axial_degrees) if (quadrature or film.quadrature) == "reduced" else _hats(film)
 
 
 def radius_at(surface: ContactSurface, z: Array) -> Array:

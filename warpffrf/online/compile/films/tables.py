@@ -183,7 +183,7 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
         )
     if film.mixed.asperities is not None and film.mixed.asperities.remark:
         collector.notes.append(f"{film.label}: {film.mixed.asperities.remark}")
-    if film.evaluation == "hyper":
+    if film.quadrature == "reduced":
         collector.notes.append(
             f"{film.label}: its pressure consists of {len(free)} profiles in place of {hats} nodes, which balance "
             "its oil in the axial mean: flows through feeds and ends are not recorded"
@@ -191,7 +191,7 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     elif len(free) > MANY:
         collector.notes.append(
             f"{film.label}: {len(free)} unknown pressures, and each iteration factors a matrix of this order; "
-            "evaluation='hyper' uses an axial profile in place of rows"
+            "quadrature='reduced' uses an axial profile in place of rows"
         )
     if collector.local.count(body.index) or (not film.b.rigid and collector.local.count(film.b.body.index)):
         collector.notes.append(f"{film.label}: local modes respond without inertia to its pressure")
@@ -238,7 +238,7 @@ def _presses(film: Film, basis: Basis) -> tuple[Array, Array, Array]:
     the area of each [m2] (places, some): points, or, for profiles, which are evaluated at few points, nodes.
     """
     points = len(basis.weight)
-    if film.evaluation != "hyper":
+    if film.quadrature != "reduced":
         return np.arange(points), basis.function, basis.value * basis.weight[:, None]
     forces = sp.csr_matrix(sp.csr_matrix(hat_gram(film.a.surface, 1)[0]) @ basis.to_hats)
     counts = np.diff(forces.indptr)

@@ -1,4 +1,4 @@
-"""Evaluation "hyper" beside "semi": the same contact at a third of the points, on the line of centres and at points."""
+"""Quadrature "reduced" compared with "full": the same contact at a third of the points, for both kinematics."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from warpffrf.model import signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ALL_ALONG, ALL_AROUND, Sampling, gauss_points
 from warpffrf.model.scene import Scene
 from warpffrf.offline.contact.cubature import all_points, choose_sampling
@@ -33,17 +33,17 @@ def sampled(body: ReducedBody, error: float = WANTED) -> ReducedBody:
     return replace(body, contact_surfaces={"rim": replace(rim, sampling=choose_sampling(rim, error))})
 
 
-def evaluated(scene: Scene, evaluation: str) -> Scene:
-    scene.contacts[0].evaluation = evaluation
+def evaluated(scene: Scene, quadrature: str) -> Scene:
+    scene.contacts[0].quadrature = quadrature
     for body in scene.bodies:
         body.level = "constant"
     return scene
 
 
-def pressing(first: ReducedBody, second: ReducedBody, evaluation: str, **more: Any) -> Scene:
+def pressing(first: ReducedBody, second: ReducedBody, quadrature: str, **more: Any) -> Scene:
     """Rollers that are pressed together harder while they begin to roll, their grids sliding along each other."""
     load = signals.SmoothStep(40e3, 80e3, duration=1e-3)
-    return evaluated(guided_pair(first, second, load=load, speed=60.0, ramp=1e-3, **more), evaluation)
+    return evaluated(guided_pair(first, second, load=load, speed=60.0, ramp=1e-3, **more), quadrature)
 
 
 # of force and approach. Equal grids roll at one phase, where few points see what all see. On unequal ones these patches
@@ -69,21 +69,21 @@ def test_a_third_of_the_points_gives_the_same_contact(pair, at_points: bool) -> 
     surface = first.contact_surfaces["rim"]
     assert 3 * surface.sampling.count <= len(gauss_points(surface.grid.rows, ALL_AROUND, ALL_ALONG)[0])
     settings = Settings(force_points=at_points)
-    semi, hyper = (
+    full, reduced = (
         run(
-            pressing(first, second, evaluation), 2e-3, step=STEP, start="equilibrium", progress=False,
+            pressing(first, second, quadrature), 2e-3, step=STEP, start="equilibrium", progress=False,
             settings=settings,
         )
-        for evaluation in ("semi", "hyper")
+        for quadrature in ("full", "reduced")
     )  # fmt: skip
-    assert semi.status == hyper.status == "completed", semi.message + hyper.message
-    a, b = semi.contacts[PAIR], hyper.contacts[PAIR]
+    assert full.status == reduced.status == "completed", full.message + reduced.message
+    a, b = full.contacts[PAIR], reduced.contacts[PAIR]
     size = np.linalg.norm(a.force, axis=1)
     assert size.min() > 1e4
     assert np.abs(np.linalg.norm(b.force, axis=1) / size - 1.0).max() < tolerance
     assert np.abs(a.approach - b.approach).max() < tolerance * np.abs(a.approach).max()
     assert np.abs(b.force + b.force_second).max() < 1e-9 * size.max()  # action and reaction
-    note = [text for text in hyper.notes if "evaluation 'hyper'" in text]
+    note = [text for text in reduced.notes if "quadrature 'reduced'" in text]
     assert len(note) == 1 and f"{surface.sampling.count} of" in note[0]
 
 
@@ -93,20 +93,20 @@ def test_the_check_foretells_the_difference_at_a_held_approach(plain_body, other
     path = Path.of([2e-3, 2e-3], 0.013)
     first = sampled(plain_body, 0.1)
     found = {}
-    for evaluation in ("semi", "hyper"):
-        scene = evaluated(prescribed_pair(first, other_body, path), evaluation)
-        found[evaluation] = run(scene, 1e-6, step=1e-6, start="equilibrium", progress=False)
-        assert found[evaluation].status == "completed", found[evaluation].message
-    semi, hyper = (h.contacts[PAIR] for h in found.values())
-    np.testing.assert_array_equal(semi.pressure[0] > 0.0, hyper.pressure[0] > 0.0)
+    for quadrature in ("full", "reduced"):
+        scene = evaluated(prescribed_pair(first, other_body, path), quadrature)
+        found[quadrature] = run(scene, 1e-6, step=1e-6, start="equilibrium", progress=False)
+        assert found[quadrature].status == "completed", found[quadrature].message
+    full, reduced = (h.contacts[PAIR] for h in found.values())
+    np.testing.assert_array_equal(full.pressure[0] > 0.0, reduced.pressure[0] > 0.0)
     rim = first.contact_surfaces["rim"]
     weight = np.kron(
-        ContactGrid.gram_theta(replace(rim.grid, columns=semi.pressure.shape[1], periodic=False)), rim.gram_z
+        SurfaceGrid.gram_theta(replace(rim.grid, columns=full.pressure.shape[1], periodic=False)), rim.gram_z
     )
-    change, whole = (hyper.pressure[0] - semi.pressure[0]).ravel(), semi.pressure[0].ravel()
+    change, whole = (reduced.pressure[0] - full.pressure[0]).ravel(), full.pressure[0].ravel()
     pressure = float(np.sqrt(change @ weight @ change / (whole @ weight @ whole)))
-    forces = [float(np.linalg.norm(c.force[0])) for c in (semi, hyper)]
-    check = check_sampling(found["hyper"].scene.contacts[0], found["hyper"], 1)
+    forces = [float(np.linalg.norm(c.force[0])) for c in (full, reduced)]
+    check = check_sampling(found["reduced"].scene.contacts[0], found["reduced"], 1)
     assert pressure > 0.01
     assert check.pressure == pytest.approx(pressure, rel=0.3)  # global modes yield, and 2 mm is not small
     assert check.force == pytest.approx(abs(forces[1] / forces[0] - 1.0), abs=0.3 * pressure)
@@ -122,8 +122,8 @@ def test_all_points_as_a_list_are_all_points(pair, at_points: bool) -> None:
     listed = replace(first, contact_surfaces={"rim": replace(rim, sampling=every)})
     path = Path.of([6e-4, 9e-4], [0.0, 0.021], [0.0, -0.017])
     found = []
-    for evaluation in ("semi", "hyper"):
-        scene = evaluated(prescribed_pair(listed, second, path, tilt=1e-3), evaluation)
+    for quadrature in ("full", "reduced"):
+        scene = evaluated(prescribed_pair(listed, second, path, tilt=1e-3), quadrature)
         history = StaticPath(scene, settings=Settings(force_points=at_points)).solve(2)
         assert history.status == "completed", history.message
         found.append(history.contacts[PAIR])
@@ -144,9 +144,9 @@ def test_against_a_rigid_partner(plain_body, shape: str) -> None:
         "sphere": surfaces.Sphere(radius=0.5, axis_point=(0.0, 0.0, -0.55), axis_direction=(0.0, 1.0, 0.0)),
     }
     forces = []
-    for evaluation in ("semi", "hyper"):
+    for quadrature in ("full", "reduced"):
         scene = pressed(sampled(plain_body), shapes[shape], [8e-4, 1.2e-3], angle=[0.0, 0.013])
-        scene.contacts[0].evaluation = evaluation
+        scene.contacts[0].quadrature = quadrature
         result = solved(scene, 2)
         assert result.status == "completed", result.message
         contact = result.history.contacts["pair"]
@@ -160,7 +160,7 @@ def test_against_a_rigid_partner(plain_body, shape: str) -> None:
 
 def test_the_tangent_in_the_stress_modes_is_symmetric_and_definite(pair) -> None:
     first, second, _ = pair
-    engine = Engine(pressing(first, second, "hyper"))
+    engine = Engine(pressing(first, second, "reduced"))
     assert settle(engine)
     active = int(np.count_nonzero(engine.state.active.numpy()))
     slots = int(np.count_nonzero(engine.scratch.slot_of.numpy()[0] >= 0))
@@ -176,9 +176,9 @@ def test_no_energy_is_gained_by_rolling_and_unloading(plain_body, other_body) ->
     contact energy by as much as with all points."""
     goes_on = Settings(most_made=0.0)  # whatever a grid of so few columns makes of the energy
     unaccounted, gained = [], []
-    for evaluation in ("semi", "hyper"):
+    for quadrature in ("full", "reduced"):
         down = signals.SmoothStep(80e3, 20e3, duration=2e-3, delay=1e-3)
-        scene = evaluated(guided_pair(sampled(plain_body), other_body, load=down, speed=60.0, ramp=1e-3), evaluation)
+        scene = evaluated(guided_pair(sampled(plain_body), other_body, load=down, speed=60.0, ramp=1e-3), quadrature)
         history = run(scene, 4e-3, step=STEP, start="equilibrium", progress=False, settings=goes_on)
         assert history.status == "completed", history.message
         contact = float(history.energy["contact"].max())
@@ -196,7 +196,7 @@ def test_points_off_the_stations_are_looked_at_in_the_general_way(plain_body) ->
     moved = replace(points, zeta=np.clip(points.zeta + 0.01, 0.0, 1.0))
     for sampling, family in ((points, 0), (moved, 1)):
         body = replace(plain_body, contact_surfaces={"rim": replace(rim, sampling=sampling)})
-        scene = pressing(body, plain_body, "hyper")
+        scene = pressing(body, plain_body, "reduced")
         assert on_stations(scene.contacts[0], ALL_AROUND, ALL_ALONG) == (family == 0)
         model = Engine(scene).compiled.model
         assert int(model.pairs.family.numpy()[0]) == family
@@ -204,6 +204,6 @@ def test_points_off_the_stations_are_looked_at_in_the_general_way(plain_body) ->
 
 
 def test_what_is_refused(plain_body) -> None:
-    scene = pressing(plain_body, plain_body, "semi")
-    with pytest.raises(InputError, match="hyper"):
-        Contact(scene.body("lower")["rim"], scene.body("upper")["rim"], evaluation="hyper")
+    scene = pressing(plain_body, plain_body, "full")
+    with pytest.raises(InputError, match="reduced"):
+        Contact(scene.body("lower")["rim"], scene.body("upper")["rim"], quadrature="reduced")
