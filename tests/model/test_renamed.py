@@ -9,6 +9,7 @@ import pytest
 import warpffrf as wf
 from warpffrf.model.errors import InputError, suggestion
 from warpffrf.model.renamed import RENAMED
+from warpffrf.output.result import Result
 from warpffrf.scene_file.forms import value_kinds
 
 MODULES: tuple[Any, ...] = (wf, wf.films, wf.forces, wf.laws, wf.bearings)
@@ -19,7 +20,8 @@ WORDS = {"contact_fixed", "body_fixed", "closest_point", *wf.films.CAVITATIONS} 
 @pytest.mark.parametrize("old", RENAMED)
 def test_every_new_name_is_one(old: str) -> None:
     known = {*WORDS, *value_kinds(), *(kind.kind for kind in (wf.forces.BearingSpring,))}
-    known |= {name for module in MODULES for name in dir(module)}
+    known |= {name for module in MODULES for name in dir(module)} | {f"surfaces.{name}" for name in dir(wf.surfaces)}
+    known |= {*dir(Result), "contacts"}
     known |= {name for call in CALLS for name in inspect.signature(call).parameters}
     assert [new for new in RENAMED[old] if new not in known] == []
     assert suggestion(old, list(known)) == f"; it is called {RENAMED[old][0]!r} now"
@@ -36,7 +38,13 @@ def test_scripts_written_before_are_answered() -> None:
     call: Any = wf.reduce
     with pytest.raises(TypeError, match="'patch_grid'; it is called 'contact_fixed' now"):
         call(None, None, patch_grid=True)
-    scene = wf.Scene()
+    with pytest.raises(AttributeError, match="'LapCells'; it is called 'surfaces.Matched' now"):
+        wf.LapCells  # noqa: B018  # pyright: ignore[reportAttributeAccessIssue]
+    with pytest.raises(TypeError, match="'laps'; it is called 'contact' now"):
+        call(None, None, laps={})
+    scene: Any = wf.Scene()
+    with pytest.raises(AttributeError, match="no attribute 'lap'; it is called 'contact' now"):
+        scene.lap("joint")
     port: Any = scene.ground.surface(wf.surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
     with pytest.raises(TypeError, match="'gaps'; it is called 'kinematics' now"):
         wf.Contact(port, port, gaps="points")  # pyright: ignore[reportCallIssue]

@@ -89,7 +89,7 @@ def unknown_name(kind: str, name: object, known: Iterable[str]) -> InputError:
 
 def suggestion(name: str, known: Sequence[str]) -> str:
     """ "; did you mean 'x'? known: ..." for a name that does not exist, or the new name of a renamed one."""
-    now = [new for new in RENAMED.get(name, ()) if new in known]
+    now = [new for new in RENAMED.get(name, ()) if new.split(".")[0] in known]
     if now:
         return f"; it is called {now[0]!r} now"
     close = get_close_matches(name, known, n=1)

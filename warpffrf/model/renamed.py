@@ -8,6 +8,10 @@ RENAMED: dict[str, tuple[str, ...]] = {
     # surfaces and grids of contact
     "patch_grid": ("contact_fixed",), "patch": ("contact_fixed",), "material": ("body_fixed",),
     "gaps": ("kinematics",), "points": ("closest_point",),
+    # small sliding
+    "Lap": ("Contact",), "LapCells": ("surfaces.Matched",), "laps": ("contact", "contacts"), "lap": ("contact",),
+    "lap_cells": ("matched",), "lap_names": ("small_sliding_names",), "lap_page": ("small_sliding_page",),
+    "interference": ("sliding",), "tangential_stiffness": ("sliding",),
     # oil films
     "Groove": ("AxialGroove",), "Ring": ("CircumferentialGroove",), "Hole": ("SupplyHole",),
     "oil_groove": ("axial_groove",), "oil_ring": ("circumferential_groove",), "oil_hole": ("supply_hole",),

@@ -16,11 +16,10 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, require_number
-from warpffrf.model.laps import LapCells
-from warpffrf.model.laps.lap_surface import lap_cells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced.contact_grid import KINDS, require_kind
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline.bases import Basis, basis_options
 from warpffrf.offline.contact.hat_loads import ContactFacets
 from warpffrf.offline.inertia.invariants import require_cells
@@ -60,7 +59,7 @@ class Settings:
     memory_limit: int | None
     sampling_error: float | None = None
     contact_fixed: bool | None = None
-    laps: dict[str, LapCells] = field(default_factory=dict)
+    laps: dict[str, Matched] = field(default_factory=dict)
     membrane_modes: int | None = None
 
     @classmethod
@@ -88,7 +87,6 @@ class Settings:
         memory_limit: float | None,
         sampling_error: float | None = None,
         contact_fixed: bool | None = None,
-        laps: Mapping[str, Any] | None = None,
         membrane_modes: int | None = None,
     ) -> Settings:
         """The settings for the arguments of `reduce`, checked as far as possible without the mesh."""
@@ -132,10 +130,11 @@ class Settings:
             )
         if tangential is True:
             tangential = TANGENTIAL
+        faces = _by_set(contact, "contact", '{"rim": surfaces.Cylinder()}, None for a fitted shape')
         return cls(
             material=material,
             interfaces=_by_set(interfaces, "interfaces", '{"bore": "rigid"}'),
-            contact=_by_set(contact, "contact", '{"rim": surfaces.Cylinder()}, None for a fitted shape'),
+            contact={name: shape for name, shape in faces.items() if not isinstance(shape, Matched)},
             basis=options,
             max_frequency=max_frequency,
             modes=None if modes is None else _count(modes, "modes"),
@@ -154,7 +153,7 @@ class Settings:
             memory_limit=memory_limit,
             sampling_error=sampling_error,
             contact_fixed=contact_fixed,
-            laps=lap_cells(laps),
+            laps={name: wanted.called(name) for name, wanted in faces.items() if isinstance(wanted, Matched)},
             membrane_modes=membrane_modes,
         )
 
@@ -192,7 +191,7 @@ class Settings:
         if self.periodic is False:
             return "periodic=False"
         if self.laps:
-            return "laps: the compliance of their cells is computed on the general path"
+            return "surfaces.Matched: the compliance of its cells is computed on the general path"
         if self.stiffening:
             return f"stiffening={self.stiffening!r}: geometric stiffness is computed on the general path"
         if self.basis.kind not in CYCLIC_BASES or self.basis != type(self.basis)():

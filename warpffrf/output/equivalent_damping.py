@@ -120,7 +120,7 @@ def equivalent_damping(
             )
     if not np.all(numbers[:, 0] > 0.0):
         notes.append("where nothing slips the loss is zero; of micro-slip smaller than a cell, smaller cells see more")
-    names = [lap.name for lap in modes.scene.laps]
+    names = [lap.name for lap in modes.scene.small_sliding]
     return EquivalentDamping(
         mode=i, linear_frequency=mode.omega / (2.0 * np.pi), place="the mode's coordinate" if at is None else at.label,
         unit="m kg^(1/2)" if at is None else "m", amplitude=given, coordinate=given / unit, loss=numbers[:, 0],

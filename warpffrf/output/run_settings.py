@@ -23,7 +23,7 @@ PLACES = ("position", "center_of_mass", "point")
 SHOWN = 6  # numbers of a row of them; of more the first that differs
 KINDS = {
     "bodies": "body", "joints": "joint", "drives": "drive", "forces": "force", "contacts": "contact",
-    "lumped_contacts": "lumped contact", "films": "film", "laps": "lap",
+    "lumped_contacts": "lumped contact", "films": "film",
 }  # fmt: skip
 
 

@@ -196,7 +196,7 @@ def _what_is_run(scene: Any, duration: Any, step: Any, start: Any, kind: str) ->
 
 def _holds(scene: Any) -> str:
     """What a scene is made of, in a few words."""
-    kinds = {"body": scene.bodies, "joint": scene.joints, "contact": scene.contacts, "film": scene.films}
+    kinds = {"body": scene.bodies, "joint": scene.joints, "contact": scene.finite_sliding, "film": scene.films}
     counts = [(len(items), kind) for kind, items in kinds.items() if len(items)]
     named = (f"{n} {kind if n == 1 else kind.replace('y', 'ie') + 's'}" for n, kind in counts)
     return ", ".join(named) or "an empty scene"

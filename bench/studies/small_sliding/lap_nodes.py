@@ -325,7 +325,7 @@ Elements along the lower sheet, whose facets are the cells, and along the upper 
 
 A strip of {SQUARES} square facets, {NARROW * 1e3:.3g} mm wide, loads in proportion to the width. Beside full finite
 elements with every facet, and with every node (two along a facet, three across). *Graded*: cells grow away from the
-edges of the bolts' heads through the sheet, `LapCells(growth=, fine=heads)`. Targets: pressure 5 %
+edges of the bolts' heads through the sheet, `surfaces.Matched(growth=, fine=heads)`. Targets: pressure 5 %
 (L2), loss 15 % in partial slip and 1 % near macro slip, amplitude 0.5 %.
 
 {table(["cells", "count", "load", "pressure", "loss", "amplitude", "pressure, nodes", "loss, nodes",

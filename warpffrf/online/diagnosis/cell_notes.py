@@ -220,7 +220,7 @@ def near_patches(scene: Scene, history: History) -> list[str]:
     """Notes on patches of one surface that come so near to each other that the mesh errs between them."""
     sides = [
         (contact, port, side)
-        for contact in scene.contacts
+        for contact in scene.finite_sliding
         if contact.name in history.contacts and history.contacts[contact.name].cells is not None
         for side, port in enumerate(contact.ports)
         if not port.rigid

@@ -27,6 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.laps.sliding import cells_of
 from warpffrf.online.checkpoint import off_end_of
 from warpffrf.online.compile.laps import lap_order
 from warpffrf.online.engine import Engine
@@ -157,9 +158,9 @@ class RubbingMode:
 
     def _cells(self) -> dict[str, slice]:
         found, start = {}, 0
-        for number in lap_order(self.engine.scene.laps):
-            lap = self.engine.scene.laps[number]
-            count = len(lap.cells().cell)
+        for number in lap_order(self.engine.scene.small_sliding):
+            lap = self.engine.scene.small_sliding[number]
+            count = len(cells_of(lap).cell)
             found[lap.name] = slice(start, start + count)
             start += count
         return found
@@ -219,7 +220,7 @@ def _mixed(met: list[tuple[Array, Array]]) -> tuple[Array, Array]:
 def rubbing_mode(modes: SceneModes, i: int) -> RubbingMode:
     """Mode i of `modes`. Raises `InputError` for scenes without laps, and for modes that are no standing vibration."""
     label, linear, value = "equivalent_damping", modes.linear, modes.eigenvalues[i]
-    if not modes.scene.laps:
+    if not modes.scene.small_sliding:
         raise InputError(f"{label}: the scene has no lap; damping_ratios has all that is linear")
     if linear.turning:
         raise InputError(

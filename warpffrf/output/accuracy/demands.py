@@ -87,7 +87,7 @@ def contact_choices(scene: Scene, result: Any, lines: Sequence[BudgetLine], limi
     """Grids and cells of contacts that were loaded; `scene`: as the user gave it."""
     found = _grids(scene, result, limits)
     leaning = {line.of: line for line in lines if line.source == contacts.GAPS and line.size > limits.force}
-    for contact in scene.contacts:
+    for contact in scene.finite_sliding:
         if (line := leaning.get(f"moment of contact {contact.name!r}")) is not None and contact.kinematics == AUTO:
             found.append(Choice(KINEMATICS, contact.name, "closest_point", line.basis))
         loaded = result.contact(contact.name)
@@ -116,10 +116,12 @@ def _grids(scene: Scene, result: Any, limits: Limits) -> list[Choice]:
     """Of contacts whose grid is left to the program and that can have cells: hats, if they are right enough for all of
     them, since one body has no contacts on both; else what the program takes by itself. None without a rule for each.
     """
-    runs = {contact.name: result.contact(contact.name) for contact in scene.contacts}
-    chosen = {contact.name for contact in result.history.scene.contacts if contact.grid == HATS}
+    runs = {contact.name: result.contact(contact.name) for contact in scene.finite_sliding}
+    chosen = {contact.name for contact in result.history.scene.finite_sliding if contact.grid == HATS}
     free = [
-        c for c in scene.contacts if c.grid == AUTO and (c.name in chosen or runs[c.name].history.cells is not None)
+        c
+        for c in scene.finite_sliding
+        if c.grid == AUTO and (c.name in chosen or runs[c.name].history.cells is not None)
     ]
     ruled = [not c.friction.acts and c.evaluation == "semi" and np.any(runs[c.name].touching) for c in free]
     if not all(ruled):

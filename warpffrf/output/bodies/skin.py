@@ -8,7 +8,7 @@ forces of `patch_on_skin` are recovered in the same way, of bodies that were red
 load their first body by their pressure; their shear is left out. `laps` is what the forces s on the cells of laps do
 beside the global modes (`lap_loads`); where a body's file lacks it as too large, results say so (`lap_loads.left_out`).
 Pressure, traction and state of laps are those of `lap_faces`. Slip speed and wear are those of contacts: laps slip by
-distances, which `result.lap(name)` has. Stress is that of `skin_stress`, where the body was reduced with it.
+distances, which `result.contact(name)` has. Stress is that of `skin_stress`, where the body was reduced with it.
 
 Skin stress. Stress at the nodes of a skin, of bodies that were reduced with stress points there.
 

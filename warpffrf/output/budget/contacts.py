@@ -84,7 +84,7 @@ def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
     history = result.history
     checks, share = history.cell_checks, shares(history)
     lines: list[BudgetLine] = []
-    for number, contact in enumerate(history.scene.contacts):
+    for number, contact in enumerate(history.scene.finite_sliding):
         found = result.contact(contact.name)
         if not np.any(found.touching):
             continue
@@ -173,7 +173,7 @@ def hats_error(found: Any, spacing: float, quantity: str) -> float:
 def gap_lines(result: Any, engine: Engine) -> list[BudgetLine]:
     """One line for each loaded contact whose gaps are taken along lines of centres."""
     lines, families = [], engine.compiled.model.pairs.family.numpy()
-    for number, contact in enumerate(result.history.scene.contacts):
+    for number, contact in enumerate(result.history.scene.finite_sliding):
         if families[number] != LINE_OF_CENTRES or not np.any(result.contact(contact.name).touching):
             continue
         lean = Leaning.of(contact, result.history.contacts[contact.name], result.history)
@@ -187,7 +187,7 @@ def gap_lines(result: Any, engine: Engine) -> list[BudgetLine]:
 def friction_lines(result: Any) -> list[BudgetLine]:
     """One line for each contact whose patch of cells advances too fast for friction."""
     lines = []
-    for contact in result.history.scene.contacts:
+    for contact in result.history.scene.finite_sliding:
         found = result.contact(contact.name)
         if contact.friction.acts and found.loaded == "cells" and np.any(found.friction.too_fast):
             advance = float(np.nanmax(found.friction.cells_per_step))
@@ -206,7 +206,7 @@ def friction_lines(result: Any) -> list[BudgetLine]:
 def point_lines(result: Any) -> list[BudgetLine]:
     """One line for each contact of evaluation "hyper"."""
     lines = []
-    for contact in result.history.scene.contacts:
+    for contact in result.history.scene.finite_sliding:
         if contact.evaluation == "hyper" and np.any(result.contact(contact.name).touching):
             check = check_sampling(contact, result.history)
             cure = "a smaller sampling_error of the first body"
@@ -219,7 +219,7 @@ def mesh_lines(result: Any) -> list[BudgetLine]:
     what its body yields of the whole: by `model.mesh_error.own_mesh_error`, on hats by `line_mesh_error` of the
     reduction."""
     lines = []
-    for contact in result.history.scene.contacts:
+    for contact in result.history.scene.finite_sliding:
         found = result.contact(contact.name)
         if not np.any(found.touching):
             continue
@@ -255,7 +255,7 @@ def _of_mesh(found: Any, reduced: Any, surface: Any, widths: tuple[float, ...]) 
 
 def tolerance_lines(result: Any, engine: Engine) -> list[BudgetLine]:
     """To what the iteration of a step is balanced."""
-    of = "force of all contacts" if result.history.scene.contacts else "all results"
+    of = "force of all contacts" if result.history.scene.finite_sliding else "all results"
     size = engine.settings.residual_tolerance
     return [BudgetLine(TOLERANCE, of, size, "the tolerance of the balance of forces")]
 
@@ -298,7 +298,7 @@ def local_lines(result: Any, engine: Engine) -> list[BudgetLine]:
     if engine.compiled.local.options.treatment != STATIC:
         return []
     lines = []
-    for contact in result.history.scene.contacts:
+    for contact in result.history.scene.finite_sliding:
         found = result.contact(contact.name)
         if not np.any(found.touching):
             continue

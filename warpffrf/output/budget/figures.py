@@ -30,7 +30,7 @@ UNKNOWN = "not estimated"  # the source of a line of a figure that no source spe
 WORK = "work of friction"  # of the whole run
 BALANCE = "balance"  # of what the loads give
 OF_TIME = ("time step", "energy ledger", "iteration")  # sources that say nothing of grids and meshes
-ON_GRIDS = ("contact", "film", "lap")
+ON_GRIDS = ("contact", "film")
 AS_FORCE = "by what it is of the force"
 EXPONENTS = {"line": 1.1, "line_around": 1.1, "point": 1.5, "flat": 1.0}  # of the approach in the force
 WIDTHS = {"line": 0.5, "line_around": 0.5, "point": 1.0 / 3.0, "flat": 0.0}  # of the force in half-widths
@@ -127,7 +127,7 @@ def _values(history: History, view: SceneView) -> Iterator[tuple[str, str, Any]]
         yield "feed flow", owner, film.feed_flow
         yield "end flow", owner, film.end_flow
     for name, lap in history.laps.items():
-        yield "peak pressure", f"lap {name!r}", lap.pressure.max(axis=1, initial=0.0)
+        yield "peak pressure", f"contact {name!r}", lap.pressure.max(axis=1, initial=0.0)
     for name, joint in history.joints.items():
         yield "reaction", f"joint {name!r}", joint.force
         yield "reaction torque", f"joint {name!r}", joint.torque
@@ -202,7 +202,7 @@ def _of_pairs(result: Any, lines: Sequence[BudgetLine], own: dict[str, Quantity]
 def _of_machine(
     result: Any, lines: Sequence[BudgetLine], own: dict[str, Quantity], given: set[str]
 ) -> list[BudgetLine]:
-    """What the largest error of the force of a contact, film or lap is to joints, force elements, sensors, and lives,
+    """What the largest error of the force of a contact or film is to joints, force elements, sensors, and lives,
     of each source that does not say so itself."""
     told, forces = {(line.source, line.of) for line in lines}, dict[str, BudgetLine]()
     for line in lines:
@@ -233,8 +233,8 @@ def _of_machine(
 def _why(name: str, result: Any) -> str:
     """Why no source speaks of the figure."""
     kind, owner = kind_and_owner(name)
-    if owner.startswith(("film", "lap")):
-        return f"what its grid does, which takes the {owner.split()[0]} on a finer one"
+    if owner.startswith("film"):
+        return "what its grid does, which takes the film on a finer one"
     if owner.startswith("contact") and kind in RUBBED:
         return "what its grid does to friction, which takes another one"
     if owner.startswith("contact"):

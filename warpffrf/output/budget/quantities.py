@@ -45,17 +45,17 @@ class Quantity:
 
 
 def quantities(history: History) -> dict[str, Quantity]:
-    """By name: the force of each contact, oil film and lap over its root mean square, or over `LIGHT` of the largest
+    """By name: the force of each contact and oil film over its root mean square, or over `LIGHT` of the largest
     one, the motion of each body (its origin, and its axes as long as its radius of gyration) over the largest way from
     its mean, or over `STILL` of the largest one, or over `STANDS` of the size of the machine, the deformation of a
     flexible one, as the root of the strain energy of each of its modes, over the root mean square of it, and what
-    friction takes in each lap, over all of it.
+    friction takes in each contact with small sliding, over all of it.
 
     A quantity that is zero in all rows is left out.
     """
     forces = [_of_force(f"contact {name!r}", contact.force) for name, contact in _contacts(history)]
     forces += [_of_force(f"film {name!r}", film.force) for name, film in history.films.items()]
-    forces += [_of_force(f"lap {name!r}", lap.force) for name, lap in history.laps.items()]
+    forces += [_of_force(f"contact {name!r}", lap.force) for name, lap in history.laps.items()]
     least = LIGHT * max((quantity.size for quantity in forces), default=0.0)
     found = [quantity.at_least(least, f"{LIGHT:g} of the largest contact force") for quantity in forces]
     places = {body.name: _places(body, history) for body in history.scene.bodies}
@@ -72,7 +72,7 @@ def quantities(history: History) -> dict[str, Quantity]:
             found.append(_over_mean_square(f"deformation of body {body.name!r}", strain))
     for name, lap in history.laps.items():
         loss = lap.loss.sum(axis=1, keepdims=True)
-        found.append(Quantity(f"loss of lap {name!r}", loss, float(loss.max(initial=0.0))))
+        found.append(Quantity(f"loss of contact {name!r}", loss, float(loss.max(initial=0.0))))
     return {quantity.name: quantity for quantity in found if quantity.size > 0.0}
 
 
