@@ -94,7 +94,7 @@ def test_the_same_scene_as_from_python(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('a = "upper.face"', 'a = "upper.z_max"', "first surface must be a face"),
+        ('a = "upper.face"', 'a = "upper.z_max"', "the first surface, a, must be a face"),
         ("friction = 0.15", "frictions = 0.15", "did you mean 'friction'"),
         ('kind = "linear_layer", stiffness = 1e14', 'kind = "exponential_asperities", stiffness = 1', "law"),
         ("size = 0.02", "sice = 0.02", "did you mean 'size'"),

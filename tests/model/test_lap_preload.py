@@ -11,10 +11,12 @@ import pytest
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
+from warpffrf.model.films import Film
 from warpffrf.model.laps import SmallSliding
 from warpffrf.model.laps.sliding import cells_of, lap_notes, refuse_pushed_apart
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
+from warpffrf.model.oils import Newtonian
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Matched
 from warpffrf.offline import reduce
@@ -140,3 +142,36 @@ def test_a_lap_and_a_rolling_contact_on_the_same_facets() -> None:
             cache=False,
             progress=False,
         )
+
+
+def test_the_kind_of_sliding_and_the_kind_of_surface_go_together() -> None:
+    scene = pair()
+    low, high = scene.bodies
+    floor = scene.ground.surface(surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
+    with pytest.raises(InputError, match=r"high\['face'\], was reduced as surfaces.Matched.*give sliding='small'"):
+        Contact(high["face"], floor)
+    with pytest.raises(InputError, match="must be a face of a flexible body reduced as Matched.*got ground"):
+        Contact(floor, high["face"], sliding="small")
+    with pytest.raises(InputError, match="sliding must be 'finite', 'small', or SmallSliding"):
+        Contact(high["face"], floor, sliding="tiny")  # pyright: ignore[reportArgumentType]
+    with pytest.raises(InputError, match="film: the first surface, high.*was reduced as surfaces.Matched"):
+        Film(high["face"], floor, oil=Newtonian(0.01))
+    with pytest.raises(InputError, match="are joined already, as contact 'joint'"):
+        scene.add(Contact(high["face"], low["face"], sliding="small", name="again"))
+    with pytest.raises(InputError, match="close_gap: a contact with finite sliding is needed"):
+        scene.close_gap(scene.contact("joint"))
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("evaluation", "hyper"), ("grid", "contact_fixed"), ("kinematics", "closest_point"), ("cell_error", 0.01),
+        ("cells", (11, 21)), ("capacity", 100), ("overlap", 1e-4),
+    ],
+)  # fmt: skip
+def test_options_of_finite_sliding_are_refused(option: str, value: Any) -> None:
+    contact = pair().contacts[0]
+    with pytest.raises(InputError, match=f"contact 'joint': {option} is an option of finite sliding only"):
+        setattr(contact, option, value)
+    with pytest.raises(InputError, match=f"{option} is an option of finite sliding only"):
+        Contact(contact.a, contact.b, sliding="small", **{option: value})

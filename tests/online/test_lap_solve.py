@@ -17,6 +17,7 @@ from references.small_sliding.quasi_static import StaticLap
 from references.small_sliding.sheets import ROOT, graded_stack, one_body
 from warpffrf.model import forces, joints, signals
 from warpffrf.model.contact import Contact
+from warpffrf.model.laps.sliding import cells_of
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Matched
@@ -65,7 +66,7 @@ def test_forces_are_those_of_the_reference(seed: int, friction: float) -> None:
     area = lap.cells.area
     found = np.concatenate([seen.pressure[:, :, None], seen.traction], axis=2) * area[None, :, None]
     moved = lap.cells.loads.T @ model.solve(F)
-    gap = scene.small_sliding[0].cells().gap
+    gap = cells_of(scene.contacts[0]).gap
     states, worst, compared = set(), 0.0, 0
     for i in range(1, STEPS):
         b = (moved @ path[i]).reshape(-1, 3)

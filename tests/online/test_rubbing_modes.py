@@ -97,8 +97,8 @@ def bar_with_a_mass(pull: Any = 0.0) -> Scene:
     floor = scene.ground.surface(Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
     scene.add(joints.Fixed(mass.at((0, 0, 0)), body["x_max"]))
     scene.add(joints.Prismatic(scene.ground.at(end), mass.at((0, 0, 0)), axis=(1, 0, 0)))
-    layer: dict[str, Any] = {"law": laws.LinearLayer(1e13), "tangential_stiffness": 1e12}
-    scene.add(Contact(body["foot"], floor, sliding="small", friction=FRICTION, name="lap", **layer))
+    sliding, layer = SmallSliding(tangential_stiffness=1e12), laws.LinearLayer(1e13)
+    scene.add(Contact(body["foot"], floor, sliding=sliding, law=layer, friction=FRICTION, name="lap"))
     scene.add(forces.PointForce(mass.at((0, 0, 0)), (pull, 0.0, 0.0)))
     return scene
 

@@ -26,6 +26,7 @@ from references.small_sliding.sheets import ROOT, one_body, stack
 from studies.small_sliding.lap_bolts import UP, apart, shank, turning
 from warpffrf.model import forces, joints, laws, sensors, signals
 from warpffrf.model.contact import Contact
+from warpffrf.model.laps.sliding import cells_of
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced.body import ReducedBody
@@ -331,6 +332,8 @@ def difference(engine: Engine, lap: StaticLap, loads: Array, cycle: Cycle) -> Di
     """Cells in the same order; the full model takes the engine's gaps, in which round-off of places is none."""
     path, at = with_halves(cycle.path, engine.parts)
     same = copy(lap)
-    same.cells = replace(lap.cells, gap=np.concatenate([one.cells().gap for one in engine.history.scene.small_sliding]))
+    same.cells = replace(
+        lap.cells, gap=np.concatenate([cells_of(one).gap for one in engine.history.scene.small_sliding])
+    )
     full = same.follow(loads, path, loads[:, 1:])
     return between(engine, Rows.of(full, at), cycle, int(np.sum(engine.parts > 1)))
