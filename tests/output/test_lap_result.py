@@ -154,7 +154,7 @@ def test_without_friction_user_frames_say_how_far_faces_slid(result: Result, lap
 
 def test_a_result_knows_its_laps(result: Result) -> None:
     assert result.small_sliding_names == ["lap"] and "cells=24" in repr(result.contact("lap"))
-    with pytest.raises(InputError, match="no lap called 'laps'; it has: 'lap'"):
+    with pytest.raises(InputError, match="no contact called 'laps'; it has: 'lap'"):
         result.contact("laps")
 
 
@@ -226,7 +226,7 @@ def test_plots(result: Result, kind: str) -> None:
     ax = result.plot(kind, row=10)
     assert "lap" in ax.get_title().lower()
     plt.close("all")
-    with pytest.raises(InputError, match="no lap called 'rivet'"):
+    with pytest.raises(InputError, match="no contact called 'rivet'"):
         result.plot(kind, contact="rivet")
 
 
