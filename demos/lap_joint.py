@@ -78,7 +78,7 @@ def bodies(size: Size = FULL, *, progress: bool = True) -> Strips:
     lower, upper = (
         wf.reduce(
             strip(size, upper=over), STEEL, interfaces={end: "rigid", "head0": "average", "head1": "average"},
-            laps={"overlap": "overlap"}, modes=10, cache=False, progress=progress,
+            contact={"overlap": wf.surfaces.Matched(first="overlap")}, modes=10, cache=False, progress=progress,
         )
         for over, end in ((False, "x_min"), (True, "x_max"))
     )  # fmt: skip
@@ -100,7 +100,7 @@ def machine(strips: Strips, *, pull: wf.signals.Table | None = None, place: wf.s
         heads = lower[f"head{name}"], upper[f"head{name}"]
         length = 2.0 * THICKNESS - TIGHTENED / SHANK
         scene.add(wf.forces.SpringDamper(*heads, SHANK, free_length=length, name=f"bolt{name}"))
-    scene.add(wf.Lap(lower["overlap"], upper["overlap"], friction=FRICTION, name=JOINT))
+    scene.add(wf.Contact(lower["overlap"], upper["overlap"], sliding="small", friction=FRICTION, name=JOINT))
     if pull is not None:
         scene.add(wf.forces.PointForce(carriage, (pull, 0.0, 0.0), name="pull"))
     if place is not None:
@@ -146,7 +146,7 @@ def main(out: str | Path = "out/lap_joint", *, quick: bool = False, progress: bo
     strips = bodies(size, progress=progress)
     frequency = float(wf.eigenmodes(machine(strips)).frequencies[0])
     result, rest = ring_down(strips, PULL, frequency, size, progress=progress)
-    x, loss, t = result.body("carriage").position[:, 0] - rest, result.lap(JOINT).loss, result.time - result.time[0]
+    x, loss, t = result.body("carriage").position[:, 0] - rest, result.contact(JOINT).loss, result.time - result.time[0]
     tops = np.append(0, 1 + np.flatnonzero((x[1:-1] > x[:-2]) & (x[1:-1] >= x[2:]) & (x[1:-1] > 0.0)))
     first, last = tops[CYCLE - 1], tops[CYCLE]
     a = 0.5 * (0.5 * (x[first] + x[last]) - x[first:last].min())
@@ -159,13 +159,13 @@ def main(out: str | Path = "out/lap_joint", *, quick: bool = False, progress: bo
 
     force = load_steps.joint("guide").force[:, 0]
     loop = load_steps.hysteresis(force, places).loop(float(HALF), float(3 * HALF))
-    taken = load_steps.lap(JOINT).loss_between(float(HALF), float(3 * HALF))
+    taken = load_steps.contact(JOINT).loss_between(float(HALF), float(3 * HALF))
     figure, (motion, cycle, cells) = plt.subplots(1, 3, figsize=(15.0, 4.0), layout="constrained")
     motion.plot(t * 1e3, x * 1e6)
     motion.set(xlabel="time [ms]", ylabel="place of the carriage [um]", title="Released")
     cycle.plot(places * 1e6, force * 1e-3)
     cycle.set(xlabel="place of the carriage [um]", ylabel="force [kN]", title="Load steps")
-    load_steps.plot("lap_state", cells, row=HALF)
+    load_steps.plot("stick_slip", cells, row=HALF)
     figure.savefig(f"{stem}.png")
     plt.close(figure)
 

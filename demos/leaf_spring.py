@@ -75,9 +75,11 @@ def spring_mesh(cell: float) -> wf.mesh.Mesh:
 def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
     """The scene: body `spring` on the joint `axle`, spring `bolts`, small-sliding contacts `joint1` (uppermost) to
     `joint3`, loads `x_min` and `x_max`; a second per load step."""
-    laps = {name: (f"{name}_high", f"{name}_low") for name in JOINTS}
+    faces = {name: wf.surfaces.Matched(f"{name}_low", first=f"{name}_high") for name in JOINTS}
     interfaces = {"base": "rigid", **dict.fromkeys(("seat", *ENDS), "average")}
-    body = wf.reduce(spring_mesh(size.cell), STEEL, interfaces=interfaces, laps=laps, modes=MODES, progress=progress)
+    body = wf.reduce(
+        spring_mesh(size.cell), STEEL, interfaces=interfaces, contact=faces, modes=MODES, progress=progress
+    )
     loads = path(size)
     by_step = wf.signals.Table(np.arange(len(loads), dtype=float), -loads)
     scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
@@ -89,7 +91,7 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
         scene.add(wf.forces.PointForce(spring[end], (0.0, 0.0, by_step), name=end))
         scene.add(wf.sensors.Position(spring[end], name=end))
     for name in JOINTS:
-        scene.add(wf.Lap(spring[name], friction=FRICTION, name=name))
+        scene.add(wf.Contact(spring[name], sliding="small", friction=FRICTION, name=name))
     return scene
 
 
@@ -115,13 +117,13 @@ def main(out: str | Path = "out/leaf_spring", *, quick: bool = False, progress: 
     loop.set(xlabel="deflection [mm]", ylabel="load [kN]", title="Load on both ends")
     slope.step(np.arange(1, len(load)), 2.0 * stiffness)
     slope.set(xlabel="load step", ylabel="[N/mm]", title="Stiffness of both ends")
-    result.plot("lap_loss", rubbing, lap=JOINTS[0])
+    result.plot("friction_loss", rubbing, contact=JOINTS[0])
     rubbing.set(title="Leaves 1 and 2: where energy is lost", aspect="auto")
     figure.savefig(f"{stem}.png")
     plt.close(figure)
 
     begin, end = float(3 * n), float(len(load) - 1)
-    loss = sum(result.lap(name).loss_between(begin, end) for name in JOINTS)
+    loss = sum(result.contact(name).loss_between(begin, end) for name in JOINTS)
     work = result.hysteresis(2.0 * load, w).loop(begin, end).loss
     print(f"deflection under all of the load {w[n] * 1e3:8.3f} mm     beams 14.655")
     print(f"stiffness, load grows            {stiffness[n - 1]:8.2f} N/mm   beams 204.70")

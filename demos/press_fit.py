@@ -60,11 +60,18 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
     around: dict[str, Any] = {"sectors": size.sectors, "axial": size.axial}
     shaft = wf.reduce(
         wf.mesh.roller(RADIUS, 0.0, WIDTH, layers=1, **around), STEEL, interfaces={ENTRY: "average"},
-        laps={SEAT: "rim"}, modes=4, progress=progress,
+        contact={SEAT: wf.surfaces.Matched(first="rim")}, modes=4, progress=progress,
     )  # fmt: skip
     sleeve = wf.mesh.sleeve(RADIUS, OUTER_RADIUS, WIDTH, layers=2, **around)
     sleeve = sleeve.select_plane(HELD, point=(0.0, 0.5 * WIDTH, 0.0), normal=(0.0, 1.0, 0.0))
-    hub = wf.reduce(sleeve, STEEL, interfaces={HELD: "average"}, laps={SEAT: "bore"}, modes=4, progress=progress)
+    hub = wf.reduce(
+        sleeve,
+        STEEL,
+        interfaces={HELD: "average"},
+        contact={SEAT: wf.surfaces.Matched(first="bore")},
+        modes=4,
+        progress=progress,
+    )
     scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
     inner, outer = scene.add_body(shaft, name="shaft"), scene.add_body(hub, name="hub")
     scene.add(wf.joints.Fixed(scene.ground, outer[HELD], name="held"))
@@ -72,7 +79,11 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
     angles = path(size)
     by_step = wf.signals.Table(np.arange(len(angles), dtype=float), angles)
     scene.add(wf.joints.Drive(turn, by_step, quantity="position", name="spanner"))
-    scene.add(wf.Lap(inner[SEAT], outer[SEAT], friction=FRICTION, interference=INTERFERENCE, name=SEAT))
+    scene.add(
+        wf.Contact(
+            inner[SEAT], outer[SEAT], sliding=wf.SmallSliding(interference=INTERFERENCE), friction=FRICTION, name=SEAT
+        )
+    )
     return scene
 
 
@@ -89,7 +100,7 @@ def main(out: str | Path = "out/press_fit", *, quick: bool = False, progress: bo
     result.save(f"{stem}.h5", overwrite=True)
     wf.record(result, f"{stem}.rrd", max_frames=40 if quick else 150, overwrite=True)
 
-    seat, n = result.lap(SEAT), size.steps
+    seat, n = result.contact(SEAT), size.steps
     torque, angle = result.joint(TURN).torque[:, 1], result.joint(TURN).coordinate
     slips = int(np.argmin(np.abs(torque[: n + 1] - 0.55 * TORQUE)))
     figure, (loop, some, more) = plt.subplots(1, 3, figsize=(15.0, 4.0), layout="constrained")
@@ -98,7 +109,7 @@ def main(out: str | Path = "out/press_fit", *, quick: bool = False, progress: bo
     loop.set(xlabel="angle [mdeg]", ylabel="torque [N m]", title="Torque: up, a cycle, until all slips")
     loop.legend(frameon=False)
     for axes, row in ((some, slips), (more, n)):
-        result.plot("lap_state", axes, row=row)
+        result.plot("stick_slip", axes, row=row)
         axes.set(title=f"Unrolled at {torque[row] / TORQUE:.2f} of the torque of whole slip", aspect="auto")
         axes.set(xlabel="around [mm]", ylabel="along the axis [mm]")
     figure.savefig(f"{stem}.png")

@@ -18,7 +18,7 @@ QUOTED = 0.003  # of a number: three digits
 
 
 def test_a_cycle_takes_what_it_says(tmp_path: Path) -> None:
-    (code,) = (c for c in python_blocks(EXAMPLES) if "wf.Lap(" in c)
+    (code,) = (c for c in python_blocks(EXAMPLES) if 'sliding="small"' in c)
     script = tmp_path / "example.py"
     script.write_text(code, encoding="utf-8")
     path = os.pathsep.join([str(ROOT), str(ROOT / "kernels")])

@@ -22,26 +22,30 @@ order = 1
 mesh = "plate"
 material = "steel"
 cache = false
-laps = LAPS
+contact = FACES
 [bodies.plate]
 body = "plate"
 """
 
 
-def written(tmp_path: Path, laps: str) -> Path:
+def written(tmp_path: Path, faces: str) -> Path:
     path = tmp_path / "scene.toml"
-    path.write_text(SCENE.replace("LAPS", laps))
+    path.write_text(SCENE.replace("FACES", faces))
     return path
 
 
 def test_names_and_tables(tmp_path: Path) -> None:
-    loaded = wf.load_scene(written(tmp_path, '{ foot = { first = "z_min", size = 0.5 }, head = "z_max" }'))
+    loaded = wf.load_scene(
+        written(tmp_path, '{ foot = { kind = "matched", first = "z_min", size = 0.5 }, z_max = "matched" }')
+    )
     laps = loaded.scene.bodies[0].reduced.laps
-    assert {name: lap.cells for name, lap in laps.items()} == {"foot": 4, "head": 16}
+    assert {name: lap.cells for name, lap in laps.items()} == {"foot": 4, "z_max": 16}
 
 
 def test_what_does_not_exist_is_named(tmp_path: Path) -> None:
-    with pytest.raises(wf.InputError, match="lap 'foot': 'edge' does not exist; known: 'first'"):
-        wf.load_scene(written(tmp_path, '{ foot = { first = "z_min", edge = 0.5 } }'))
-    with pytest.raises(wf.InputError, match="lap 'foot': .*'z_mid' does not exist"):
-        wf.load_scene(written(tmp_path, '{ foot = "z_mid" }'))
+    with pytest.raises(wf.InputError, match="scene.toml:15: .*foot.*unknown key 'edge'; known: 'second'"):
+        wf.load_scene(written(tmp_path, '{ foot = { kind = "matched", first = "z_min", edge = 0.5 } }'))
+    with pytest.raises(wf.InputError, match="contact 'z_mid': .*'z_mid' does not exist"):
+        wf.load_scene(written(tmp_path, '{ z_mid = "matched" }'))
+    with pytest.raises(wf.InputError, match="unknown key 'laps'; it is called 'contact' now"):
+        wf.load_scene(written(tmp_path, '{}\nlaps = { foot = "z_min" }'))

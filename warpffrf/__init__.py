@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from warpffrf.model.contact import Contact
     from warpffrf.model.errors import InputError, RunError
     from warpffrf.model.films import Film
-    from warpffrf.model.laps import Lap, LapCells
+    from warpffrf.model.laps import SmallSliding
     from warpffrf.model.lumped_contact import LumpedContact
     from warpffrf.model.material import Material
     from warpffrf.model.messages.progress import quiet
@@ -58,8 +58,6 @@ __all__ = [
     "Film",
     "GeneralizedAlpha",
     "InputError",
-    "Lap",
-    "LapCells",
     "LocalDynamics",
     "LumpedContact",
     "Material",
@@ -68,6 +66,7 @@ __all__ = [
     "Result",
     "RunError",
     "Scene",
+    "SmallSliding",
     "Stage",
     "StressPoints",
     "bases",
@@ -106,8 +105,6 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Film": ("warpffrf.model.films", "Film"),
     "GeneralizedAlpha": ("warpffrf.online", "GeneralizedAlpha"),
     "InputError": ("warpffrf.model.errors", "InputError"),
-    "Lap": ("warpffrf.model.laps", "Lap"),
-    "LapCells": ("warpffrf.model.laps", "LapCells"),
     "LocalDynamics": ("warpffrf.online", "LocalDynamics"),
     "LumpedContact": ("warpffrf.model.lumped_contact", "LumpedContact"),
     "Material": ("warpffrf.model.material", "Material"),
@@ -116,6 +113,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Result": ("warpffrf.output.result", "Result"),
     "RunError": ("warpffrf.model.errors", "RunError"),
     "Scene": ("warpffrf.model.scene", "Scene"),
+    "SmallSliding": ("warpffrf.model.laps", "SmallSliding"),
     "Stage": ("warpffrf.online.stages", "Stage"),
     "StressPoints": ("warpffrf.model.reduced.stress_field", "StressPoints"),
     "bases": ("warpffrf.offline.bases", None),

@@ -18,10 +18,11 @@ import numpy as np
 
 from scenes.rollers import STEEL
 from warpffrf.model import forces, joints, signals
-from warpffrf.model.laps import Lap
+from warpffrf.model.contact import Contact
 from warpffrf.model.mesh import box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline import reduce
 from warpffrf.online import run
 from warpffrf.study.machine import machine
@@ -39,7 +40,12 @@ def plate(cells: tuple[int, int], face: str) -> ReducedBody:
     """A plate of eight-node hexahedra with a joint interface face, held at the other face or pulled at its end."""
     interface = {"z_min": "rigid"} if face == "z_max" else {"x_max": "average"}
     return reduce(
-        box(SIZE, (*cells, 2), order=1), STEEL, interfaces=interface, laps={"face": face}, modes=MODES, progress=False
+        box(SIZE, (*cells, 2), order=1),
+        STEEL,
+        interfaces=interface,
+        contact={"face": Matched(first=face)},
+        modes=MODES,
+        progress=False,
     )
 
 
@@ -49,7 +55,7 @@ def shaken(lower: ReducedBody, upper: ReducedBody, part: float) -> Scene:
     base = scene.add_body(lower, name="base", position=(0.0, 0.0, 0.5 * SIZE[2]))
     top = scene.add_body(upper, name="top", position=(0.0, 0.0, 1.5 * SIZE[2]), damping=0.02)
     scene.add(joints.Fixed(scene.ground, base["z_min"]))
-    scene.add(Lap(top["face"], base["face"], friction=FRICTION, name="lap"))
+    scene.add(Contact(top["face"], base["face"], sliding="small", friction=FRICTION, name="lap"))
     t = np.linspace(0.0, 4.0 * PERIOD, 161)
     pull = part * upper.mass * GRAVITY * np.sin(2.0 * np.pi * t / PERIOD)
     along, across = signals.Table(t, pull), signals.Table(t, 0.3 * pull)

@@ -36,7 +36,7 @@ def followed(
     scene = machine(strips, place=wf.signals.Table(times, rest + path.places))
     result = wf.simulate(scene, times[-1], step=1.0, kind="static", progress=progress)
     rows = len(result.time)
-    lost = np.append(result.lap(JOINT).loss, np.full(len(times) - rows, np.nan))
+    lost = np.append(result.contact(JOINT).loss, np.full(len(times) - rows, np.nan))
     force = np.append(result.joint("guide").force[:, 0], np.full(len(times) - rows, np.nan))
     return result, Loops(path, force, lost[path.loops[:, 1]] - lost[path.loops[:, 0]])
 
@@ -55,7 +55,7 @@ def full_elements(size: Size, path: LoadPath, rest: float, tension: float) -> Fu
 
 def static_checks(result: wf.Result, loops: Loops, full: Full) -> list[Check]:
     """Clamp force, slip, and every loop beside full finite elements."""
-    lap, pulls = result.lap(JOINT), tensions(result)
+    lap, pulls = result.contact(JOINT), tensions(result)
     clamp = lap.normal_force
     top = int(loops.path.loops[-1, 0])  # the strips slide
     lean = float(result.force("bolt0").force[top, 0] + result.force("bolt1").force[top, 0])
@@ -163,7 +163,7 @@ def swing(strips: demo.Strips, force: float, frequency: float, size: Size) -> tu
     """The ring-down of the demo, and its motion about the position at rest."""
     result, rest = demo.ring_down(strips, force, frequency, size, progress=False)
     place = result.body("carriage").position[:, 0] - rest
-    return result, Swing(result.time - result.time[0], place, result.lap(JOINT).loss, rest - demo.END)
+    return result, Swing(result.time - result.time[0], place, result.contact(JOINT).loss, rest - demo.END)
 
 
 @both_sizes
@@ -194,10 +194,10 @@ def test_the_whole_demo(tmp_path: Path) -> None:
     """Friction takes in a cycle of the vibration what it takes in the loop of its amplitude."""
     result, loop = demo.main(tmp_path, quick=True, progress=False)
     left_behind(tmp_path, "lap_joint", "loop")
-    place, loss = result.body("carriage").position[:, 0], result.lap(JOINT).loss
+    place, loss = result.body("carriage").position[:, 0], result.contact(JOINT).loss
     tops = np.append(0, 1 + np.flatnonzero((place[1:-1] > place[:-2]) & (place[1:-1] >= place[2:])))
     taken = float(np.diff(loss[tops])[demo.CYCLE - 1])
-    assert taken == pytest.approx(loop.lap(JOINT).loss_between(float(demo.HALF), 3.0 * demo.HALF), rel=TAKEN)
+    assert taken == pytest.approx(loop.contact(JOINT).loss_between(float(demo.HALF), 3.0 * demo.HALF), rel=TAKEN)
 
 
 def test_strips_have_their_volume_and_cells_that_lie_on_each_other() -> None:

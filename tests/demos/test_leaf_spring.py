@@ -75,16 +75,16 @@ class Bent:
 
     def tip(self, name: str) -> np.ndarray:
         """Cells (c,) bool of a lap that are at its tips, not in the clamp."""
-        return np.abs(self.result.lap(name).points[:, 0]) > CLAMP + 3.0 * THICK
+        return np.abs(self.result.contact(name).points[:, 0]) > CLAMP + 3.0 * THICK
 
     def pressing(self, name: str) -> np.ndarray:
         """(T,) N, force at either tip of a lap."""
-        lap = self.result.lap(name)
+        lap = self.result.contact(name)
         return 0.5 * lap.pressure @ np.where(self.tip(name), lap.area, 0.0)
 
     def loss(self, name: str) -> tuple[float, float]:
         """J at both tips and in the clamp, in the last cycle."""
-        lost = np.diff(self.result.lap(name).cell_loss[[self.cycle.start, -1]], axis=0)[0]
+        lost = np.diff(self.result.contact(name).cell_loss[[self.cycle.start, -1]], axis=0)[0]
         return float(lost[self.tip(name)].sum()), float(lost[~self.tip(name)].sum())
 
     @property
@@ -92,7 +92,7 @@ class Bent:
         """J in the last cycle, of tractions and pressures that are straight lines between load steps."""
         work = 0.0
         for name in JOINTS:
-            lap = self.result.lap(name)
+            lap = self.result.contact(name)
             forces = np.concatenate([lap.pressure[self.cycle, :, None], lap.traction[self.cycle]], axis=2)
             moved = np.diff(np.concatenate([lap.gap[self.cycle, :, None], lap.slip[self.cycle]], axis=2), axis=0)
             work -= float(np.einsum("tck,tck,c->", 0.5 * (forces[1:] + forces[:-1]), moved, lap.area))
@@ -130,7 +130,7 @@ def reference_checks(bent: Bent, exact: Followed) -> list[Check]:
     rows = slice(0, len(exact.observed))
     expected = exact.observed[:, 0] - exact.observed[0, 0]
     away = float(np.abs(bent.deflection[rows] - expected).max())
-    laps = [bent.result.lap(name) for name in JOINTS]
+    laps = [bent.result.contact(name) for name in JOINTS]
     pressed = np.concatenate([lap.pressure[rows] for lap in laps], axis=1)
     pressed_away = float(np.abs(np.sort(pressed) - np.sort(exact.pressure)).max())
     begin, end = bent.peak, rows.stop - 1
@@ -200,7 +200,7 @@ def test_the_whole_demo(tmp_path: Path, quick: bool) -> None:
 
 def test_leaves_open_between_clamp_and_tips(quick: Bent) -> None:
     for name in demo.JOINTS:
-        lap = quick.result.lap(name)
+        lap = quick.result.contact(name)
         x = np.abs(lap.points[:, 0])
         tips = x > x.max() - 0.5 * demo.QUICK.cell
         loaded = lap.state[1:] != 0

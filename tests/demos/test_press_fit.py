@@ -35,7 +35,7 @@ class Turned:
     @property
     def lap(self) -> Any:
         """The seat."""
-        return self.result.lap(SEAT)
+        return self.result.contact(SEAT)
 
     @property
     def torque(self) -> Array:
@@ -160,21 +160,28 @@ def test_a_shaft_that_stands_out_presses_more_at_the_edges() -> None:
     wide, over which the peak at the edge makes 30 % more."""
     shaft = wf.reduce(
         wf.mesh.roller(0.02, 0.0, 0.08, sectors=16, layers=1, axial=16), demo.STEEL, interfaces={"end_low": "average"},
-        laps={"seat": "rim"}, modes=4, progress=False,
+        contact={"seat": wf.surfaces.Matched(first="rim")}, modes=4, progress=False,
     )  # fmt: skip
     mesh = wf.mesh.sleeve(0.02, 0.03, 0.04, sectors=16, layers=2, axial=8)
     mesh = mesh.select_plane("end_high", point=(0.0, 0.02, 0.0), normal=(0.0, 1.0, 0.0))
     hub = wf.reduce(
-        mesh, demo.STEEL, interfaces={"end_high": "average"}, laps={"seat": "bore"}, modes=4, progress=False
-    )  # fmt: skip
+        mesh,
+        demo.STEEL,
+        interfaces={"end_high": "average"},
+        contact={"seat": wf.surfaces.Matched(first="bore")},
+        modes=4,
+        progress=False,
+    )
     scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
     inner, outer = scene.add_body(shaft, name="shaft"), scene.add_body(hub, name="hub")
     scene.add(wf.joints.Fixed(scene.ground, outer["end_high"], name="held"))
     scene.add(wf.joints.Cylindrical(scene.ground, inner["end_low"], axis=(0.0, 1.0, 0.0), name="guide"))
-    scene.add(wf.Lap(inner["seat"], outer["seat"], friction=0.15, interference=1e-5, name="seat"))
+    scene.add(
+        wf.Contact(inner["seat"], outer["seat"], sliding=wf.SmallSliding(interference=1e-5), friction=0.15, name="seat")
+    )
     rest = wf.equilibrium(scene)
     assert rest.status == "completed", rest.message
-    lap = rest.lap("seat")
+    lap = rest.contact("seat")
     ring = np.unique(np.round(lap.points[:, 1], 9), return_inverse=True)[1]
     pressure = np.bincount(ring, weights=lap.pressure[0]) / np.bincount(ring) / FIT.pressure
     assert pressure[[0, -1]] == pytest.approx(1.3, abs=0.05)

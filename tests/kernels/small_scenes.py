@@ -16,11 +16,11 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.films import Film
 from warpffrf.model.friction import RegularisedCoulomb, Stribeck
 from warpffrf.model.integrators import GeneralizedAlpha
-from warpffrf.model.laps import Lap
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline import ContactGrid, ReductionOptions, reduce
 from warpffrf.offline.contact.cubature import choose_sampling
 from warpffrf.online import Engine, Settings, run
@@ -333,9 +333,14 @@ def half(face: str) -> ReducedBody:
     """A block whose `face` lies on another one."""
     other = "z_min" if face == "z_max" else "z_max"
     return reduce(
-        mesh.box((0.06, 0.02, 0.02), (3, 2, 2), order=1), STEEL, interfaces={other: "rigid"}, laps={"face": face},
-        modes=6, cache=False, progress=False,
-    )  # fmt: skip
+        mesh.box((0.06, 0.02, 0.02), (3, 2, 2), order=1),
+        STEEL,
+        interfaces={other: "rigid"},
+        contact={"face": Matched(first=face)},
+        modes=6,
+        cache=False,
+        progress=False,
+    )
 
 
 @functools.cache
@@ -348,9 +353,14 @@ def folded() -> ReducedBody:
         leaves = leaves.select_plane(name, point=(0.02, 0, z), normal=(0, 0, 1))
     leaves = leaves.select("tip", "z_max", lambda x: x[:, 0] > 0.03)
     return reduce(
-        leaves, STEEL, interfaces={"x_min": "rigid", "tip": "average"}, laps={"lap": ("low", "high")}, modes=6,
-        cache=False, progress=False,
-    )  # fmt: skip
+        leaves,
+        STEEL,
+        interfaces={"x_min": "rigid", "tip": "average"},
+        contact={"lap": Matched("high", first="low")},
+        modes=6,
+        cache=False,
+        progress=False,
+    )
 
 
 def lapped(friction: float = 0.3, push: float = 700.0) -> Scene:
@@ -361,7 +371,7 @@ def lapped(friction: float = 0.3, push: float = 700.0) -> Scene:
     scene.add(joints.Fixed(scene.ground, base["z_min"]))
     if not friction:
         scene.add(joints.Prismatic(scene.ground, top["z_max"], axis=(0, 0, 1)))
-    scene.add(Lap(top["face"], base["face"], friction=friction))
+    scene.add(Contact(top["face"], base["face"], sliding="small", friction=friction))
     along = signals.Ramp(0.0, push, duration=1e-4)
     scene.add(forces.PointForce(top["z_max"], (along if friction else 0.0, 0.0, -2000.0)))
     return scene
@@ -372,7 +382,7 @@ def fork(friction: float) -> Scene:
     scene = Scene(gravity=(0, 0, 0))
     body = scene.add_body(folded(), name="fork")
     scene.add(joints.Fixed(scene.ground, body["x_min"]))
-    scene.add(Lap(body["lap"], friction=friction))
+    scene.add(Contact(body["lap"], sliding="small", friction=friction))
     scene.add(forces.PointForce(body["tip"], (0.0, 0.0, signals.Ramp(-300.0, -600.0, duration=1e-4))))
     return scene
 

@@ -79,7 +79,7 @@ def device_model() -> tuple[wp.array, Any]:
     grid = SimpleNamespace(z=np.array([0.0, 1.0]), rows=2, pitch=1.0)
     port = SimpleNamespace(surface=SimpleNamespace(grid=grid, shape=shape))
     contacts = [SimpleNamespace(name="pair", law=law, a=port, quadrature="full") for law in LAWS]
-    scene, fill = SimpleNamespace(contacts=contacts), Constants("cpu").fill
+    scene, fill = SimpleNamespace(finite_sliding=contacts), Constants("cpu").fill
     elements = Elements()
     collector: Any = SimpleNamespace(
         scene=scene, settings=Settings(), notes=[], fill=fill, elements=elements, patches={}

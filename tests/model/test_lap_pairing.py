@@ -28,7 +28,7 @@ def test_weights_are_shared_areas_where_cells_nest() -> None:
     """Halves on quarters along x."""
     first, cell, normals = plate((2, 1), True)
     second, other, _ = plate((4, 1), False, (0.0, 0.0, 0.01))
-    found = pair_faces("lap 'l'", first, cell, normals, second, other)
+    found = pair_faces("contact 'l'", first, cell, normals, second, other)
     assert found.weights.toarray() == pytest.approx(np.array([[1, 1, 0, 0], [0, 0, 1, 1]]) / 2.0, abs=1e-14)
     assert found.gap == pytest.approx([0.01, 0.01])
     assert found.covered == pytest.approx([1.0, 1.0]) and found.shares == pytest.approx((1.0, 1.0))
@@ -40,7 +40,7 @@ def test_weights_are_exact_for_linear_displacements(counts) -> None:
     alone would put the force of half a face 1/12 of its cell beside it, on thirds."""
     first, cell, normals = plate(counts[0], True)
     second, other, _ = plate(counts[1], False, (0.0, 0.0, 0.01))
-    W = pair_faces("lap 'l'", first, cell, normals, second, other).weights
+    W = pair_faces("contact 'l'", first, cell, normals, second, other).weights
     middles = [
         np.array([t[c == i].mean(axis=(0, 1)) for i in range(c.max() + 1)]) for t, c in ((first, cell), (second, other))
     ]
@@ -53,7 +53,7 @@ def test_a_tilted_face_has_its_mean_distance() -> None:
     first, cell, normals = plate((4, 1), True)
     second, other, _ = plate((1, 1), False)
     second[..., 2] = 0.01 + 0.02 * second[..., 0]
-    found = pair_faces("lap 'l'", first, cell, normals, second, other)
+    found = pair_faces("contact 'l'", first, cell, normals, second, other)
     assert found.gap == pytest.approx(0.01 + 0.02 * np.array([0.125, 0.375, 0.625, 0.875]), abs=1e-15)
     assert found.shares == pytest.approx((1.0, 1.0))
 
@@ -61,7 +61,7 @@ def test_a_tilted_face_has_its_mean_distance() -> None:
 def test_cells_off_the_other_face_are_left_out() -> None:
     first, cell, normals = plate((4, 1), True)
     second, other, _ = plate((1, 1), False, (0.375, 0.0, 0.0))
-    found = pair_faces("lap 'l'", first, cell, normals, second, other)
+    found = pair_faces("contact 'l'", first, cell, normals, second, other)
     assert found.cell.tolist() == [1, 2, 3] and found.covered == pytest.approx([0.5, 1.0, 1.0])
     assert found.shares == pytest.approx((0.625, 0.625))
 
@@ -77,8 +77,8 @@ def test_cells_off_the_other_face_are_left_out() -> None:
 )
 def test_faces_that_do_not_face_each_other(second, says) -> None:
     first, cell, normals = plate((2, 1), True)
-    with pytest.raises(InputError, match=f"lap 'l': the faces do not face each other: .*{says}"):
-        pair_faces("lap 'l'", first, cell, normals, second, np.zeros(2, dtype=int))
+    with pytest.raises(InputError, match=f"contact 'l': the faces do not face each other: .*{says}"):
+        pair_faces("contact 'l'", first, cell, normals, second, np.zeros(2, dtype=int))
 
 
 def test_pieces_fill_what_is_covered_for_any_turn() -> None:

@@ -9,12 +9,16 @@ import numpy as np
 import pytest
 
 from warpffrf.model import forces, joints, surfaces
+from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps import Lap
-from warpffrf.model.laps.lap import lap_notes, refuse_pushed_apart
+from warpffrf.model.films import Film
+from warpffrf.model.laps import SmallSliding
+from warpffrf.model.laps.sliding import cells_of, lap_notes, refuse_pushed_apart
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
+from warpffrf.model.oils import Newtonian
 from warpffrf.model.scene import Scene
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline import reduce
 
 SIZE = (0.02, 0.02, 0.01)  # m
@@ -23,12 +27,19 @@ SIZE = (0.02, 0.02, 0.01)  # m
 @lru_cache(maxsize=4)
 def block(joint: str, head: str) -> Any:
     return reduce(
-        box(SIZE, (2, 2, 1), order=1), Material(210e9, 0.3, 7800.0), interfaces={head: "rigid"}, laps={"face": joint},
-        modes=2, cache=False, progress=False,
-    )  # fmt: skip
+        box(SIZE, (2, 2, 1), order=1),
+        Material(210e9, 0.3, 7800.0),
+        interfaces={head: "rigid"},
+        contact={"face": Matched(first=joint)},
+        modes=2,
+        cache=False,
+        progress=False,
+    )
 
 
-def pair(place: tuple[float, float, float] = (0.0, 0.0, 0.0), turn: Any = (0, 0, 0, 1), **lap: Any) -> Scene:
+def pair(
+    place: tuple[float, float, float] = (0.0, 0.0, 0.0), turn: Any = (0, 0, 0, 1), interference: float = 0.0
+) -> Scene:
     """A block on one that is held, moved from where it touches."""
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     low = scene.add_body(block("z_max", "z_min"), name="low", position=(0.0, 0.0, -0.005))
@@ -36,21 +47,24 @@ def pair(place: tuple[float, float, float] = (0.0, 0.0, 0.0), turn: Any = (0, 0,
         block("z_min", "z_max"), name="high", position=np.add((0.0, 0.0, 0.005), place), rotation=turn
     )
     scene.add(joints.Fixed(scene.ground, low["z_min"]))
-    scene.add(Lap(high["face"], low["face"], name="joint", **lap))
+    scene.add(Contact(high["face"], low["face"], sliding=SmallSliding(interference=interference), name="joint"))
     return scene
 
 
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        ({"place": (0.05, 0.0, 0.0)}, "lap 'joint'.*0 and 0 of their areas overlap.*0.03 m apart.*place the bodies"),
+        (
+            {"place": (0.05, 0.0, 0.0)},
+            "contact 'joint'.*0 and 0 of their areas overlap.*0.03 m apart.*place the bodies",
+        ),
         ({"place": (0.0, 0.0, 0.5)}, "0.5 m apart.*far apart"),
         ({"turn": (1.0, 0.0, 0.0, 0.0)}, "outward normals look the same way"),
     ],
 )
 def test_faces_that_do_not_face_each_other(given: dict[str, Any], says: str) -> None:
     with pytest.raises(InputError, match=says):
-        pair(**given).laps[0].cells()
+        cells_of(pair(**given).contacts[0])
 
 
 @pytest.mark.parametrize(
@@ -65,8 +79,8 @@ def test_faces_that_do_not_face_each_other(given: dict[str, Any], says: str) -> 
     ],
 )
 def test_faces_that_hardly_touch_are_noted(given: dict[str, Any], says: str | None) -> None:
-    lap = pair(**given).laps[0]
-    notes = lap_notes(lap, lap.cells())
+    lap = pair(**given).contacts[0]
+    notes = lap_notes(lap, cells_of(lap))
     assert len(notes) == (says is not None)
     if says is not None:
         with pytest.raises(InputError, match=says):
@@ -96,14 +110,22 @@ def test_what_holds_a_preload(cure: str) -> None:
 def test_faces_on_both_sides_hold_each_other() -> None:
     """A block between two rigid faces, as a hub around its shaft: pressures have no resultant."""
     body = reduce(
-        box(SIZE, (2, 2, 1), order=1), Material(210e9, 0.3, 7800.0), laps={"low": "z_min", "high": "z_max"}, modes=2,
-        cache=False, progress=False,
-    )  # fmt: skip
+        box(SIZE, (2, 2, 1), order=1),
+        Material(210e9, 0.3, 7800.0),
+        contact={"low": Matched(first="z_min"), "high": Matched(first="z_max")},
+        modes=2,
+        cache=False,
+        progress=False,
+    )
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     held = scene.add_body(body, name="held")
     for name, side in (("low", -1.0), ("high", 1.0)):
         face = surfaces.Plane(origin=(0, 0, side * 0.005), outward=(0, 0, -side), direction=(1, 0, 0))
-        scene.add(Lap(held[name], scene.ground.surface(face, name=name), interference=1e-6, name=name))
+        scene.add(
+            Contact(
+                held[name], scene.ground.surface(face, name=name), sliding=SmallSliding(interference=1e-6), name=name
+            )
+        )
         if name == "low":
             with pytest.raises(InputError, match="pushes 'held' away"):
                 refuse_pushed_apart(scene)
@@ -111,8 +133,45 @@ def test_faces_on_both_sides_hold_each_other() -> None:
 
 
 def test_a_lap_and_a_rolling_contact_on_the_same_facets() -> None:
-    with pytest.raises(InputError, match=r"lap 'face': 4 facets of 'z_max' belong to contact surface.*separate"):
+    with pytest.raises(InputError, match=r"contact 'face': 4 facets of 'z_max' belong to contact surface.*separate"):
         reduce(
-            box(SIZE, (2, 2, 1), order=1), Material(210e9, 0.3, 7800.0), laps={"face": "z_max"},
-            contact={"z_max": surfaces.Plane()}, modes=2, cache=False, progress=False,
-        )  # fmt: skip
+            box(SIZE, (2, 2, 1), order=1),
+            Material(210e9, 0.3, 7800.0),
+            contact={"face": Matched(first="z_max"), "z_max": surfaces.Plane()},
+            modes=2,
+            cache=False,
+            progress=False,
+        )
+
+
+def test_the_kind_of_sliding_and_the_kind_of_surface_go_together() -> None:
+    scene = pair()
+    low, high = scene.bodies
+    floor = scene.ground.surface(surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
+    with pytest.raises(InputError, match=r"high\['face'\], was reduced as surfaces.Matched.*give sliding='small'"):
+        Contact(high["face"], floor)
+    with pytest.raises(InputError, match="must be a face of a flexible body reduced as Matched.*got ground"):
+        Contact(floor, high["face"], sliding="small")
+    with pytest.raises(InputError, match="sliding must be 'finite', 'small', or SmallSliding"):
+        Contact(high["face"], floor, sliding="tiny")  # pyright: ignore[reportArgumentType]
+    with pytest.raises(InputError, match="film: the first surface, high.*was reduced as surfaces.Matched"):
+        Film(high["face"], floor, oil=Newtonian(0.01))
+    with pytest.raises(InputError, match="are joined already, as contact 'joint'"):
+        scene.add(Contact(high["face"], low["face"], sliding="small", name="again"))
+    with pytest.raises(InputError, match="close_gap: a contact with finite sliding is needed"):
+        scene.close_gap(scene.contact("joint"))
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("evaluation", "hyper"), ("grid", "contact_fixed"), ("kinematics", "closest_point"), ("cell_error", 0.01),
+        ("cells", (11, 21)), ("capacity", 100), ("overlap", 1e-4),
+    ],
+)  # fmt: skip
+def test_options_of_finite_sliding_are_refused(option: str, value: Any) -> None:
+    contact = pair().contacts[0]
+    with pytest.raises(InputError, match=f"contact 'joint': {option} is an option of finite sliding only"):
+        setattr(contact, option, value)
+    with pytest.raises(InputError, match=f"{option} is an option of finite sliding only"):
+        Contact(contact.a, contact.b, sliding="small", **{option: value})

@@ -17,8 +17,8 @@ from warpffrf.model.messages.named_arguments import misfit, named_arguments
 STRUCTURES = {
     "Characteristic", "BodyLoad", "Coordinate", "PointLoad", "SlipLaw", "SpringLaw", "TensionLaw", "SurfaceProfile",
     "Basis", "Cyclic", "FacetSet", "Matrices", "MeshReport", "Feed", "Form", "Oil", "FrictionLaw", "Law", "LumpedLaw",
-    "Shape", "InputError", "LapCells", "Sensor", "Integrator", "from_description", "as_oil", "as_law", "Coefficients",
-    "Marker", "Row", "Signal", "basis_options", "ONE_TEN_HUNDRED", "damping_ratios", "default_damping",
+    "Shape", "InputError", "Sensor", "Integrator", "from_description", "as_oil", "as_law",
+    "Coefficients", "Marker", "Row", "Signal", "basis_options", "ONE_TEN_HUNDRED", "damping_ratios", "default_damping",
     "roots_at_infinity", "coincident_within", "as_signal", "Bearing", "Cage", "Example", "AxialPreload", "RunError",
     "BasisProblem", "RawBasis", "Force", "Pieces", "scalar_law", "Approach", "RevolutionShape",
 }  # fmt: skip
@@ -69,7 +69,7 @@ def test_what_does_not_fit(args: tuple, options: dict[str, Any], says: str) -> N
 def test_signatures_and_results_stay() -> None:
     answered = named_arguments(turn)
     assert inspect.signature(answered) == inspect.signature(turn) and answered(1, angle=0.5) == (1, 2, 0.5, "x")
-    assert list(inspect.signature(wf.Contact).parameters)[:3] == ["a", "b", "law"]
+    assert list(inspect.signature(wf.Contact).parameters)[:3] == ["a", "b", "sliding"]
     assert pickle.loads(pickle.dumps(wf.Material(1.0, 0.3, 1.0))) == wf.Material(1.0, 0.3, 1.0)
 
 

@@ -51,7 +51,7 @@ def contact(curve: Any) -> Any:
         (lambda: wf.oils.as_oil(Thinning(0.04), "film"), "form ''; the kernels evaluate newtonian, barus, roelands"),
         (lambda: wf.joints.Row("screw", 0), "joints.Row: kind 'screw' does not exist; known: 'translation'"),
         (
-            lambda: fill_layers(SimpleNamespace(scene=SimpleNamespace(contacts=[contact(Foam(1e9, 2.0))]))),  # pyright: ignore
+            lambda: fill_layers(SimpleNamespace(scene=SimpleNamespace(finite_sliding=[contact(Foam(1e9, 2.0))]))),  # pyright: ignore
             "'pad': the curve of the law mine has the form 'foam'; the kernels evaluate power, exponential, table; ret",
         ),
         (lambda: wf.surfaces.from_description({"kind": "mine"}), "a class of your own must be defined before"),

@@ -11,6 +11,7 @@ import pytest
 import warpffrf as wf
 from warpffrf.model.errors import InputError, suggestion
 from warpffrf.model.renamed import RENAMED
+from warpffrf.output.result import Result
 from warpffrf.scene_file.forms import flat, value_kinds
 
 MODULES: tuple[Any, ...] = (wf, wf.films, wf.forces, wf.laws, wf.bearings)
@@ -33,11 +34,12 @@ WORDS = {
 @pytest.mark.parametrize("old", RENAMED)
 def test_every_new_name_is_one(old: str) -> None:
     known = {*WORDS, *value_kinds(), *(kind.kind for kind in (wf.forces.BearingSpring,))}
-    known |= {name for module in MODULES for name in dir(module)}
+    known |= {name for module in MODULES for name in dir(module)} | {f"surfaces.{name}" for name in dir(wf.surfaces)}
+    known |= {*dir(Result), "contacts"}
     known |= {name for call in CALLS for name in inspect.signature(call).parameters}
     assert [new for new in RENAMED[old] if new.partition("=")[0] not in known] == []
     for new in RENAMED[old]:
-        argument, _, value = new.partition("=")
+        argument, value = re.split(r"[.=]", new)[0], new.partition("=")[2]
         assert all(name in known for name in re.findall(r"(\w+)\(", value))
         for path, field in re.findall(r"wf\.([\w.]+)\((\w+)=", value):
             assert field in inspect.signature(operator.attrgetter(path)(wf)).parameters
@@ -56,7 +58,13 @@ def test_scripts_written_before_are_answered() -> None:
     call: Any = wf.reduce
     with pytest.raises(TypeError, match=r"'patch_grid'; it is grid=wf.ContactGrid\(contact_fixed=...\) now"):
         call(None, None, patch_grid=True)
-    scene = wf.Scene()
+    with pytest.raises(AttributeError, match="'LapCells'; it is called 'surfaces.Matched' now"):
+        wf.LapCells  # noqa: B018  # pyright: ignore[reportAttributeAccessIssue]
+    with pytest.raises(TypeError, match="'laps'; it is called 'contact' now"):
+        call(None, None, laps={})
+    scene: Any = wf.Scene()
+    with pytest.raises(AttributeError, match="no attribute 'lap'; it is called 'contact' now"):
+        scene.lap("joint")
     balls: dict[str, Any] = {"elements": 8, "ball_diameter": 0.01, "pitch_diameter": 0.05}
     with pytest.raises(
         TypeError, match=r"'elements'; it is geometry=wf.bearings.BallGeometry\(...\) or RollerGeometry"

@@ -13,12 +13,13 @@ from references import monolithic
 from references.monolithic.core import local_coordinates
 from scenes.rollers import PAIR, guided_pair
 from warpffrf.model import forces, joints, laws, signals, surfaces
+from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps import Lap
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
 from warpffrf.model.scene import Scene
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline import reduce
 
 STEEL = Material(210e9, 0.3, 7850.0)
@@ -115,13 +116,13 @@ def test_what_it_does_not_have() -> None:
     with pytest.raises(InputError, match="lumped contact 'spot': .*has no lumped contacts; use warpffrf.simulate"):
         monolithic.run(scene, 1.0, step=0.1)
     block = reduce(
-        box((0.02, 0.02, 0.02), (2, 2, 2), order=1), STEEL, laps={"foot": "z_min"}, modes=4,
+        box((0.02, 0.02, 0.02), (2, 2, 2), order=1), STEEL, contact={"foot": Matched(first="z_min")}, modes=4,
         cache=False, progress=False,
     )  # fmt: skip
     scene = Scene()
     held = scene.add_body(block, name="block", position=(0.0, 0.0, 0.01))
-    scene.add(Lap(held["foot"], scene.ground.surface(PLANE, name="floor"), name="lap"))
-    with pytest.raises(InputError, match="lap 'lap': .*has no laps; use warpffrf.simulate"):
+    scene.add(Contact(held["foot"], scene.ground.surface(PLANE, name="floor"), sliding="small", name="lap"))
+    with pytest.raises(InputError, match="contact 'lap': .*has no small sliding; use warpffrf.simulate"):
         monolithic.run(scene, 1.0, step=0.1)
 
 

@@ -7,8 +7,8 @@ import pytest
 from lap_bodies import as_kind, moved, slit_body, together
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps import LapCells
 from warpffrf.model.mesh import FacetSet, Mesh, box, grid, roller, sleeve
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline.laps.cells import make_cells
 from warpffrf.offline.laps.compliance import frames, unit_loads
 
@@ -29,7 +29,7 @@ def stacked(place, counts=(3, 4, 1), orders=(1, 1), gap: float = 0.0) -> Mesh:
 
 
 def both(mesh: Mesh, **how):
-    return make_cells(mesh, "lap", LapCells("a z_max", "b z_min", **how))
+    return make_cells(mesh, "lap", Matched("b z_min", first="a z_max", **how))
 
 
 @pytest.mark.parametrize("orders", [(1, 1), (2, 1), (1, 2), (2, 2)])
@@ -74,7 +74,7 @@ def test_annulus_on_annulus_of_the_same_sectors() -> None:
     """Radii 10 to 40 and 20 to 50 mm: the overlap is the ring 20 to 40 mm of the polygons."""
     n = 24
     mesh = together(a=ends(0.04, 0.01, n, 1, 0.0, "top"), b=ends(0.05, 0.02, n, 1, 0.01, "bottom"))
-    cells = make_cells(mesh, "lap", LapCells("a end", "b end"))
+    cells = make_cells(mesh, "lap", Matched("b end", first="a end"))
     ring = 0.5 * n * np.sin(2.0 * np.pi / n) * (0.04**2 - 0.02**2)
     assert cells.area.sum() == pytest.approx(ring, rel=1e-11)
     assert np.linalg.norm(cells.points, axis=1).max() < 0.05 and cells.gap == pytest.approx(np.zeros(cells.count))
@@ -84,7 +84,7 @@ def test_annuli_of_other_sectors_converge_with_the_square() -> None:
     errors = []
     for n in (12, 24, 48):
         mesh = together(a=ends(0.04, 0.01, n, 1, 0.0, "top"), b=ends(0.05, 0.02, n + n // 2, 1, 0.01, "bottom"))
-        cells = make_cells(mesh, "lap", LapCells("a end", "b end"))
+        cells = make_cells(mesh, "lap", Matched("b end", first="a end"))
         errors.append(abs(cells.area.sum() / (np.pi * (0.04**2 - 0.02**2)) - 1.0))
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.0, abs=0.15)
 
@@ -94,7 +94,7 @@ def test_a_curved_edge_of_quadratic_facets_is_followed() -> None:
     errors = []
     for n in (12, 24):
         mesh = together(a=ends(0.04, 0.02, n, 2, 0.0, "top"), b=ends(0.04, 0.02, n, 2, 0.01, "bottom"))
-        cells = make_cells(mesh, "lap", LapCells("a end", "b end"))
+        cells = make_cells(mesh, "lap", Matched("b end", first="a end"))
         errors.append(abs(cells.area.sum() / (np.pi * (0.04**2 - 0.02**2)) - 1.0))
         assert cells.covered == pytest.approx((1.0, 1.0), abs=1e-9) and not cells.notes
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.1)
@@ -105,7 +105,7 @@ def test_a_pin_in_a_bore(order) -> None:
     """A pin of radius 20 mm, 30 mm long, in a bore of 20.05 mm, 40 mm long, with other sectors."""
     pin = roller(0.02, 0.005, 0.03, sectors=40, layers=2, axial=3, order=order)
     hub = sleeve(0.02005, 0.04, 0.04, sectors=48, axial=4, layers=2, order=order)
-    cells = make_cells(together(pin=pin, hub=hub), "fit", LapCells("pin rim", "hub bore"))
+    cells = make_cells(together(pin=pin, hub=hub), "fit", Matched("hub bore", first="pin rim"))
     sagitta = 0.02 * (1.0 - np.cos(np.pi / 40)) if order == 1 else 1e-6
     assert cells.area.sum() == pytest.approx(2.0 * np.pi * 0.02 * 0.03, rel=3e-3 if order == 1 else 1e-4)
     assert cells.covered == pytest.approx((1.0, 0.75), abs=0.01)
@@ -124,7 +124,7 @@ def test_the_bore_first(order) -> None:
     """Seen from the bore the normals lean together: nothing is counted twice but for kinks, which do not matter."""
     pin = roller(0.02, 0.005, 0.03, sectors=40, layers=2, axial=3, order=order)
     hub = sleeve(0.02005, 0.04, 0.04, sectors=48, axial=4, layers=2, order=order)
-    cells = make_cells(together(pin=pin, hub=hub), "fit", LapCells("hub bore", "pin rim"))
+    cells = make_cells(together(pin=pin, hub=hub), "fit", Matched("pin rim", first="hub bore"))
     assert cells.area.sum() == pytest.approx(2.0 * np.pi * 0.02005 * 0.03, rel=6e-3)
     assert cells.covered == pytest.approx((0.75, 1.0), abs=0.01)
 
@@ -135,12 +135,12 @@ def test_resultants_and_linear_motion(kind, by) -> None:
     """Equal and opposite resultants to round-off; of a linear displacement field u = G x both faces see the same, so
     that delta is what the gap makes of it, whatever the cells are made of."""
     mesh = as_kind(slit_body(order=2, along=6), kind)
-    cells = make_cells(mesh, "lap", LapCells("low", "high", by=by))
+    cells = make_cells(mesh, "lap", Matched("high", first="low", by=by))
     axes = frames(cells.normals)
     B = unit_loads(cells, axes)
     forces = np.asarray(B.toarray()).reshape(len(mesh.points), 3, -1)
     assert np.abs(forces.sum(axis=0)).max() < 1e-13
-    face = unit_loads(make_cells(mesh, "face", LapCells("low", by=by)), axes_of(mesh, by))
+    face = unit_loads(make_cells(mesh, "face", Matched(first="low", by=by)), axes_of(mesh, by))
     total = np.asarray(face.toarray()).reshape(len(mesh.points), 3, -1).sum(axis=0)
     assert np.linalg.norm(total, axis=0) == pytest.approx(np.ones(total.shape[1]), abs=1e-13)
     G = np.random.default_rng(3).standard_normal((3, 3))
@@ -152,7 +152,7 @@ def test_resultants_and_linear_motion(kind, by) -> None:
 
 
 def axes_of(mesh: Mesh, by: str):
-    return frames(make_cells(mesh, "face", LapCells("low", by=by)).normals)
+    return frames(make_cells(mesh, "face", Matched(first="low", by=by)).normals)
 
 
 def test_the_displacement_of_a_face_is_its_mean() -> None:
@@ -177,20 +177,20 @@ def test_meshes_that_do_not_match() -> None:
 
 def test_size_gathers_facets() -> None:
     mesh = box((0.08, 0.04, 0.01), (16, 8, 1), order=1)
-    every = make_cells(mesh, "face", LapCells("z_max"))
-    coarse = make_cells(mesh, "face", LapCells("z_max", size=0.01))
+    every = make_cells(mesh, "face", Matched(first="z_max"))
+    coarse = make_cells(mesh, "face", Matched(first="z_max", size=0.01))
     assert (every.count, coarse.count) == (128, 32)
     assert coarse.area == pytest.approx(np.full(32, 1e-4))
     turned_mesh = moved(mesh, turned(0.7))  # cells follow the rows of the mesh, not the axes
-    assert make_cells(turned_mesh, "face", LapCells("z_max", size=0.01)).area == pytest.approx(np.full(32, 1e-4))
+    assert make_cells(turned_mesh, "face", Matched(first="z_max", size=0.01)).area == pytest.approx(np.full(32, 1e-4))
 
 
 def test_long_facets_are_gathered_along_their_short_sides() -> None:
     """Facets of 1 x 8 mm: cells of 4 mm have four of them and are as wide as a facet is, whichever way they lie."""
     for lengths, counts in (((0.064, 0.008, 0.01), (64, 1, 1)), ((0.008, 0.064, 0.01), (1, 64, 1))):
         mesh = box(lengths, counts, order=1)
-        assert make_cells(mesh, "face", LapCells("z_max", size=4e-3)).area == pytest.approx(np.full(16, 3.2e-5))
-        assert make_cells(mesh, "face", LapCells("z_max", size=9e-3)).area == pytest.approx(np.full(8, 6.4e-5))
+        assert make_cells(mesh, "face", Matched(first="z_max", size=4e-3)).area == pytest.approx(np.full(16, 3.2e-5))
+        assert make_cells(mesh, "face", Matched(first="z_max", size=9e-3)).area == pytest.approx(np.full(8, 6.4e-5))
 
 
 def test_slivers_go_to_the_cell_beside_them() -> None:
@@ -208,7 +208,7 @@ def test_growth_grades_cells_from_edges_and_holes() -> None:
     filled = np.ones((40, 40, 1), dtype=bool)
     filled[18:22, 18:22] = False
     mesh = grid(line, line, [0.0, 0.001], filled=filled, order=1)
-    cells = make_cells(mesh, "face", LapCells("z_max", growth=0.5, size=4e-3))
+    cells = make_cells(mesh, "face", Matched(first="z_max", growth=0.5, size=4e-3))
     assert cells.area.sum() == pytest.approx(0.04**2 - 0.004**2, rel=ROUND_OFF)
     edge = np.sqrt(cells.area)
     x = cells.points[:, :2]
@@ -226,7 +226,7 @@ def test_cells_are_fine_at_the_edges_of_a_head_through_the_sheet(thick: float, a
     however thick the strip is, and not from its sides."""
     mesh = box((0.06, 0.001, thick), (60, 1, 1), center=(0.03, 0.0, 0.0), order=1)
     mesh = mesh.select("head", "z_min", lambda c: np.abs(c[:, 0] - 0.025) < 0.005)
-    cells = make_cells(moved(mesh, turned(angle)), "face", LapCells("z_max", growth=0.5, fine=("head",)))
+    cells = make_cells(moved(mesh, turned(angle)), "face", Matched(first="z_max", growth=0.5, fine=("head",)))
     length = cells.area / 1e-3
     x = np.linalg.norm(cells.points[:, :2], axis=1)
     away = np.minimum(np.abs(x - 0.02), np.abs(x - 0.03))
@@ -240,21 +240,21 @@ def test_a_closed_set_has_no_outline_to_be_fine_at() -> None:
     mesh = roller(0.02, 0.01, 0.01, sectors=12, layers=1, axial=1, order=1)
     every = FacetSet({"quad4": np.concatenate([one.blocks["quad4"] for one in mesh.facet_sets.values()])})
     mesh = Mesh(mesh.points, mesh.cells, {"rim": mesh.facets("rim"), "all": every})
-    with pytest.raises(InputError, match="lap 'face': 'all' has no outline"):
-        make_cells(mesh, "face", LapCells("rim", growth=0.5, fine="all"))  # pyright: ignore[reportArgumentType]
+    with pytest.raises(InputError, match="contact 'face': 'all' has no outline"):
+        make_cells(mesh, "face", Matched(first="rim", growth=0.5, fine="all"))  # pyright: ignore[reportArgumentType]
 
 
 def test_cells_do_not_turn_corners() -> None:
     """Around a roller a size as large as the body still leaves cells whose normals stay together."""
     mesh = roller(0.02, 0.01, 0.01, sectors=36, layers=1, axial=1, order=1)
-    cells = make_cells(mesh, "face", LapCells("rim", size=1.0))
+    cells = make_cells(mesh, "face", Matched(first="rim", size=1.0))
     assert 12 <= cells.count <= 18 and cells.area.sum() > 0.0
 
 
 def test_nodes_have_the_area_of_the_face() -> None:
     for kind in ("hex8", "hex20", "hex27", "tet4", "tet10"):
         mesh = as_kind(slit_body(order=2), kind)
-        cells = make_cells(mesh, "lap", LapCells("low", "high", by="nodes"))
+        cells = make_cells(mesh, "lap", Matched("high", first="low", by="nodes"))
         shared = np.intersect1d(mesh.facets("low").node_set, mesh.facets("high").node_set)
         assert not len(shared) and cells.count == len(mesh.facets("low").node_set)
         assert cells.area.sum() == pytest.approx(0.05 * 0.02, rel=ROUND_OFF) and cells.area.min() > 0.0
@@ -275,7 +275,7 @@ def test_nodes_where_the_faces_hang_together_make_no_cells() -> None:
     number = np.arange(len(mesh.points))
     number[above] = front
     closed = Mesh(mesh.points, mesh.cells, {"low": low, "high": high.renumbered(number)})
-    cells = make_cells(closed, "crack", LapCells("low", "high", by="nodes"))
+    cells = make_cells(closed, "crack", Matched("high", first="low", by="nodes"))
     assert cells.count == len(low.node_set) - len(front) and "hang together" in cells.notes[0]
 
 
@@ -288,7 +288,7 @@ def test_nodes_where_the_faces_hang_together_make_no_cells() -> None:
 )
 def test_faces_of_a_box_do_not_face_each_other(sets, says) -> None:
     with pytest.raises(InputError, match=says):
-        make_cells(box((1.0, 1.0, 0.2), (2, 2, 1), order=1), "lap", LapCells(*sets))
+        make_cells(box((1.0, 1.0, 0.2), (2, 2, 1), order=1), "lap", Matched(sets[1], first=sets[0]))
 
 
 def test_faces_beside_each_other() -> None:
@@ -301,7 +301,7 @@ def test_nodes_that_do_not_match() -> None:
     with pytest.raises(InputError, match="by='nodes'.*'b z_min'.*9 have none.*misses the nearest by 0.167 m"):
         both(stacked(turned(0.0)), by="nodes")
     with pytest.raises(InputError, match="nothing opposite"):
-        make_cells(box((1.0, 1.0, 0.2), (2, 2, 1), order=1), "lap", LapCells("z_max", "z_min", by="nodes"))
+        make_cells(box((1.0, 1.0, 0.2), (2, 2, 1), order=1), "lap", Matched("z_min", first="z_max", by="nodes"))
 
 
 def test_interference_is_a_negative_gap() -> None:

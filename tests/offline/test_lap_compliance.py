@@ -18,14 +18,12 @@ from reference_fe import free_response, matrices
 
 from scenes.flat_settings import reduce_flat
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps import LapCells
-from warpffrf.model.laps.lap_surface import lap_cells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, box
 from warpffrf.model.mesh.data import Matrices
 from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.surfaces import Plane
+from warpffrf.model.surfaces import Matched, Plane
 from warpffrf.offline import reduce
 from warpffrf.offline.fe import assemble, assign
 from warpffrf.offline.general import unit_loads
@@ -34,13 +32,18 @@ from warpffrf.offline.laps.compliance import BodyLaps
 EXACT = 1e-9  # of the largest displacement: round-off of two solutions of stiff systems
 SINGLE = 2e-6  # stresses and the display transfer are stored in single precision
 
-LAPS: dict[str, Any] = {"lap": ("low", "high"), "foot": "z_min", "nodes": LapCells("low", "high", by="nodes")}
+LAPS = {
+    "lap": Matched("high", first="low"),
+    "foot": Matched(first="z_min"),
+    "nodes": Matched("high", first="low", by="nodes"),
+}
 
 
-def lapped(mesh: Mesh, laps: dict[str, Any], **settings) -> Any:
+def lapped(mesh: Mesh, laps: dict[str, Matched], **settings) -> Any:
     """The body reduced with laps; what it may lack is there."""
     given = {"interfaces": {"x_min": "rigid"}, "cache": False, "progress": False, "modes": 6}
-    return reduce_flat(mesh, STEEL, laps=laps, **{**given, **settings})
+    contact = {**settings.pop("contact", {}), **laps}
+    return reduce_flat(mesh, STEEL, contact=contact, **{**given, **settings})
 
 
 def full_response(mesh: Mesh, B, held: str | None):
@@ -71,7 +74,7 @@ def slit() -> Mesh:
 
 @pytest.fixture(scope="module")
 def loads(slit) -> np.ndarray:
-    return BodyLaps.of(slit, lap_cells(LAPS)).loads().toarray()
+    return BodyLaps.of(slit, LAPS).loads().toarray()
 
 
 @pytest.mark.parametrize("held", ["x_min", None])
@@ -118,9 +121,14 @@ def test_two_columns_pressed_apart() -> None:
     facets = {**both.facet_sets, "frame": type(both.facets("low z_min"))(blocks)}
     mesh = Mesh(both.points, {}, facets, matrices=Matrices(K, M))
     body = reduce(
-        mesh, None, interfaces={"frame": "rigid"}, laps={"lap": ("low z_max", "high z_min")}, modes=2, cache=False,
+        mesh,
+        None,
+        interfaces={"frame": "rigid"},
+        contact={"lap": Matched("high z_min", first="low z_max")},
+        modes=2,
+        cache=False,
         progress=False,
-    )  # fmt: skip
+    )
     lap = body.laps["lap"]
     forces = np.zeros(lap.unknowns)
     forces[::3] = p * lap.area
@@ -134,7 +142,7 @@ def test_two_columns_pressed_apart() -> None:
 def test_quadratic_cells(kind) -> None:
     """The compliance of a lap of quadratic facets does not depend on how much of it the modes hold."""
     mesh = as_kind(slit_body(order=2, along=4), kind)
-    few, many = (lapped(mesh, {"lap": ("low", "high")}, modes=m) for m in (2, 30))
+    few, many = (lapped(mesh, {"lap": Matched("high", first="low")}, modes=m) for m in (2, 30))
     assert np.abs(static(few) - static(many)).max() < EXACT * np.abs(static(few)).max()
     assert np.abs(few.lap_compliance).max() > np.abs(many.lap_compliance).max()
 
@@ -147,7 +155,9 @@ def test_blocks_of_few_loads_and_a_tight_memory(slit, monkeypatch) -> None:
     assert few.report["worst_load_residual"] < 1e-9
     assert np.abs(few.lap_compliance - body.lap_compliance).max() < 1e-13 * np.abs(body.lap_compliance).max()
     size = 3 * 8 * sum(s.unknowns for s in body.laps.values()) ** 2
-    with pytest.raises(InputError, match=r"laps: the compliance of .* bytes.*LapCells\(size=, growth=\)"):
+    with pytest.raises(
+        InputError, match=r"matched faces: the compliance of .* bytes.*surfaces.Matched\(size=, growth=\)"
+    ):
         lapped(slit, LAPS, memory_limit=size // 2)
 
 
@@ -190,7 +200,7 @@ def test_saved_and_loaded(slit, tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def plain(slit) -> ReducedBody:
-    return lapped(slit, {"lap": ("low", "high")})
+    return lapped(slit, {"lap": Matched("high", first="low")})
 
 
 WRONG = {
@@ -217,32 +227,30 @@ def test_a_file_that_does_not_fit_together(plain, tmp_path: Path, says) -> None:
 
 
 def test_what_laps_cannot_be_beside(slit) -> None:
-    with pytest.raises(InputError, match="lap 'lap'.*'lwo' does not exist.*'low'"):
-        lapped(slit, {"lap": ("lwo", "high")})
-    with pytest.raises(InputError, match="lap 'lap'.*'heda' does not exist.*'low'"):
-        lapped(slit, {"lap": {"first": "low", "second": "high", "growth": 0.5, "fine": ["heda"]}})
-    with pytest.raises(InputError, match="lap 'lap': 10 facets of 'low' belong to contact surface 'low'"):
-        lapped(slit, {"lap": ("low", "high")}, contact={"low": Plane()})
+    with pytest.raises(InputError, match="contact 'lap'.*'lwo' does not exist.*'low'"):
+        lapped(slit, {"lap": Matched("high", first="lwo")})
+    with pytest.raises(InputError, match="contact 'lap'.*'heda' does not exist.*'low'"):
+        lapped(slit, {"lap": Matched("high", first="low", growth=0.5, fine=("heda",))})
+    with pytest.raises(InputError, match="contact 'lap': 10 facets of 'low' belong to contact surface 'low'"):
+        lapped(slit, {"lap": Matched("high", first="low")}, contact={"low": Plane()})
     with pytest.raises(InputError, match="'x_min' is a rigid interface"):
-        lapped(slit, {"lap": ("low", "x_min")})
+        lapped(slit, {"lap": Matched("x_min", first="low")})
     with pytest.raises(InputError, match="share 10 facets"):
-        lapped(slit.select("also", "low", lambda x: x[:, 0] > 0.0), {"lap": ("low", "also")})
-    with pytest.raises(InputError, match="laps must be"):
-        lapped(slit, {"lap": ("low", "high", "x_min")})
+        lapped(slit.select("also", "low", lambda x: x[:, 0] > 0.0), {"lap": Matched("also", first="low")})
 
 
 def test_notes_and_warnings(slit) -> None:
-    body = lapped(slit, {"lap": ("low", "high")})
-    assert "lap 'lap': the faces are 0.0005 m apart in the mean, 0.0005 m at most" in body.report["notes"]
-    assert body.report["path"] == "general" and "laps" in body.report["path_reason"]
-    beside = lapped(slit, {"lap": ("low", "high")}, contact={"z_max": Plane()})
+    body = lapped(slit, {"lap": Matched("high", first="low")})
+    assert "contact 'lap': the faces are 0.0005 m apart in the mean, 0.0005 m at most" in body.report["notes"]
+    assert body.report["path"] == "general" and "surfaces.Matched" in body.report["path_reason"]
+    beside = lapped(slit, {"lap": Matched("high", first="low")}, contact={"z_max": Plane()})
     assert any("through the global modes only" in note for note in beside.report["notes"])
     # more facets than nodes: triangles of linear cells
-    many = lapped(as_kind(slit_body(order=2, along=12), "tet4"), {"lap": ("low", "high")})
+    many = lapped(as_kind(slit_body(order=2, along=12), "tet4"), {"lap": Matched("high", first="low")})
     assert any("cells depend on the others" in text for text in many.report["warnings"])
     assert not any("depend on the others" in text for text in body.report["warnings"])
     # nodes of a rigid interface do not give way
     held = slit.select_plane("front", point=(0.06, 0, 0), normal=(1, 0, 0))
-    stuck = lapped(held, {"lap": LapCells("low", "high", by="nodes")}, interfaces={"front": "rigid"})
+    stuck = lapped(held, {"lap": Matched("high", first="low", by="nodes")}, interfaces={"front": "rigid"})
     assert any("3 of 18 cells hardly give way" in text for text in stuck.report["warnings"])
-    assert all("end the lap a row of facets before" in text for text in stuck.report["warnings"])
+    assert all("end the face a row of facets before" in text for text in stuck.report["warnings"])

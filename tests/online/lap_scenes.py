@@ -6,11 +6,12 @@ from functools import lru_cache
 from typing import Any
 
 from warpffrf.model import forces, joints
-from warpffrf.model.laps import Lap, LapCells
+from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline import reduce
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7800.0)
@@ -24,7 +25,7 @@ def block(cells: tuple[int, int, int], by: str, ends: tuple[str, str]) -> Reduce
     """A block held at the face `ends[0]`, with a lap face "face" at `ends[1]`."""
     held, free = ends
     return reduce(
-        box(SIZE, cells, order=1), STEEL, interfaces={held: "rigid"}, laps={"face": LapCells(free, by=by)},
+        box(SIZE, cells, order=1), STEEL, interfaces={held: "rigid"}, contact={"face": Matched(first=free, by=by)},
         max_frequency=HIGHEST, cache=False, progress=False,
     )  # fmt: skip
 
@@ -47,7 +48,7 @@ def two_blocks(
     base = scene.add_body(block(cells, by, ("z_min", "z_max")), name="base", position=(0.0, 0.0, 0.01))
     top = scene.add_body(block(cells, by, ("z_max", "z_min")), name="top", position=(0.0, 0.0, 0.03))
     scene.add(joints.Fixed(scene.ground, base["z_min"]))
-    scene.add(Lap(top["face"], base["face"], friction=friction, name="lap"))
+    scene.add(Contact(top["face"], base["face"], sliding="small", friction=friction, name="lap"))
     scene.add(forces.PointForce(top["z_max"], (pull, 0.0, -LOAD)))
     return scene
 

@@ -201,7 +201,7 @@ def test_contact_surfaces_have_no_second_order_motion() -> None:
     scene = cantilever((0.0, 0.0, BENDING))
     assert not about(deflection_lines(scene, [found]), "contact surfaces")
     touching = SimpleNamespace(
-        contacts=[SimpleNamespace(ports=[SimpleNamespace(body=scene.body("beam"))])], films=[], laps=[], body=scene.body
+        contacts=[SimpleNamespace(ports=[SimpleNamespace(body=scene.body("beam"))])], films=[], body=scene.body
     )
     (line,) = about(deflection_lines(cast(Scene, touching), [found]), "contact surfaces")
     assert "which is up to 5 % of the deflection; split it" in line

@@ -115,7 +115,9 @@ def test_the_fullest_pair_is_named() -> None:
         active = array([[1, 0, 0, 0], [1, 1, 1, 0], [1, 1, 0, 0]])
         compiled = SimpleNamespace(model=SimpleNamespace(window=SimpleNamespace(half=8)))
         scratch, state = SimpleNamespace(window=array(windows)), SimpleNamespace(active=active)
-        return SimpleNamespace(scene=SimpleNamespace(contacts=names), compiled=compiled, scratch=scratch, state=state)
+        return SimpleNamespace(
+            scene=SimpleNamespace(finite_sliding=names), compiled=compiled, scratch=scratch, state=state
+        )
 
     wide, narrow = (-8, 8), (-2, 2)
     assert _fullest(engine([wide, narrow, wide]), 0) == (

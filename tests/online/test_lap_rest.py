@@ -10,10 +10,11 @@ import pytest
 from lap_scenes import STEEL
 
 from warpffrf.model import forces, joints
-from warpffrf.model.laps import Lap, LapCells
+from warpffrf.model.contact import Contact
 from warpffrf.model.mesh import box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline import reduce
 from warpffrf.online import find_equilibrium
 from warpffrf.online.engine import Engine
@@ -30,7 +31,7 @@ def plate(face: str, outside: str) -> ReducedBody:
     """Held at the face x_min, pressed on a part of the outside, with cells on the other side."""
     mesh = box(SIZE, (5, 3, 2), order=1).select("press", outside, lambda c: c[:, 0] > -0.005)
     return reduce(
-        mesh, STEEL, interfaces={"x_min": "rigid", "press": "average"}, modes=3, laps={"face": LapCells(face)},
+        mesh, STEEL, interfaces={"x_min": "rigid", "press": "average"}, modes=3, contact={"face": Matched(first=face)},
         cache=False, progress=False,
     )  # fmt: skip
 
@@ -43,7 +44,7 @@ def plates(load: float) -> Scene:
     for body, force in ((lower, load), (upper, -load)):
         scene.add(joints.Fixed(scene.ground, body["x_min"]))
         scene.add(forces.PointForce(body["press"], (0.0, 0.0, force)))
-    scene.add(Lap(lower["face"], upper["face"], friction=0.3, name="lap"))
+    scene.add(Contact(lower["face"], upper["face"], sliding="small", friction=0.3, name="lap"))
     return scene
 
 

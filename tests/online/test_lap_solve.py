@@ -16,9 +16,11 @@ from references.small_sliding.full_model import FullModel, Part
 from references.small_sliding.quasi_static import StaticLap
 from references.small_sliding.sheets import ROOT, graded_stack, one_body
 from warpffrf.model import forces, joints, signals
-from warpffrf.model.laps import Lap, LapCells
+from warpffrf.model.contact import Contact
+from warpffrf.model.laps.sliding import cells_of
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline import reduce
 from warpffrf.output.simulate import simulate
 
@@ -44,7 +46,7 @@ def test_forces_are_those_of_the_reference(seed: int, friction: float) -> None:
     F = np.stack([model.spread(0, name, np.eye(3)[axis]) for name, axis in names], axis=1)
     body = reduce(
         mesh, STEEL, interfaces={ROOT: "rigid"} | dict.fromkeys([*loaded, tip], "average"), modes=3,
-        laps={"lap": LapCells("sheet0_z_max", "sheet1_z_min")}, cache=False, progress=False,
+        contact={"lap": Matched("sheet1_z_min", first="sheet0_z_max")}, cache=False, progress=False,
     )  # fmt: skip
     lap = StaticLap(model, facet_cells(model, (0, "sheet0_z_max"), (0, "sheet1_z_min")), friction)
     turn = np.linspace(0.0, 3.0 * np.pi, STEPS) + rng.uniform(0.0, 1.0)
@@ -54,7 +56,7 @@ def test_forces_are_those_of_the_reference(seed: int, friction: float) -> None:
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     sheets = scene.add_body(body, name="sheets")
     scene.add(joints.Fixed(scene.ground, sheets[ROOT]))
-    scene.add(Lap(sheets["lap"], friction=friction, name="lap"))
+    scene.add(Contact(sheets["lap"], sliding="small", friction=friction, name="lap"))
     times = np.arange(float(STEPS))
     for i, (name, axis) in enumerate(names):
         scene.add(forces.PointForce(sheets[name], (signals.Table(times, path[:, i]), np.eye(3)[axis])))
@@ -64,7 +66,7 @@ def test_forces_are_those_of_the_reference(seed: int, friction: float) -> None:
     area = lap.cells.area
     found = np.concatenate([seen.pressure[:, :, None], seen.traction], axis=2) * area[None, :, None]
     moved = lap.cells.loads.T @ model.solve(F)
-    gap = scene.laps[0].cells().gap
+    gap = cells_of(scene.contacts[0]).gap
     states, worst, compared = set(), 0.0, 0
     for i in range(1, STEPS):
         b = (moved @ path[i]).reshape(-1, 3)

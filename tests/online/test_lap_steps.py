@@ -14,7 +14,7 @@ def test_leaves_begin_pressed_and_turn_back_without_small_steps() -> None:
     open cells, or goes on with slipping ones, ends far away."""
     path = cycle(2)
     found = static(two_leaves((10, 1), loads(path, 2.0 * LEAVES.slip_force)), len(path) - 1)
-    lap = found.lap("joint")
+    lap = found.contact("joint")
     assert np.all(lap.counts[:, 0] == 0)
     assert lap.counts[0].tolist() == [0, 10, 0] and lap.counts[2].tolist() == [0, 0, 10]
     assert np.mean(found.history.iterations[1:]) < 25.0
@@ -25,6 +25,6 @@ def test_leaves_begin_pressed_and_turn_back_without_small_steps() -> None:
 def test_pressures_that_cancel_are_in_equilibrium() -> None:
     """Of a press fit neither a body nor a mode feels more than round-off: what counts is the forces that cancel."""
     found = static(pressed_on(8, loads([0.0, 1.0], TURNED)), 1)
-    lap = found.lap("seat")
+    lap = found.contact("seat")
     assert np.linalg.norm(lap.force[0]) < 1e-8 * lap.normal_force[0]
     assert np.ptp(lap.pressure[0]) < 1e-6 * FIT.pressure

@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 
 from warpffrf.model import forces, joints, laws, signals
+from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import GeneralizedAlpha
-from warpffrf.model.laps import Lap, LapCells
+from warpffrf.model.laps import SmallSliding
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.model.surfaces import Plane
+from warpffrf.model.surfaces import Matched, Plane
 from warpffrf.offline import reduce
 from warpffrf.output.modes_result import eigenmodes
 from warpffrf.output.simulate import equilibrium, simulate
@@ -33,7 +34,7 @@ def stiff_block() -> ReducedBody:
     material = Material(youngs_modulus=2.1e13, poisson_ratio=0.3, density=7800.0)
     return reduce(
         box((SIDE, SIDE, SIDE), (2, 2, 2), order=1), material, interfaces={"z_max": "rigid"},
-        laps={"foot": LapCells("z_min", size=0.05)}, max_frequency=1e6, cache=False, progress=False,
+        contact={"foot": Matched(first="z_min", size=0.05)}, max_frequency=1e6, cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -44,8 +45,8 @@ def guided_block() -> Scene:
     floor = scene.ground.surface(Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
     scene.add(joints.Prismatic(scene.ground.at((0, 0, SIDE)), block["z_max"], axis=(1, 0, 0)))
     scene.add(forces.SpringDamper(scene.ground.at((-0.1, 0, SIDE)), block["z_max"], SPRING))
-    layer: dict[str, Any] = {"law": laws.LinearLayer(1e12), "tangential_stiffness": LAYER}
-    scene.add(Lap(block["foot"], floor, friction=FRICTION, interference=1e-6, name="lap", **layer))
+    sliding = SmallSliding(interference=1e-6, tangential_stiffness=LAYER)
+    scene.add(Contact(block["foot"], floor, sliding=sliding, law=laws.LinearLayer(1e12), friction=FRICTION, name="lap"))
     return scene
 
 
@@ -77,9 +78,14 @@ def test_one_cell_is_a_jenkins_element() -> None:
 def bar() -> ReducedBody:
     material = Material(youngs_modulus=210e9, poisson_ratio=0.0, density=7800.0)
     return reduce(
-        box((0.1, 0.01, 0.01), (20, 1, 1), order=1), material, interfaces={"x_max": "rigid"}, laps={"foot": "z_min"},
-        max_frequency=1e5, cache=False, progress=False,
-    )  # fmt: skip
+        box((0.1, 0.01, 0.01), (20, 1, 1), order=1),
+        material,
+        interfaces={"x_max": "rigid"},
+        contact={"foot": Matched(first="z_min")},
+        max_frequency=1e5,
+        cache=False,
+        progress=False,
+    )
 
 
 def bar_with_a_mass(pull: Any = 0.0) -> Scene:
@@ -91,8 +97,8 @@ def bar_with_a_mass(pull: Any = 0.0) -> Scene:
     floor = scene.ground.surface(Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
     scene.add(joints.Fixed(mass.at((0, 0, 0)), body["x_max"]))
     scene.add(joints.Prismatic(scene.ground.at(end), mass.at((0, 0, 0)), axis=(1, 0, 0)))
-    layer: dict[str, Any] = {"law": laws.LinearLayer(1e13), "tangential_stiffness": 1e12}
-    scene.add(Lap(body["foot"], floor, friction=FRICTION, name="lap", **layer))
+    sliding, layer = SmallSliding(tangential_stiffness=1e12), laws.LinearLayer(1e13)
+    scene.add(Contact(body["foot"], floor, sliding=sliding, law=layer, friction=FRICTION, name="lap"))
     scene.add(forces.PointForce(mass.at((0, 0, 0)), (pull, 0.0, 0.0)))
     return scene
 

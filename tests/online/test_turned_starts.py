@@ -13,11 +13,11 @@ from scipy.spatial.transform import Rotation
 from warpffrf.model import films, forces, joints, oils, signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.films import Film
-from warpffrf.model.laps import Lap
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box, roller, sleeve
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline import reduce
 from warpffrf.online import find_equilibrium, run
 from warpffrf.online.engine import Engine
@@ -43,7 +43,15 @@ def body(kind: str) -> ReducedBody:
         return reduce(mesh, STEEL, interfaces={"bore": "rigid"}, contact=rim, modes=4, cache=False, progress=False)
     low, high = ("z_min", "z_max") if kind == "lower" else ("z_max", "z_min")
     mesh = box((0.06, 0.02, 0.02), (6, 2, 2), order=1)
-    return reduce(mesh, STEEL, interfaces={low: "rigid"}, laps={"face": high}, modes=6, cache=False, progress=False)
+    return reduce(
+        mesh,
+        STEEL,
+        interfaces={low: "rigid"},
+        contact={"face": Matched(first=high)},
+        modes=6,
+        cache=False,
+        progress=False,
+    )
 
 
 def oiled(R: Rotation, t: Array, speed: float = 43.0) -> Scene:
@@ -72,7 +80,7 @@ def lapped(R: Rotation, t: Array) -> Scene:
     lower = scene.add_body(body("lower"), name="lower", position=R.apply([0, 0, 0.01]) + t, rotation=R.as_quat())
     upper = scene.add_body(body("upper"), name="upper", position=R.apply([0, 0, 0.03]) + t, rotation=R.as_quat())
     scene.add(joints.Fixed(scene.ground, lower["z_min"]))
-    scene.add(Lap(upper["face"], lower["face"], friction=0.0, name="face"))
+    scene.add(Contact(upper["face"], lower["face"], sliding="small", friction=0.0, name="face"))
     scene.add(forces.PointForce(upper["z_max"], tuple(R.apply([0.0, 0.0, -2900.0]))))
     return scene
 

@@ -21,7 +21,13 @@ def block(name: str, fixed: str, face: str, cells: tuple[int, int] = CELLS) -> A
     steel = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7800.0)
     box = mesh.box(SIZE, (*cells, 2), order=1, name=name)
     return wf.reduce(
-        box, steel, interfaces={fixed: "rigid"}, laps={"face": face}, max_frequency=6e4, cache=False, progress=False
+        box,
+        steel,
+        interfaces={fixed: "rigid"},
+        contact={"face": wf.surfaces.Matched(first=face)},
+        max_frequency=6e4,
+        cache=False,
+        progress=False,
     )
 
 
@@ -31,7 +37,7 @@ def scene() -> wf.Scene:
     base = found.add_body(block("base", "z_min", "z_max"), name="base", position=(0.0, 0.0, 0.01))
     top = found.add_body(block("top", "z_max", "z_min"), name="top", position=(0.0, 0.0, 0.03))
     found.add(joints.Fixed(found.ground, base["z_min"], name="foot"))
-    found.add(wf.Lap(top["face"], base["face"], friction=FRICTION, name="lap"))
+    found.add(wf.Contact(top["face"], base["face"], sliding="small", friction=FRICTION, name="lap"))
     time = np.linspace(0.0, CYCLES * PERIOD, STEPS * CYCLES + 1)
     push = signals.Table(time, PUSHED * np.sin(2.0 * np.pi * time / PERIOD))
     found.add(forces.PointForce(top["z_max"], (push, 0.0, -PRESSED), name="push"))

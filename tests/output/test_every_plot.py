@@ -156,7 +156,7 @@ def test_summaries(run: str, request: pytest.FixtureRequest) -> None:
 
 
 def test_pages_of_laps_and_loops(rubbing_lap: Result) -> None:
-    check(rubbing_lap.lap_page(), seen=False)
+    check(rubbing_lap.small_sliding_page(), seen=False)
     loop = rubbing_lap.hysteresis(("push", "x"), ("tip", "x"))
     ax = axes()
     loop.draw(ax)

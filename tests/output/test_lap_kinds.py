@@ -30,13 +30,18 @@ def fork() -> wf.Scene:
         shape = shape.select_plane(name, point=(0, 0, z), normal=(0, 0, normal), tolerance=0.1 * SLOT)
     steel = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7800.0)
     body = wf.reduce(
-        shape, steel, interfaces={"z_min": "rigid", "z_max": "average"}, laps={"slot": ("upper", "lower")}, modes=6,
-        cache=False, progress=False,
-    )  # fmt: skip
+        shape,
+        steel,
+        interfaces={"z_min": "rigid", "z_max": "average"},
+        contact={"slot": wf.surfaces.Matched("lower", first="upper")},
+        modes=6,
+        cache=False,
+        progress=False,
+    )
     scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
     both = scene.add_body(body, name="fork")
     scene.add(joints.Fixed(scene.ground, both["z_min"]))
-    scene.add(wf.Lap(both["slot"], friction=FRICTION, interference=SLOT, name="slot"))
+    scene.add(wf.Contact(both["slot"], sliding=wf.SmallSliding(interference=SLOT), friction=FRICTION, name="slot"))
     scene.add(forces.PointForce(both["z_max"], (0.0, PUSHED, -PRESSED)))
     return scene
 
@@ -45,7 +50,7 @@ def on_the_floor() -> wf.Scene:
     scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
     floor = scene.ground.surface(surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
     body = scene.add_body(block("block", "z_max", "z_min", (4, 2)), name="block", position=(0.0, 0.0, 0.01))
-    scene.add(wf.Lap(body["face"], floor, friction=FRICTION, name="foot"))
+    scene.add(wf.Contact(body["face"], floor, sliding="small", friction=FRICTION, name="foot"))
     scene.add(forces.PointForce(body["z_max"], (0.0, PUSHED, -PRESSED)))
     return scene
 
@@ -54,14 +59,14 @@ def on_the_floor() -> wf.Scene:
 def test_an_equilibrium_comes_back_from_its_file(build: object, tmp_path: Path) -> None:
     scene = fork() if build is fork else on_the_floor()
     found = wf.equilibrium(scene)
-    (name,) = found.lap_names
-    lap = found.lap(name)
+    (name,) = found.small_sliding_names
+    lap = found.contact(name)
     again = Result.load(found.save(tmp_path / "run.h5"))
-    np.testing.assert_array_equal(again.lap(name).pressure, lap.pressure)
-    np.testing.assert_array_equal(again.lap(name).polygons[1], lap.polygons[1])
-    assert again.lap(name).view.second_body.name == ("fork" if build is fork else "ground")
+    np.testing.assert_array_equal(again.contact(name).pressure, lap.pressure)
+    np.testing.assert_array_equal(again.contact(name).polygons[1], lap.polygons[1])
+    assert again.contact(name).view.second_body.name == ("fork" if build is fork else "ground")
     np.testing.assert_allclose(lap.area.sum(), SIZE[1] * SIZE[0] * (5 / 6 if build is fork else 1), rtol=1e-9)
-    assert f"lap '{name}': normal force" in again.report() and len(again.lap_page().axes) >= 3
+    assert f"contact '{name}': normal force" in again.report() and len(again.small_sliding_page().axes) >= 3
     assert record(again, tmp_path / "run.rrd").frames == 1
     assert from_arrays(*to_arrays(scene)).content_hash() == scene.content_hash()
     if build is on_the_floor:
@@ -70,7 +75,7 @@ def test_an_equilibrium_comes_back_from_its_file(build: object, tmp_path: Path) 
 
 def test_what_slid_before_the_first_row_is_in_the_zone() -> None:
     """The equilibrium that a run starts from may have slipped already."""
-    lap = wf.equilibrium(on_the_floor()).lap("foot")
+    lap = wf.equilibrium(on_the_floor()).contact("foot")
     assert lap.loss[0] > 0.0 and lap.slip_zone().cells > 0 and lap.slip_zone(0.0).cells == 0
 
 
@@ -78,8 +83,8 @@ def test_the_budget_of_a_motion_knows_laps() -> None:
     """A block that is let go on the floor: errors of force and loss by the step."""
     result = wf.simulate(on_the_floor(), 4e-4, step=2e-5, progress=False)
     told = {line.of for line in result.error_budget()}
-    assert "force of lap 'foot'" in told and "loss of lap 'foot'" in told
-    lap = result.lap("foot")
+    assert "force of contact 'foot'" in told and "loss of contact 'foot'" in told
+    lap = result.contact("foot")
     np.testing.assert_allclose(lap.loss, -result.energy["friction"], rtol=1e-9, atol=1e-15)
 
 
@@ -89,7 +94,7 @@ def test_the_budget_of_a_motion_knows_laps() -> None:
 def test_both_prongs_have_the_pressure_and_opposite_tractions() -> None:
     """On the nodes of the slot, beside each other as the meshes match; forces on the body's laps are those of cells."""
     found = wf.equilibrium(fork())
-    lap, skin = found.lap("slot"), found.skins()["fork"]
+    lap, skin = found.contact("slot"), found.skins()["fork"]
     pressure, traction = skin.pressure(0), skin.traction(0)
     inside = skin.points[:, 0] > SIZE[0] / 6 * 1.001
     sides = [np.flatnonzero(inside & (np.abs(skin.points[:, 2] - z) < 0.1 * SLOT)) for z in (0.004, 0.004 + SLOT)]

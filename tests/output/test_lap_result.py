@@ -38,7 +38,7 @@ def result() -> Result:
 
 @pytest.fixture(scope="module")
 def lap(result: Result) -> LapResult:
-    return result.lap("lap")
+    return result.contact("lap")
 
 
 # --- cells and the joint
@@ -153,13 +153,13 @@ def test_without_friction_user_frames_say_how_far_faces_slid(result: Result, lap
 
 
 def test_a_result_knows_its_laps(result: Result) -> None:
-    assert result.lap_names == ["lap"] and "cells=24" in repr(result.lap("lap"))
-    with pytest.raises(InputError, match="no lap called 'laps'; it has: 'lap'"):
-        result.lap("laps")
+    assert result.small_sliding_names == ["lap"] and "cells=24" in repr(result.contact("lap"))
+    with pytest.raises(InputError, match="no contact called 'laps'; it has: 'lap'"):
+        result.contact("laps")
 
 
 def test_files_bring_everything_back(result: Result, lap: LapResult, tmp_path: Path) -> None:
-    found = Result.load(result.save(tmp_path / "run.h5")).lap("lap")
+    found = Result.load(result.save(tmp_path / "run.h5")).contact("lap")
     for field in fields(LapHistory):
         np.testing.assert_array_equal(getattr(found.history, field.name), getattr(lap.history, field.name))
     assert {field.attribute for field in LAP_FIELDS} == {field.name for field in fields(LapHistory)}
@@ -205,14 +205,14 @@ def test_parts_of_a_run_join(result: Result, lap: LapResult) -> None:
 
 def test_errors_are_told_of_force_and_loss(result: Result, lap: LapResult) -> None:
     found = quantities(result.history)
-    assert found["loss of lap 'lap'"].size == pytest.approx(lap.loss[-1])
-    assert found["force of lap 'lap'"].size > PRESSED
+    assert found["loss of contact 'lap'"].size == pytest.approx(lap.loss[-1])
+    assert found["force of contact 'lap'"].size > PRESSED
 
 
 def test_the_report_tells_of_laps(result: Result) -> None:
     text = result.report()
-    assert "lap 'lap': normal force 2000 N (largest 2000)" in text
-    assert f"loss            {result.lap('lap').loss[-1]:.5g} J by friction, in 24 cells" in text
+    assert "contact 'lap': normal force 2000 N (largest 2000)" in text
+    assert f"loss            {result.contact('lap').loss[-1]:.5g} J by friction, in 24 cells" in text
     assert "each load step ends in an equilibrium" in text  # there is no error of time
 
 
@@ -226,24 +226,24 @@ def test_plots(result: Result, kind: str) -> None:
     ax = result.plot(kind, row=10)
     assert "lap" in ax.get_title().lower()
     plt.close("all")
-    with pytest.raises(InputError, match="no lap called 'rivet'"):
-        result.plot(kind, lap="rivet")
+    with pytest.raises(InputError, match="no contact called 'rivet'"):
+        result.plot(kind, contact="rivet")
 
 
 def test_a_map_has_the_colour_of_its_cells(result: Result, lap: LapResult) -> None:
-    ax: Any = result.plot("lap_pressure", row=10)
+    ax: Any = result.plot("patch", row=10)
     (cells,) = ax.collections
     np.testing.assert_allclose(cells.get_array(), lap.pressure[10, lap.polygons[1]] * 1e-6)
 
 
 def test_pages_and_summaries(result: Result, tmp_path: Path) -> None:
-    figure = result.lap_page(times=[0.25, 1.24])
+    figure = result.small_sliding_page(times=[0.25, 1.24])
     assert len([ax for ax in figure.axes if ax.get_title()]) == 6
     assert write_figure(result, tmp_path / "summary.png").stat().st_size > 0
     found = result.hysteresis(("push", "x"), ("tip", "x"))
     assert save_panels([found, found.stiffness(0.0, 0.25)], tmp_path / "loop.png").exists()
     with pytest.raises(InputError, match="saved steps go from 0 to 2 s"):
-        result.lap_page(times=[3.0])
+        result.small_sliding_page(times=[3.0])
 
 
 def test_a_recording_shows_cells(result: Result, lap: LapResult, tmp_path: Path) -> None:

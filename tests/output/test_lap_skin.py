@@ -72,15 +72,24 @@ def pressed_sheets() -> tuple[Result, np.ndarray, np.ndarray]:
     """The run of two bodies, and the displacements (n, 3 nodes) of full finite elements under the same loads and the
     forces that the run found in the lap."""
     meshes = sheets()
-    held = [wf.reduce(
-        mesh, STEEL, interfaces={"x_min": "rigid", "press": "average", TIP: "average"}, modes=3, laps={"face": face},
-        stress={"near": points(k)}, cache=False, progress=False,
-    ) for k, (mesh, face) in enumerate(zip(meshes, ("z_max", "z_min"), strict=True))]  # fmt: skip
+    held = [
+        wf.reduce(
+            mesh,
+            STEEL,
+            interfaces={"x_min": "rigid", "press": "average", TIP: "average"},
+            modes=3,
+            contact={"face": wf.surfaces.Matched(first=face)},
+            stress={"near": points(k)},
+            cache=False,
+            progress=False,
+        )
+        for k, (mesh, face) in enumerate(zip(meshes, ("z_max", "z_min"), strict=True))
+    ]
     scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
     bodies = [scene.add_body(body, name=name) for body, name in zip(held, ("lower", "upper"), strict=True)]
     for body in bodies:
         scene.add(joints.Fixed(scene.ground, body["x_min"]))
-    scene.add(wf.Lap(bodies[0]["face"], bodies[1]["face"], friction=0.3, name="lap"))
+    scene.add(wf.Contact(bodies[0]["face"], bodies[1]["face"], sliding="small", friction=0.3, name="lap"))
     path = LOAD * np.array(
         [[1, 1, 0, 0, 0], [1, 1, 0.1, 0.1, -0.1], [0.9, 1, 0.3, -0.2, 0.1], [0.9, 1.1, -0.3, -0.2, 0.2]]
     )
@@ -94,7 +103,7 @@ def pressed_sheets() -> tuple[Result, np.ndarray, np.ndarray]:
     run = wf.simulate(scene, times[-1], step=1.0, kind="static", progress=False)
     loads = np.stack(columns, axis=1) @ path.T
     cells = facet_cells(model, (0, "z_max"), (1, "z_min"))
-    lap = run.lap("lap")
+    lap = run.contact("lap")
     s = np.concatenate([lap.pressure[:, :, None], lap.traction], axis=2) * lap.area[:, None]
     u = model.solve(loads + cells.loads @ s.reshape(len(path), -1).T)
     return run, u[: 3 * model.offsets[1]].T, u[3 * model.offsets[1] :].T
@@ -107,7 +116,7 @@ def test_all_nodes_move_as_those_of_full_finite_elements(k: int, name: str) -> N
     mesh = sheets()[k]
     nodes = np.unique(np.concatenate([block.ravel() for block in mesh.outer_facets().blocks.values()]))
     np.testing.assert_array_equal(run.skins()[name].points, mesh.points[nodes])
-    assert {0, 1, 2} <= set(run.lap("lap").state.ravel())
+    assert {0, 1, 2} <= set(run.contact("lap").state.ravel())
     body = run.view.bodies[name].reduced
     for i in range(len(run.time)):
         exact = full[k][i].reshape(-1, 3)[nodes]
@@ -137,9 +146,15 @@ def block(
     material: wf.Material, ends: dict[str, str], face: Any, cells: tuple[int, int, int], size: Any, where: Any
 ) -> Any:
     return wf.reduce(
-        box(size, cells, order=1), material, interfaces=ends, laps={"face": face}, modes=4, stress={"inside": where},
-        cache=False, progress=False,
-    )  # fmt: skip
+        box(size, cells, order=1),
+        material,
+        interfaces=ends,
+        contact={"face": wf.surfaces.Matched(first=face)},
+        modes=4,
+        stress={"inside": where},
+        cache=False,
+        progress=False,
+    )
 
 
 def stuck(lower: Any, upper: Any, size: Any, load: Any, turn: Any = (0.0, 0.0, 0.0), spin: float = 0.0) -> Result:
@@ -151,7 +166,7 @@ def stuck(lower: Any, upper: Any, size: Any, load: Any, turn: Any = (0.0, 0.0, 0
     base = scene.add_body(lower, name="lower", position=A @ [0.0, 0.0, -0.5 * size[2]], rotation=whole.as_quat())
     top = scene.add_body(upper, name="upper", position=A @ [0.0, 0.0, 0.5 * size[2]], rotation=own.as_quat())
     scene.add(joints.Fixed(scene.ground, base["z_min"]))
-    scene.add(wf.Lap(base["face"], top["face"], friction=50.0, name="lap"))
+    scene.add(wf.Contact(base["face"], top["face"], sliding="small", friction=50.0, name="lap"))
     scene.add(forces.PointForce(top["z_max"], tuple(A @ load)))
     return wf.equilibrium(scene)
 
@@ -163,8 +178,15 @@ PLACES = np.array([[0.0, 0.0, 0.5], [0.3, -0.2, 0.5], [0.5, 0.5, 0.5], [0.2, 0.1
 def patch(by: str, other: int) -> Result:
     """Two blocks of steel that are pressed evenly; `other` cells along the edges of the upper."""
     size, along = (EDGE, EDGE, HIGH), PLACES * [EDGE, EDGE, HIGH]
-    lower = block(STEEL, {"z_min": "average"}, wf.LapCells("z_max", by=by), (4, 4, 2), size, along)
-    upper = block(STEEL, {"z_max": "average"}, wf.LapCells("z_min", by=by), (other, other, 2), size, along * [1, 1, -1])
+    lower = block(STEEL, {"z_min": "average"}, wf.surfaces.Matched(first="z_max", by=by), (4, 4, 2), size, along)
+    upper = block(
+        STEEL,
+        {"z_max": "average"},
+        wf.surfaces.Matched(first="z_min", by=by),
+        (other, other, 2),
+        size,
+        along * [1, 1, -1],
+    )
     return stuck(lower, upper, size, (0.0, 0.0, -PRESSURE * EDGE**2), (0.4, -0.9, 0.2), 0.5 * np.pi)
 
 
@@ -226,8 +248,10 @@ def sheared() -> tuple[Result, Result]:
     """Flat blocks of cork, pressed and sheared; and the same in one piece."""
     load = (SHEAR * LONG * FLAT[1], 0.0, -HELD * LONG * FLAT[1])
     cells, where = (16, 3, 2), np.array([[0.0, 0.0, 0.25], [0.1, 0.2, 0.4], [0.0, 0.0, 0.5]]) * FLAT
-    lower = block(CORK, {"z_min": "rigid"}, wf.LapCells("z_max", by="nodes"), cells, FLAT, where)
-    upper = block(CORK, {"z_max": "rigid"}, wf.LapCells("z_min", by="nodes"), cells, FLAT, where * [1, 1, -1])
+    lower = block(CORK, {"z_min": "rigid"}, wf.surfaces.Matched(first="z_max", by="nodes"), cells, FLAT, where)
+    upper = block(
+        CORK, {"z_max": "rigid"}, wf.surfaces.Matched(first="z_min", by="nodes"), cells, FLAT, where * [1, 1, -1]
+    )
     one = wf.reduce(
         box((LONG, FLAT[1], 2.0 * FLAT[2]), (*cells[:2], 4), order=1), CORK, modes=4,
         interfaces={"z_min": "rigid", "z_max": "rigid"}, cache=False, progress=False,

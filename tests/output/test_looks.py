@@ -122,7 +122,7 @@ def test_no_module_of_the_model_is_left_with_a_bare_look() -> None:
             value = getattr(module, name)
             if hasattr(value, "scene_list"):
                 assert issubclass(value, reprs.Item), name
-    for kind in (wf.Contact, wf.LumpedContact, wf.Film, wf.Lap):
+    for kind in (wf.Contact, wf.LumpedContact, wf.Film):
         assert issubclass(kind, reprs.Item)
 
 

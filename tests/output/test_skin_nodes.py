@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from references.small_sliding.sheets import graded_stack, one_body
-from warpffrf.model.laps import LapCells
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline.laps.cells import make_cells
 from warpffrf.output.geometry.skin_nodes import SkinNodes
 
@@ -45,7 +45,7 @@ def test_three_thin_sheets_in_one_body(gap: float, bend: float) -> None:
     skin, nodes = skin_of(mesh)
     for k in range(2):
         names = f"sheet{k}_z_max", f"sheet{k + 1}_z_min"
-        cells = make_cells(mesh, "lap", LapCells(*names))
+        cells = make_cells(mesh, "lap", Matched(names[1], first=names[0]))
         own = skin.on(cells.triangles, cells.cell, cells.count)
         np.testing.assert_array_equal(found(own, nodes), mesh.facets(names[0]).node_set)
         across = skin.across(cells.triangles, cells.cell, cells.gap)

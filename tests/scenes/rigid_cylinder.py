@@ -1,8 +1,8 @@
 """A rigid cylinder on an exact elastic half-plane with a stiff layer and friction: shifted to and fro (Cattaneo and
 Mindlin), and rolled along (Carter).
 
-"full" has the law of the layer at nodes (`references.monolithic`), "nodes" bilinear shape functions of the contact grid and cells (the
-engine), with the same bodies, layer and steps.
+"full" has the law of the layer at nodes (`references.monolithic`), "nodes" bilinear shape functions of the contact grid
+and cells (the engine), with the same bodies, layer and steps.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ from typing import Any
 import typer
 
 INTERRUPTED = 130  # exit code, as in shells
-OTHER_NAMES = {"interfaces": "interface", "expected_half_width": "half_width", "laps": "lap"}  # argument -> option
+OTHER_NAMES = {"interfaces": "interface", "expected_half_width": "half_width"}  # argument -> option
 
 log = logging.getLogger("warpffrf")
 

@@ -68,9 +68,9 @@ def add_result_commands(app: typer.Typer) -> None:
             str | None, typer.Option(metavar="NAME", help="Contact to draw; default: the first.")
         ] = None,
         film: Annotated[str | None, typer.Option(metavar="NAME", help="Oil film to draw; default: the first.")] = None,
-        lap: Annotated[str | None, typer.Option(metavar="NAME", help="Lap to draw; left out: the first.")] = None,
         row: Annotated[
-            int | None, typer.Option(help="Saved step of maps of films and laps, from 0; default: the last.")
+            int | None,
+            typer.Option(help="Saved step of maps of films and small-sliding contacts, from 0; default: the last."),
         ] = None,
         channel: Annotated[
             str | None,
@@ -101,14 +101,14 @@ def add_result_commands(app: typer.Typer) -> None:
             result = None if file is None else Result.load(file)
             if listed:
                 known = about_kinds()
-                kinds = [*known] if result is None else [*drawable(result, film, lap=lap), *HISTORY_PLOTS, "summary"]
+                kinds = [*known] if result is None else [*drawable(result, film), *HISTORY_PLOTS, "summary"]
                 width = max(map(len, kinds))
                 print("\n".join(f"{name:{width}}  {known[name]}" for name in kinds))
                 return
             if out is None:
                 raise InputError("give the file of the picture with --out, as in --out force.png")
             written = write_plot(
-                result, kind, out, contact=contact, film=film, lap=lap, row=row, channel=channel, speed=speed,
+                result, kind, out, contact=contact, film=film, row=row, channel=channel, speed=speed,
                 overwrite=overwrite,
             )  # fmt: skip
             print(f"written to {written}")

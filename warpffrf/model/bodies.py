@@ -21,7 +21,6 @@ from warpffrf.model.surfaces import Shape
 from warpffrf.model.surfaces.form_deviations import Form, RoundForm
 
 if TYPE_CHECKING:
-    from warpffrf.model.laps import LapSurface
     from warpffrf.model.reduced.body import ReducedBody
 
 GROUND_INDEX = -1
@@ -83,44 +82,27 @@ class SurfacePort(reprs.Shown):
         return self.body.reduced is None
 
     @property
+    def matched(self) -> bool:
+        """True where the surface was reduced as `surfaces.Matched`, for small-sliding contact."""
+        return not self.rigid and self.name in self.body.reduced.laps
+
+    @property
     def on_ground(self) -> bool:
         """True where the body is the ground, which is fixed."""
         return self.body.index == GROUND_INDEX
 
     @property
     def surface(self) -> Any:
-        """The reduced contact surface, or the `RigidSurface` of a rigid body or the ground."""
-        surfaces = self.body.surfaces if self.rigid else self.body.reduced.contact_surfaces
-        return surfaces[self.name]
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class LapPort(reprs.Shown):
-    """One or two faces of a flexible body for small-sliding contact, as named in `reduce(laps=...)`."""
-
-    body: Any  # Body or Ground
-    name: str
-
-    def _facts(self) -> dict[str, Any]:
-        return {"name": self.label}
-
-    @property
-    def label(self) -> str:
-        return f"{self.body.name}[{self.name!r}]"
-
-    @property
-    def rigid(self) -> bool:
-        return False
-
-    @property
-    def surface(self) -> LapSurface:
-        return self.body.reduced.laps[self.name]
+        """The reduced contact surface or matched face, or the `RigidSurface` of a rigid body or the ground."""
+        if self.rigid:
+            return self.body.surfaces[self.name]
+        return (self.body.reduced.laps if self.matched else self.body.reduced.contact_surfaces)[self.name]
 
 
 if TYPE_CHECKING:
 
-    class Place(Port, SurfacePort, LapPort):
-        """Result of `body[name]`: interface, contact surface or small-sliding contact face, known only at run time."""
+    class Place(Port, SurfacePort):
+        """Result of `body[name]`: interface or contact surface, known only at run time."""
 
         point: np.ndarray
 
@@ -275,12 +257,11 @@ class Body(_Posed):
         return self.reduced
 
     def __getitem__(self, name: str) -> Place:
-        """The `Port` of an interface, the `SurfacePort` of a contact surface or the `LapPort` of a small-sliding
-        contact face called `name`."""
+        """The `Port` of an interface or the `SurfacePort` of a contact surface called `name`."""
         place: Any = self._place(name)
         return place
 
-    def _place(self, name: str) -> Port | SurfacePort | LapPort:
+    def _place(self, name: str) -> Port | SurfacePort:
         if self.reduced is None:
             if name in self.surfaces:
                 return SurfacePort(self, name)
@@ -290,11 +271,9 @@ class Body(_Posed):
             )
         if name in self.reduced.interfaces:
             return Port(self, name, np.array(self.reduced.interfaces[name].point, dtype=np.float64))
-        if name in self.reduced.contact_surfaces:
+        if name in self.reduced.contact_surfaces or name in self.reduced.laps:
             return SurfacePort(self, name)
-        if name in self.reduced.laps:
-            return LapPort(self, name)
-        raise unknown_name(f"body {self.name!r}: interface, contact surface or lap", name, self._places)
+        raise unknown_name(f"body {self.name!r}: interface or contact surface", name, self._places)
 
     def at(self, point: Vector) -> Port:
         """A body-fixed point (3,) [m, user frame] of a rigid body."""

@@ -3,18 +3,22 @@
 The first surface carries the contact grid, so it is a surface of a flexible body. The second may be flexible too, or
 the rigid surface of a rigid body or of the ground. Two rigid surfaces have no compliance and no pressure between them:
 such a contact is refused; use a `LumpedContact`. The gap between the true shapes is computed in `gap`;
-`checks.exclusive_unknowns` defines which contacts may share two surfaces.
+`checks.exclusive_unknowns` defines which contacts may share two surfaces. Contact with small sliding (joint interfaces)
+is between faces of any shape, `surfaces.Matched`, whose cells keep their partners (`warpffrf.model.small_sliding`).
 """
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any, Literal
 
 import numpy as np
 
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
-from warpffrf.model.friction import FrictionLaw, FrictionLike, as_pair_friction
+from warpffrf.model.friction import FrictionLaw, FrictionLike, as_constant_friction, as_pair_friction
+from warpffrf.model.laps import SmallSliding
+from warpffrf.model.laps.sliding import as_sliding, check_law, check_ports
 from warpffrf.model.laws import Law, Unilateral, as_law
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
@@ -33,10 +37,17 @@ CELL_ERRORS = (5e-4, 0.02)  # 2,400 cells; seven strips, below which the error f
 class Contact(reprs.Item):
     """Contact between two contact surfaces a and b, `body["rim"]` each; a must be of a flexible body.
 
-    Forces are reported on the first body. law: contact law (`warpffrf.model.laws`), default unilateral contact.
-    friction: the coefficient, or a friction law (`warpffrf.model.friction`); above 0 it requires flexible bodies
-    reduced with tangential=True. quadrature: of the law, "full" at all points of the contact grid
-    (semi-hyper-reduction, SHR), "reduced" at the few points chosen when the first body was reduced (hyper-reduction,
+    sliding: "finite", or "small" (or a `SmallSliding` with its options) for faces of any shape that slide on each other
+    by less than the size of a cell, as in bolted and riveted joints, leaf springs and press fits. a is then a face
+    reduced as `surfaces.Matched`, b one of another flexible body, or a surface of a rigid body or the ground; b is left
+    out where `Matched(second=...)` names the opposite face of the same body. The cells are paired at the initial pose.
+    Of the other options only law, `laws.UNILATERAL` or `laws.LinearLayer`, and friction, `friction.Coulomb`, apply.
+    Forces are reported on the second face.
+
+    Otherwise forces are reported on the first body. law: contact law (`warpffrf.model.laws`), default unilateral
+    contact. friction: the coefficient, or a friction law (`warpffrf.model.friction`); above 0 it requires flexible
+    bodies reduced with tangential=True. quadrature: of the law, "full" at all points of the contact grid
+    SHR), "reduced" at the few points chosen when the first body was reduced (hyper-reduction,
     HR). grid: "body_fixed", pressures on the contact grid of the first body, fixed to its material, which requires four
     nodes per contact half-width; "contact_fixed", on cells that move with the patch, for meshes of any size (bodies
     reduced on coarse meshes, or with contact_fixed=True); "auto", the latter where bodies and options allow it, as
@@ -64,8 +75,9 @@ class Contact(reprs.Item):
     def __init__(
         self,
         a: SurfacePort,
-        b: SurfacePort,
+        b: SurfacePort | None = None,
         *,
+        sliding: Literal["finite", "small"] | SmallSliding = "finite",
         law: Law = UNILATERAL,
         friction: FrictionLike = 0.0,
         quadrature: Literal["full", "reduced"] = "full",
@@ -77,11 +89,28 @@ class Contact(reprs.Item):
         overlap: float | None = None,
         name: str | None = None,
     ) -> None:
-        for port, place in ((a, "first"), (b, "second")):
-            _require_surface(port, place)
-        self.a, self.b = a, b
-        self.name = f"{a.body.name}-{b.body.name}" if name is None else name
-        label = self._label
+        self.sliding = as_sliding(sliding)
+        self.a = a
+        self.b: Any = b  # None where both faces are on one body
+        if self.sliding is not None:
+            self.name = check_ports(a, b, name)
+        else:
+            for port, place in ((a, "first"), (b, "second")):
+                _require_surface(port, place)
+            self.name = f"{a.body.name}-{self.b.body.name}" if name is None else name
+            self._require_bodies(a, self.b)
+        self.law = law
+        self.friction = friction
+        self.quadrature = quadrature
+        self.cell_error = cell_error
+        self.cells = cells
+        self.grid = grid
+        self.kinematics = kinematics
+        self.capacity = capacity
+        self.overlap = overlap
+
+    def _require_bodies(self, a: SurfacePort, b: SurfacePort) -> None:
+        label = self.label
         if a.body is b.body:
             raise InputError(f"{label}: body {a.body.name!r} in contact with itself is not supported; name two bodies")
         if a.rigid and b.rigid:
@@ -102,15 +131,6 @@ class Contact(reprs.Item):
                     f"{label}: {b.label} is a cone too flat for distributed contact; use surfaces.Plane, or "
                     "LumpedContact between rigid bodies"
                 )
-        self.law = law
-        self.friction = friction
-        self.quadrature = quadrature
-        self.cell_error = cell_error
-        self.cells = cells
-        self.grid = grid
-        self.kinematics = kinematics
-        self.capacity = capacity
-        self.overlap = overlap
 
     # attributes that may change before a run are checked when set
 
@@ -121,7 +141,10 @@ class Contact(reprs.Item):
 
     @law.setter
     def law(self, value: Any) -> None:
-        self._law = as_law(value, self._label)
+        law = as_law(value, self.label)
+        if self.sliding is not None:
+            check_law(law, self.label)
+        self._law = law
         self._check_patch()
 
     @property
@@ -131,9 +154,16 @@ class Contact(reprs.Item):
 
     @friction.setter
     def friction(self, value: Any) -> None:
-        friction = as_pair_friction(value, self._label)
+        if self.sliding is not None:
+            self._friction = as_constant_friction(value, self.label)
+            if self._friction.creep_limit:
+                raise InputError(
+                    f"{self.label}: friction of kind {self._friction.kind!r} does not stick; take friction.Coulomb"
+                )
+            return
+        friction = as_pair_friction(value, self.label)
         if friction.acts:
-            self._require_tangential(self._label)
+            self._require_tangential(self.label)
         self._friction = friction
         self._check_patch()
 
@@ -144,11 +174,12 @@ class Contact(reprs.Item):
 
     @quadrature.setter
     def quadrature(self, value: Any) -> None:
+        self._finite_only("quadrature", value, "full")
         if value not in QUADRATURES:
-            raise unknown_name(f"{self._label}: quadrature", value, QUADRATURES)
+            raise unknown_name(f"{self.label}: quadrature", value, QUADRATURES)
         if value == "reduced" and self.a.surface.sampling is None:
             raise InputError(
-                f"{self._label}: quadrature='reduced' needs points chosen offline, body {self.a.body.name!r} was "
+                f"{self.label}: quadrature='reduced' needs points chosen offline, body {self.a.body.name!r} was "
                 "reduced without them; reduce(..., grid=ContactGrid(sampling_error=0.01)), or use quadrature='full'"
             )
         self._quadrature = str(value)
@@ -161,8 +192,9 @@ class Contact(reprs.Item):
 
     @grid.setter
     def grid(self, value: Any) -> None:
+        self._finite_only("grid", value, "auto")
         if value not in GRIDS:
-            raise unknown_name(f"{self._label}: grid", value, GRIDS)
+            raise unknown_name(f"{self.label}: grid", value, GRIDS)
         self._grid = str(value)
         self._check_patch()
 
@@ -173,8 +205,9 @@ class Contact(reprs.Item):
 
     @kinematics.setter
     def kinematics(self, value: Any) -> None:
+        self._finite_only("kinematics", value, "auto")
         if value not in KINEMATICS:
-            raise unknown_name(f"{self._label}: kinematics", value, KINEMATICS)
+            raise unknown_name(f"{self.label}: kinematics", value, KINEMATICS)
         self._kinematics = str(value)
 
     @property
@@ -184,10 +217,11 @@ class Contact(reprs.Item):
 
     @cell_error.setter
     def cell_error(self, value: Any) -> None:
-        error = require_number(value, f"{self._label}: cell_error", positive=True)
+        self._finite_only("cell_error", value, CELL_ERROR)
+        error = require_number(value, f"{self.label}: cell_error", positive=True)
         if not CELL_ERRORS[0] <= error <= CELL_ERRORS[1]:
             raise InputError(
-                f"{self._label}: cell_error must lie between {CELL_ERRORS[0]:g} and {CELL_ERRORS[1]:g}, got "
+                f"{self.label}: cell_error must lie between {CELL_ERRORS[0]:g} and {CELL_ERRORS[1]:g}, got "
                 f"{error:g}; cells=(strips across, rows along) allows other grids"
             )
         self._cell_error = error
@@ -199,16 +233,17 @@ class Contact(reprs.Item):
 
     @cells.setter
     def cells(self, value: Any) -> None:
+        self._finite_only("cells", value, None)
         if value is None:
             self._cells = None
             return
         try:
             across, along = value
         except (TypeError, ValueError):
-            raise InputError(f"{self._label}: cells must be (strips across, rows along), got {value!r}") from None
+            raise InputError(f"{self.label}: cells must be (strips across, rows along), got {value!r}") from None
         self._cells = (
-            require_count(across, f"{self._label}: strips across", 4),
-            require_count(along, f"{self._label}: rows along", 4),
+            require_count(across, f"{self.label}: strips across", 4),
+            require_count(along, f"{self.label}: rows along", 4),
         )
 
     @property
@@ -218,7 +253,8 @@ class Contact(reprs.Item):
 
     @capacity.setter
     def capacity(self, value: Any) -> None:
-        self._capacity = None if value is None else require_count(value, f"{self._label}: capacity", 1)
+        self._finite_only("capacity", value, None)
+        self._capacity = None if value is None else require_count(value, f"{self.label}: capacity", 1)
 
     @property
     def overlap(self) -> float | None:
@@ -227,21 +263,26 @@ class Contact(reprs.Item):
 
     @overlap.setter
     def overlap(self, value: Any) -> None:
-        name = f"{self._label}: overlap"
+        self._finite_only("overlap", value, None)
+        name = f"{self.label}: overlap"
         self._overlap = None if value is None else require_number(value, name, non_negative=True)
 
     @property
-    def _label(self) -> str:
+    def label(self) -> str:
+        """Readable name, for messages."""
         return f"contact {self.name!r}"
 
     @property
-    def ports(self) -> tuple[SurfacePort, SurfacePort]:
-        return self.a, self.b
+    def ports(self) -> tuple[SurfacePort, ...]:
+        """Two, or one where both faces are on one body."""
+        return (self.a,) if self.b is None else (self.a, self.b)
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
-        surfaces = {"a": [self.a.body.name, self.a.name], "b": [self.b.body.name, self.b.name]}
+        surfaces = {side: [port.body.name, port.name] for side, port in zip("ab", self.ports, strict=False)}
         laws = {"law": self.law.describe(), "friction": self.friction.describe()}
+        if self.sliding is not None:
+            return {"name": self.name, **surfaces, **laws, "sliding": asdict(self.sliding)}
         options: dict[str, Any] = {"quadrature": self.quadrature, "capacity": self.capacity, "overlap": self.overlap}
         if self.grid != "auto":  # existing scenes keep their hash
             options |= {"grid": self.grid, "cells": None if self.cells is None else list(self.cells)}
@@ -289,10 +330,18 @@ class Contact(reprs.Item):
             )
         return None
 
+    def _finite_only(self, name: str, value: Any, default: Any) -> None:
+        """Raises `InputError` for an option of finite sliding given to a contact with small sliding."""
+        if self.sliding is not None and value is not default and value != default:
+            raise InputError(
+                f"{self.label}: {name} is an option of finite sliding only; leave it out. Cells with small sliding are "
+                "those of surfaces.Matched(...) in reduce(contact=...)"
+            )
+
     def _check_patch(self) -> None:
         """Raises `InputError` for options that a contact-fixed grid does not support."""
         if getattr(self, "_grid", "auto") == "contact_fixed" and (reason := self.without_patch()):
-            raise InputError(f"{self._label}: {reason}")
+            raise InputError(f"{self.label}: {reason}")
 
     def _require_tangential(self, label: str) -> None:
         for port in self.ports:
@@ -309,6 +358,11 @@ def _require_surface(port: Any, place: str) -> None:
             f"contact: the {place} surface must be a contact surface, body['rim'] with 'rim' named in "
             "reduce(contact=...) or in add_rigid_body(surfaces=...), got "
             f"{getattr(port, 'label', None) or repr(getattr(port, 'name', port))}"
+        )
+    if port.matched:
+        raise InputError(
+            f"contact: the {place} surface, {port.label}, was reduced as surfaces.Matched, for small sliding; give "
+            "sliding='small', or reduce the body with a shape in its place, such as surfaces.Cylinder()"
         )
     kind = "nodes" if port.rigid else port.surface.grid.kind
     if kind != "nodes":

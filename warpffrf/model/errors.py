@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from difflib import get_close_matches
 from typing import Any, NoReturn
@@ -89,7 +90,7 @@ def unknown_name(kind: str, name: object, known: Iterable[str]) -> InputError:
 
 def suggestion(name: str, known: Sequence[str]) -> str:
     """ "; did you mean 'x'? known: ..." for a name that does not exist, or the new name of a renamed one."""
-    now = [new for new in RENAMED.get(name, ()) if new.partition("=")[0] in known]
+    now = [new for new in RENAMED.get(name, ()) if re.split(r"[.=]", new)[0] in known]
     if now:
         return f"; it is {now[0]} now" if "=" in now[0] else f"; it is called {now[0]!r} now"
     close = get_close_matches(name, known, n=1)

@@ -439,7 +439,7 @@ _TAKERS = (
 
 def rubbing(scene: Any) -> list[str]:
     """Names of the contacts and joint frictions of a scene with friction; rolling resistance is not friction."""
-    contacts = [contact.name for contact in (*scene.contacts, *scene.lumped_contacts) if contact.friction.acts]
+    contacts = [contact.name for contact in (*scene.finite_sliding, *scene.lumped_contacts) if contact.friction.acts]
     return contacts + [force.name for force in scene.forces if hasattr(force, "slip")]
 
 

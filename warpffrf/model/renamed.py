@@ -10,6 +10,10 @@ RENAMED: dict[str, tuple[str, ...]] = {
     "patch": ("contact_fixed",), "material": ("body_fixed", "materials"),
     "gaps": ("kinematics",), "points": ("closest_point",),
     "evaluation": ("quadrature",), "semi": ("full",), "hyper": ("reduced",),
+    # small sliding
+    "Lap": ("Contact",), "LapCells": ("surfaces.Matched",), "laps": ("contact", "contacts"), "lap": ("contact",),
+    "lap_cells": ("matched",), "lap_names": ("small_sliding_names",), "lap_page": ("small_sliding_page",),
+    "interference": ("sliding",), "tangential_stiffness": ("sliding",),
     # oil films
     "Groove": ("AxialGroove",), "Ring": ("CircumferentialGroove",), "Hole": ("SupplyHole",),
     "oil_groove": ("axial_groove",), "oil_ring": ("circumferential_groove",), "oil_hole": ("supply_hole",),

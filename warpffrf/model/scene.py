@@ -13,7 +13,7 @@ import numpy as np
 from warpffrf.model.arguments import Matrix, RotationLike, Vector
 from warpffrf.model.bearings import Bearing, add_ball_bearing, add_roller_bearing
 from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, PortLike, as_port
-from warpffrf.model.checks.contacts import refuse_double_claims, refuse_double_laps
+from warpffrf.model.checks.contacts import refuse_double_claims, refuse_double_small_sliding
 from warpffrf.model.checks.plausibility import gravity_doubts, warn
 from warpffrf.model.contact import Contact
 from warpffrf.model.damping import Damping, damping_ratios
@@ -21,7 +21,6 @@ from warpffrf.model.errors import InputError, require_array, require_direction, 
 from warpffrf.model.films import Film
 from warpffrf.model.forces import Pretension
 from warpffrf.model.joints import Drive, Joint
-from warpffrf.model.laps import Lap
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
@@ -36,7 +35,7 @@ if TYPE_CHECKING:
 
 SYMMETRY_TOLERANCE = 1e-9  # relative asymmetry of an inertia tensor that counts as rounding
 _LISTS = ("joints", "drives", "forces", "contacts")
-_LATER_LISTS = ("lumped_contacts", "films", "laps")  # described only if present: scenes without them keep their hash
+_LATER_LISTS = ("lumped_contacts", "films")  # described only if present: scenes without them keep their hash
 _ADDED = (*_LISTS, *_LATER_LISTS, "sensors")  # sensors do not affect a run, so they are not hashed
 Item = TypeVar("Item")
 
@@ -68,13 +67,22 @@ class Scene(reprs.Shown):
         self.contacts: list[Contact] = []
         self.lumped_contacts: list[LumpedContact] = []
         self.films: list[Film] = []
-        self.laps: list[Lap] = []
         self.sensors: list[Sensor] = []
         self.bearings: list[Bearing] = []
         self._numbers: dict[str, int] = {}  # kind -> last number given to an unnamed item
 
     add_ball_bearing = add_ball_bearing
     add_roller_bearing = add_roller_bearing
+
+    @property
+    def finite_sliding(self) -> list[Contact]:
+        """The contacts with finite sliding, in the order of `contacts`."""
+        return [contact for contact in self.contacts if contact.sliding is None]
+
+    @property
+    def small_sliding(self) -> list[Contact]:
+        """The contacts with small sliding, in the order of `contacts`."""
+        return [contact for contact in self.contacts if contact.sliding is not None]
 
     def _facts(self) -> dict[str, Any]:
         kinds = ("bodies", *_ADDED, "bearings")
@@ -188,13 +196,13 @@ class Scene(reprs.Shown):
         return handle
 
     def add(self, item: Item) -> Item:
-        """Add an `item` (joint, drive, force, contact, film, joint interface or sensor) and return it; an unnamed item
+        """Add an `item` (joint, drive, force, contact, film or sensor) and return it; an unnamed item
         gets a name (`revolute_1`). Raises `InputError` for anything else, a name in use, and a body of another
         scene."""
         where = getattr(item, "scene_list", None)
         if where not in _ADDED or isinstance(item, type):
             raise InputError(
-                f"scene: {item!r} cannot be added; joints, drives, forces, contacts, films, laps and sensors can"
+                f"scene: {item!r} cannot be added; joints, drives, forces, contacts, films and sensors can"
             )
         thing: Any = item
         if not thing.kind:
@@ -208,10 +216,10 @@ class Scene(reprs.Shown):
                 raise InputError(self._stranger(thing, port))
         if isinstance(getattr(thing, "joint", None), Joint):
             self._check_joint_of(thing)
-        if isinstance(thing, Lap):
-            refuse_double_laps(thing, self.laps)
-        if isinstance(thing, (Contact, LumpedContact, Film)):
-            refuse_double_claims(thing, (*self.contacts, *self.lumped_contacts, *self.films))
+        if isinstance(thing, Contact) and thing.sliding is not None:
+            refuse_double_small_sliding(thing, self.small_sliding)
+        elif isinstance(thing, (Contact, LumpedContact, Film)):
+            refuse_double_claims(thing, (*self.finite_sliding, *self.lumped_contacts, *self.films))
         if thing.name is None:
             number = self._numbers.get(thing.kind, 0) + 1
             while f"{thing.kind}_{number}" in names:
@@ -240,10 +248,6 @@ class Scene(reprs.Shown):
     def film(self, name: str) -> Film:
         """The oil film called `name`; `InputError` lists those that exist."""
         return _named(self.films, name, "film")
-
-    def lap(self, name: str) -> Lap:
-        """The small-sliding contact called `name`; `InputError` lists those that exist."""
-        return _named(self.laps, name, "lap")
 
     def bearing(self, name: str) -> Bearing:
         """The bearing called `name`; `InputError` lists those that exist."""
@@ -279,8 +283,11 @@ class Scene(reprs.Shown):
         lead to the other body of the contact, and with `()`, it moves alone. Raises `InputError` where surfaces do not
         meet in that direction, and for two that cannot be moved.
         """
-        if not isinstance(contact, Contact):
-            raise InputError(f"close_gap: a contact pair is needed, got {contact!r}")
+        if not isinstance(contact, Contact) or contact.sliding is not None:
+            raise InputError(
+                f"close_gap: a contact with finite sliding is needed, got {contact!r}; place bodies with matched faces "
+                "by position, or scene.place(...)"
+            )
         distance = closing_distance(contact, along, gap)
         shift = distance * require_direction(along, "close_gap: along")
         a, b = (port.body for port in contact.ports)

@@ -15,7 +15,6 @@ import warpffrf.offline.cache as body_cache
 from warpffrf.model.arguments import Matrix
 from warpffrf.model.checks.plausibility import warn
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps import LapCells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.periodicity import detect
@@ -25,7 +24,7 @@ from warpffrf.model.reduced.body import ReducedBody, library_versions
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.reduced.data import DisplaySurface
 from warpffrf.model.reduced.stress_field import StressPoints
-from warpffrf.model.surfaces import Shape
+from warpffrf.model.surfaces import Matched, Shape
 from warpffrf.offline.bases import Basis
 from warpffrf.offline.contact.contact_choice import (
     depth_ratio,
@@ -73,14 +72,13 @@ def reduce(
     material: Material | Mapping[str, Material] | None = None,
     *,
     interfaces: Mapping[str, str] | None = None,
-    contact: Mapping[str, Shape | None] | None = None,
+    contact: Mapping[str, Shape | Matched | None] | None = None,
     basis: str | Basis = "free_free",
     max_frequency: float | None = None,
     modes: int | None = None,
     stress: Mapping[str, str | Matrix | StressPoints] | None = None,
     grid: ContactGrid = ContactGrid(),  # noqa: B008 (immutable)
     options: ReductionOptions = ReductionOptions(),  # noqa: B008
-    laps: Mapping[str, str | tuple[str, str] | LapCells] | None = None,
     cache: bool = True,
     progress: bool = True,
 ) -> ReducedBody:
@@ -93,7 +91,8 @@ def reduce(
         a file). Not required for a mesh made of matrices.
     interfaces: {facet set: kind}. "rigid": the nodes move as one rigid body (RBE2); "average": the interface is the
         mean motion of nodes that deform freely (RBE3); "free": every node keeps its own displacement.
-    contact: {facet set: shape}: a `warpffrf.surfaces` shape, or None to fit a cylinder or crowned cylinder.
+    contact: {facet set: shape}: a `warpffrf.surfaces` shape, None to fit a cylinder or crowned cylinder, or
+        `surfaces.Matched(...)` for small-sliding contact (joint interfaces), on the general path.
     basis: source of the global modes: a name or options object of `warpffrf.bases`. "free_free": vibration modes of the
         free body and inertia-relief attachment modes of the interfaces.
     max_frequency [Hz], modes: for "free_free", vibration modes up to this frequency, or this number of modes, or the
@@ -104,9 +103,6 @@ def reduce(
     grid: the grid of tractions on the contact surfaces: its spacing, or the half-width of the contact patches expected;
         functions of normal and tangential tractions; data for a contact-fixed grid and for reduced quadrature.
     options: settings that are rarely needed: inertia terms, stiffening, solver, memory.
-    laps: small-sliding contact (joint interfaces): {name: ("facet set", "facet set")} for faces of this body that slide
-        slightly on each other, or {name: "facet set"} for a face in contact with another body's; a `LapCells` as value
-        also sets the cell size. On the general path.
     cache: look the result up in the user's cache and store it there. An interrupted reduction leaves a work file in
         the cache and is resumed by the next call.
     progress: report progress on stderr: bars on a terminal, lines elsewhere. Warnings are issued in any case.
@@ -141,7 +137,6 @@ def reduce(
         stress=stress,
         grid=grid,
         options=options,
-        laps=laps,
     )
     settings.check_against(mesh)
     assign(mesh, material)

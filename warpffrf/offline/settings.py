@@ -16,10 +16,9 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.laps import LapCells
-from warpffrf.model.laps.lap_surface import lap_cells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline.bases import Basis, basis_options
 from warpffrf.offline.contact.hat_loads import ContactFacets
 from warpffrf.offline.inertia.invariants import require_cells
@@ -45,7 +44,7 @@ class Settings:
     stress: dict[str, Any]
     grid: ContactGrid
     options: ReductionOptions
-    laps: dict[str, LapCells] = field(default_factory=dict)
+    laps: dict[str, Matched] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -60,7 +59,6 @@ class Settings:
         stress: Mapping[str, Any] | None,
         grid: Any,
         options: Any,
-        laps: Mapping[str, Any] | None = None,
     ) -> Settings:
         """The settings for the arguments of `reduce`, checked as far as possible without the mesh."""
         chosen = basis_options(basis)
@@ -68,17 +66,18 @@ class Settings:
         if max_frequency is not None:
             max_frequency = require_number(max_frequency, "reduce: max_frequency", positive=True)
         stress_settings(stress or {})  # raises unless it is {name: points}
+        faces = _by_set(contact, "contact", '{"rim": surfaces.Cylinder()}, None for a fitted shape')
         return cls(
             material=material,
             interfaces=_by_set(interfaces, "interfaces", '{"bore": "rigid"}'),
-            contact=_by_set(contact, "contact", '{"rim": surfaces.Cylinder()}, None for a fitted shape'),
+            contact={name: shape for name, shape in faces.items() if not isinstance(shape, Matched)},
             basis=chosen,
             max_frequency=max_frequency,
             modes=None if modes is None else require_modes(modes, "reduce: modes"),
             stress=dict(stress or {}),
             grid=_require(grid, ContactGrid, "grid"),
             options=_require(options, ReductionOptions, "options"),
-            laps=lap_cells(laps),
+            laps={name: wanted.called(name) for name, wanted in faces.items() if isinstance(wanted, Matched)},
         )
 
     def check_against(self, mesh: Mesh) -> None:
@@ -115,7 +114,7 @@ class Settings:
         if self.options.periodic is False:
             return "periodic=False"
         if self.laps:
-            return "laps: the compliance of their cells is computed on the general path"
+            return "surfaces.Matched: the compliance of its cells is computed on the general path"
         if self.options.stiffening:
             return f"stiffening={self.options.stiffening!r}: geometric stiffness is computed on the general path"
         if self.basis.kind not in CYCLIC_BASES or self.basis != type(self.basis)():

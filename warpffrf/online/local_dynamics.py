@@ -25,9 +25,9 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.bodies import SurfacePort
+from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
 from warpffrf.model.integrators import HHT, Coefficients
-from warpffrf.model.laps import Lap
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.reduced.local_modes import DynamicModes, dynamic_modes
@@ -111,7 +111,7 @@ class LocalPlan:
     def of(cls, scene: Scene, options: LocalDynamics) -> LocalPlan:
         """The plan of all surfaces in contact; raises `InputError` for one that was reduced without their inertia."""
         plan = cls(options)
-        for contact in scene.contacts:
+        for contact in scene.finite_sliding:
             for port in contact.ports:
                 if port.surface.grid is None:
                     continue  # a rigid surface has no modes
@@ -121,13 +121,13 @@ class LocalPlan:
                 note = f"contact surface {port.label}: the inertia of its local modes is neglected"
                 if note not in plan.notes:  # several contacts share the surface
                     plan.notes.append(note)
-        for lap in scene.laps:
+        for lap in scene.small_sliding:
             plan._look_at_lap(lap)
         if any(plan.count(body) for body in plan.modes):
             plan.notes.append("pictures and stresses show dynamic local modes as if at rest under the pressure")
         return plan
 
-    def _look_at_lap(self, lap: Lap) -> None:
+    def _look_at_lap(self, lap: Contact) -> None:
         """Note that its cells have no inertia; raises `InputError` if local modes of its bodies have inertia, as these
         do not move small-sliding contacts."""
         for port in lap.ports:

@@ -25,7 +25,7 @@ from warpffrf.model.integrators import (
     roots_at_infinity,
 )
 from warpffrf.model.joints import Drive
-from warpffrf.model.laps.lap import refuse_pushed_apart
+from warpffrf.model.laps.sliding import refuse_pushed_apart
 from warpffrf.model.lumped_contact import refuse_lumped_overlap
 from warpffrf.model.messages.checkpoints import Keeper, Plan, Unfinished
 from warpffrf.model.messages.progress import Progress, deferred_interrupts
@@ -450,7 +450,7 @@ def finish(
         factors = engine.scratch.fallback, engine.scratch.cell_fallback  # of pressures and tractions
         history.counters["dense_fallbacks"] = sum(int(factor.numpy()[0, 1]) for factor in factors)
     if engine.word("edge")[0]:
-        arcs = [c.name for c in engine.scene.contacts if not c.a.surface.grid.periodic]
+        arcs = [c.name for c in engine.scene.finite_sliding if not c.a.surface.grid.periodic]
         notes.append(
             f"a contact patch reached the end of a contact surface that covers an arc only ({', '.join(arcs)}): the "
             "pressure is cut there: where the body goes on, give it a larger contact surface; where it ends too, the "
@@ -484,7 +484,7 @@ def finish(
     inertia += deflection_lines(engine.scene, deflections(engine.scene, history.bodies), at_rest=at_rest)
     falls = [] if at_rest or is_static(engine) else fall_notes(engine.scene, history)
     families = engine.compiled.model.pairs.family.numpy()
-    on_axes = [c.name for c, f in zip(engine.scene.contacts, families, strict=False) if f == LINE_OF_CENTRES]
+    on_axes = [c.name for c, f in zip(engine.scene.finite_sliding, families, strict=False) if f == LINE_OF_CENTRES]
     contact = [*contact_notes(engine.scene, history, on_axes), *sampling_notes(engine.scene, history)]
     history.cell_checks = check_cells(engine, history)
     contact += cell_check_notes(engine, history.cell_checks)
@@ -550,7 +550,7 @@ def coarser(engine: Engine) -> str:
     """The cure that reduces the contact unknowns: nodes of body-fixed grids, cells of contact-fixed grids."""
     cells = f"take fewer cells (cells= of {'the contact' if len(engine.compiled.patches) == 1 else 'contacts'})"
     on_cells = len(engine.compiled.patches)
-    return " or ".join([cells] * (on_cells > 0) + [COARSEN] * (on_cells < len(engine.scene.contacts)))
+    return " or ".join([cells] * (on_cells > 0) + [COARSEN] * (on_cells < len(engine.scene.finite_sliding)))
 
 
 def describe(bits: int, capacity: int, coarsen: str = COARSEN) -> tuple[str, str]:

@@ -306,7 +306,7 @@ class Meeting:
 PLACES = ("modes with inertia", "joints and forces", "flexible interfaces", "contacts", "films and laps")  # `couplings`
 KINDS = {
     "body": "bodies", "joint": "joints", "drive": "drives", "force": "forces", "contact": "contacts",
-    "lumped contact": "lumped_contacts", "film": "films", "lap": "laps",
+    "lumped contact": "lumped_contacts", "film": "films",
 }  # fmt: skip
 CURE = "worlds of one graph differ in numbers only; run this scene by itself"
 

@@ -121,7 +121,7 @@ def equivalent_damping(
             )
     if not np.all(numbers[:, 0] > 0.0):
         notes.append("without slip the loss is zero; smaller cells resolve micro-slip below the cell size")
-    names = [lap.name for lap in modes.scene.laps]
+    names = [lap.name for lap in modes.scene.small_sliding]
     return EquivalentDamping(
         mode=i, linear_frequency=mode.omega / (2.0 * np.pi),
         place="the mode's coordinate" if port is None else port.label,

@@ -212,12 +212,17 @@ class LapResult(reprs.Shown):
     # --- histories ---
 
     @cached_property
+    def force_magnitude(self) -> np.ndarray:
+        """(T,) N."""
+        return np.linalg.norm(self.force, axis=1)
+
+    @cached_property
     def loss(self) -> np.ndarray:
         """(T,) J, friction loss since the start of the scene: the sum of `cell_loss`."""
         return self.cell_loss.sum(axis=1)
 
     @cached_property
-    def largest_pressure(self) -> np.ndarray:
+    def peak_pressure(self) -> np.ndarray:
         """(T,) Pa."""
         return self.pressure.max(axis=1, initial=0.0)
 
@@ -256,7 +261,7 @@ class LapResult(reprs.Shown):
     def loss_between(self, begin: float, end: float) -> float:
         """Friction loss [J] between the times `begin` and `end` [s], linear between saved steps. Raises `InputError`
         for times outside of the run."""
-        first, last = value_at(self.time, self.loss, np.array([begin, end]), f"lap '{self.name}'")
+        first, last = value_at(self.time, self.loss, np.array([begin, end]), f"contact '{self.name}'")
         return float(last - first)
 
     def loss_per_cycle(self, cycles: float | Sequence[float] | np.ndarray) -> np.ndarray:
@@ -266,7 +271,7 @@ class LapResult(reprs.Shown):
         cycles begin and end. Under a repeated load the first cycle differs from the others, because the joint starts
         without tractions. Raises `InputError` for a period longer than the run, and times outside of it.
         """
-        label = f"lap '{self.name}'"
+        label = f"contact '{self.name}'"
         return np.diff(value_at(self.time, self.loss, cycle_times(self.time, cycles, label), label))
 
     def slip_zone(self, begin: float | None = None, end: float | None = None) -> SlipZone:
@@ -274,7 +279,7 @@ class LapResult(reprs.Shown):
         across the zone (`slip_zone.py`). Without `begin` the loss before the first saved step is included, such as that
         of the equilibrium from which a run starts. Raises `InputError` for times outside of the run."""
         times = np.array([self.time[0] if begin is None else begin, self.time[-1] if end is None else end])
-        first, last = value_at(self.time, self.cell_loss, times, f"lap '{self.name}'")
+        first, last = value_at(self.time, self.cell_loss, times, f"contact '{self.name}'")
         rows = (self.time >= times[0]) & (self.time <= times[1])
         if begin is None:
             first = np.zeros_like(last)
@@ -292,13 +297,14 @@ class LapResult(reprs.Shown):
             found.append(
                 f"cell {cell} slid by {self.shift_distance[row, cell] * 1e3:.4g} mm, {ratio[row, cell]:.2g} of its "
                 f"size {self.size[cell] * 1e3:.4g} mm, but partners of cells are fixed: beyond {SLIDES:g} of a cell "
-                "forces act at other places than they would; model such motion as a contact"
+                "forces act at other places than they would; model such motion as a contact with finite sliding"
             )
         zone = self.slip_zone()
         if zone.coarse:
             found.append(
                 f"the slip zone is {zone.across:.2g} cells across, {zone.cells} in all; below {ACROSS:g} the loss "
-                "per cycle is uncertain: make cells smaller there, reduce(laps={...: LapCells(..., size=, growth=)})"
+                "per cycle is uncertain: make cells smaller there, "
+                "reduce(contact={...: surfaces.Matched(size=, growth=)})"
             )
         return found
 

@@ -2,7 +2,7 @@ r"""Loops of force against displacement: loss per cycle, equivalent damping, sti
 
 Channels. One scalar history of a run, by the name of its owner and its component, as an axis of a loop.
 
-("push", "x")              x of a force, a joint's reaction, a lap, contact or film [N], of a body's position [m]
+("push", "x")              x of a force, a joint's reaction, a contact or film [N], of a body's position [m]
 ("push", "torque_z")       a torque [N m]
 ("tip", "x")               a component of a sensor
 "hinge"                    a joint's coordinate, a sensor with one component, a spring with one deformation
@@ -133,11 +133,14 @@ def _sensor(result: Any, name: str) -> Components:
     return {key: (values, sensor.unit) for key, values in zip(sensor.components, sensor.values.T, strict=True)}
 
 
-def _lap(result: Any, name: str) -> Components:
-    lap = result.lap(name)
-    found: Components = {**_vectors(lap.force, lap.torque), "normal_force": (lap.normal_force, "N")}
-    found |= {f"sliding_{axis}": (lap.sliding[:, n], "m") for n, axis in enumerate(AXES)}
-    return found | {f"turning_{axis}": (lap.turning[:, n], "rad") for n, axis in enumerate(AXES)}
+def _contact(result: Any, name: str) -> Components:
+    contact = result.contact(name)
+    found = _vectors(contact.force, contact.torque)
+    if name not in result.small_sliding_names:
+        return found
+    found |= {"normal_force": (contact.normal_force, "N")}
+    found |= {f"sliding_{axis}": (contact.sliding[:, n], "m") for n, axis in enumerate(AXES)}
+    return found | {f"turning_{axis}": (contact.turning[:, n], "rad") for n, axis in enumerate(AXES)}
 
 
 def _body(result: Any, name: str) -> Components:
@@ -150,8 +153,7 @@ _OWNERS: dict[str, Owner] = {
     "force": (lambda r: list(r.history.forces), _force),
     "sensor": (lambda r: r.sensor_names, _sensor),
     "joint": (lambda r: list(r.history.joints), _joint),
-    "lap": (lambda r: list(r.history.laps), _lap),
-    "contact": (lambda r: r.contact_names, lambda r, n: _vectors(r.contact(n).force, r.contact(n).torque)),
+    "contact": (lambda r: r.contact_names, _contact),
     "film": (lambda r: r.film_names, lambda r, n: _vectors(r.film(n).force, r.film(n).torque)),
     "body": (lambda r: list(r.history.bodies), _body),
 }

@@ -95,8 +95,18 @@ class Result(reprs.Shown):
 
     @property
     def contact_names(self) -> list[str]:
-        """Names of the contacts."""
+        """Names of the contacts, those with finite sliding first."""
+        return [*self.finite_sliding_names, *self.small_sliding_names]
+
+    @property
+    def finite_sliding_names(self) -> list[str]:
+        """Names of the contacts with finite sliding."""
         return list(self.history.contacts)
+
+    @property
+    def small_sliding_names(self) -> list[str]:
+        """Names of the contacts with small sliding."""
+        return list(self.history.laps)
 
     def body(self, name: str) -> BodyHistory:
         """Motion of the body called `name`; raises InputError if there is none.
@@ -141,18 +151,8 @@ class Result(reprs.Shown):
     def _films(self) -> dict[str, FilmResult]:
         return {name: FilmResult(film, self.view.films[name], self.time) for name, film in self.history.films.items()}
 
-    @property
-    def lap_names(self) -> list[str]:
-        """Names of the small-sliding contacts."""
-        return list(self.history.laps)
-
-    def lap(self, name: str) -> LapResult:
-        """The small-sliding contact called `name`: pressures, tractions, slips, losses and slip zones; raises
-        InputError if there is none."""
-        return _named(self._laps, "lap", name)
-
     @cached_property
-    def _laps(self) -> dict[str, LapResult]:
+    def _small_sliding(self) -> dict[str, LapResult]:
         return {
             name: LapResult(lap, self.view.laps[name], self.time, self.history.bodies)
             for name, lap in self.history.laps.items()
@@ -260,17 +260,18 @@ class Result(reprs.Shown):
         sensors = getattr(self.history.scene, "sensors", [])
         return {s.name: s for s in sensors if s.name not in self.history.sensors}
 
-    def contact(self, name: str) -> PairResult:
-        """The contact called `name`; raises InputError if there is none.
+    def contact(self, name: str) -> Any:
+        """The contact called `name`, a `PairResult`, with small sliding a `LapResult`; raises InputError if there is
+        none.
 
         >>> pair = result.contact("lower-upper")
         >>> bool(pair.force[-1, 2] < 0.0 and pair.half_width[-1] > pair.half_width[0])  # on the lower roller; m
         True
         """
-        return _named(self._contacts, "contact", name)
+        return _named({**self._finite_sliding, **self._small_sliding}, "contact", name)
 
     @cached_property
-    def _contacts(self) -> dict[str, PairResult]:
+    def _finite_sliding(self) -> dict[str, PairResult]:
         return {
             name: (ContactResult if history.cells is None else CellContactResult)(
                 history, self.view.pairs[name], self.history.bodies
@@ -319,9 +320,12 @@ class Result(reprs.Shown):
         """
         from warpffrf.output.bodies.stress_below import stress_below
 
-        if contact is None and not self.contact_names:
-            raise InputError("stress_below: the scene has no contact pair; see result.stress for points of a body")
-        pair = self.contact(self.contact_names[0] if contact is None else contact)
+        names = self.finite_sliding_names
+        if contact is None and not names:
+            raise InputError(
+                "stress_below: the scene has no contact with finite sliding; see result.stress for points of a body"
+            )
+        pair: PairResult = _named(self._finite_sliding, "contact with finite sliding", contact or names[0])
         touching = np.flatnonzero(pair.touching)
         if row is None:
             row = int(touching[-1]) if len(touching) else len(self.time) - 1
@@ -396,35 +400,33 @@ class Result(reprs.Shown):
 
     def plot(
         self, kind: str, ax: Axes | None = None, contact: str | None = None, film: str | None = None,
-        row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
-        bearing: str | None = None,
+        row: int | None = None, channel: str | None = None, speed: str | None = None, bearing: str | None = None,
     ) -> Axes:  # fmt: skip
         """Draw one kind of plot on the matplotlib axes `ax` (new ones if None) and return them.
 
-        contact: name of the contact whose patch is drawn; None: the first one (with friction, for friction plots).
-        film, lap, bearing: likewise the oil film, small-sliding contact and bearing; row: saved step of their maps and
-        loads, the last one if None. channel: history of "spectrum" and "waterfall", as of `spectrum`; speed: body whose
-        rotation is the reference, for orders or speed instead of frequency or time (None). Kinds: docs/plots.md,
-        `warpffrf plot --list`. Raises InputError for an unknown kind, contact, film, lap, bearing, history or body, and
-        for data that the run does not have.
+        contact: name of the contact that is drawn; None: the first one (with friction, for friction plots). film,
+        bearing: likewise the oil film and bearing; row: saved step of their maps and loads, and of maps of
+        contacts with small sliding, the last one if None. channel: history of "spectrum" and "waterfall", as of
+        `spectrum`; speed: body whose rotation is the reference, for orders or speed instead of frequency or time
+        (None).
+        Kinds: docs/plots.md, `warpffrf plot --list`. Raises InputError for an unknown kind, contact, film, bearing,
+        history or body, and for data that the run does not have.
 
         >>> axes = result.plot("ripple", contact="lower-upper")
         """
         from warpffrf.output.plots import figure
 
-        return figure.plot(self, kind, ax, contact, film, row, lap, channel, speed, bearing)
+        return figure.plot(self, kind, ax, contact, film, row, channel, speed, bearing)
 
-    def summary(
-        self, *, contact: str | None = None, film: str | None = None, row: int | None = None, lap: str | None = None
-    ) -> Figure:
-        """A matplotlib Figure with every plot for which the run has data; contact, film, row, lap: as of `plot`. Raises
+    def summary(self, *, contact: str | None = None, film: str | None = None, row: int | None = None) -> Figure:
+        """A matplotlib Figure with every plot for which the run has data; contact, film, row: as of `plot`. Raises
         InputError as `plot`.
 
         >>> result.summary().savefig("summary.png")
         """
         from warpffrf.output.plots import figure
 
-        return figure.summary(self, contact, film, row, lap)
+        return figure.summary(self, contact, film, row)
 
     def picture(
         self, path: str | os.PathLike[str], field: str = "displacement", *, time: float | None = None,
@@ -462,13 +464,14 @@ class Result(reprs.Shown):
                 progress=progress,
             )  # fmt: skip
 
-    def lap_page(self, lap: str | None = None, times: Vector | None = None) -> Figure:
-        """A matplotlib Figure of one small-sliding contact, `lap`, the first one if None: pressure, state and loss at
-        the saved steps nearest to `times` [s], three of the run if None. Raises InputError for an unknown name and for
+    def small_sliding_page(self, contact: str | None = None, times: Vector | None = None) -> Figure:
+        """A matplotlib Figure of a contact with small sliding`, the first one if None: pressure, state and loss at
+        saved steps nearest to the `times` [s], three of the run if None. Raises InputError for an contact that there is
+        not, and for
         times outside of the run."""
         from warpffrf.output.plots.laps import lap_figure
 
-        return lap_figure(self, lap, times)
+        return lap_figure(self, contact, times)
 
     def to_xarray(self) -> xarray.Dataset:
         """An `xarray.Dataset` with the names, units and frames of the results file; requires the optional package

@@ -24,7 +24,7 @@ PLACES = ("position", "center_of_mass", "point")
 SHOWN = 6  # numbers of a row that are printed; of longer rows the first that differs
 KINDS = {
     "bodies": "body", "joints": "joint", "drives": "drive", "forces": "force", "contacts": "contact",
-    "lumped_contacts": "lumped contact", "films": "film", "laps": "lap",
+    "lumped_contacts": "lumped contact", "films": "film",
 }  # fmt: skip
 
 

@@ -195,7 +195,7 @@ def _what_is_run(scene: Any, duration: Any, step: Any, start: Any, kind: str) ->
 
 def _holds(scene: Any) -> str:
     """Number of items of each kind in a scene, as text."""
-    kinds = {"body": scene.bodies, "joint": scene.joints, "contact": scene.contacts, "film": scene.films}
+    kinds = {"body": scene.bodies, "joint": scene.joints, "contact": scene.finite_sliding, "film": scene.films}
     counts = [(len(items), kind) for kind, items in kinds.items() if len(items)]
     named = (f"{n} {kind if n == 1 else kind.replace('y', 'ie') + 's'}" for n, kind in counts)
     return ", ".join(named) or "an empty scene"

@@ -19,6 +19,7 @@ from warpffrf.scene_file.forms import (
     Form,
     brief,
     choose,
+    contact_kinds,
     fixed_forms,
     item_kinds,
     law_kinds,
@@ -138,7 +139,8 @@ class Builder:
                 f"kind one of {', '.join(map(repr, laws))}, got {brief(value)}"
             )
         if isinstance(value, dict) and "kind" in value:
-            kinds = shape_kinds() if role == "shapes" or path[2:3] == ("surfaces",) else laws or self.values
+            kinds = contact_kinds() if role == "shapes" else laws or self.values
+            kinds = shape_kinds() if path[2:3] == ("surfaces",) else kinds
             form = choose(self.source, path, value, kinds)
             self._check_table(path, value, form)
         elif isinstance(value, dict) or isinstance(value, list):
@@ -146,8 +148,8 @@ class Builder:
                 self._check_value((*path, key), entry, role)
         elif role == "value" and isinstance(value, str):
             self._reference_check(path, value)
-        elif role == "shapes" and isinstance(value, str) and value != FITTED and value not in shape_kinds():
-            kinds = (FITTED, *shape_kinds())
+        elif role == "shapes" and isinstance(value, str) and value != FITTED and value not in contact_kinds():
+            kinds = (FITTED, *contact_kinds())
             raise InputError(f"{self.source.place(path)}: there is no surface {value!r}{suggestion(value, kinds)}")
 
     def _reference_check(self, path: Path, value: str) -> None:

@@ -3,7 +3,7 @@
 A `Form` is a call and its arguments. Types come from the annotations and are checked by pydantic: numbers, texts, lists
 and tables strictly, everything else when the call is made. An argument that refers to another object of the scene has a
 role, found by its name (`a`, `b`, `port`, `joint`, ...) or its annotation (`Joint`). Joints, forces, sensors, drives,
-contacts, films and small-sliding contacts are found as the classes with a `scene_list`; signals, surfaces, bases,
+contacts and films are found as the classes with a `scene_list`; signals, surfaces, bases,
 damping and integrators are found in their modules. A class added to its module is a new `kind` here.
 """
 
@@ -24,7 +24,7 @@ from warpffrf.scene_file.source import Path, Source
 PORTS = ("a", "b", "port", "onto", "first", "second")  # arguments that are ports of bodies
 NAMED = {"joint": "joints", "contact": "contacts", "body": "bodies", "sensor": "sensors"}  # role -> section
 PATHS = ("path", "M", "K")
-ITEM_MODULES = ("joints", "forces", "sensors", "contact", "lumped_contact", "films", "laps")  # of warpffrf.model
+ITEM_MODULES = ("joints", "forces", "sensors", "contact", "lumped_contact", "films")  # of warpffrf.model
 ABSTRACT = ("joint", "force", "sensor")  # kinds of base classes
 WORDS = {
     "float_type": "must be a number", "int_type": "must be a whole number", "bool_type": "must be true or false",
@@ -165,7 +165,7 @@ def item_roles(call: Callable[..., Any]) -> dict[str, str]:
             roles[name] = NAMED[name]
         elif re.search(r"\bJoint\b", annotation):
             roles[name] = "joints"
-        elif _type_of(annotation) is Any:
+        elif _type_of(annotation) is Any and not annotation.startswith(_WORDS):
             roles[name] = "value"  # numbers, signals, and references
     return roles
 
@@ -223,22 +223,22 @@ def signal_kinds() -> dict[str, Form]:
 @cache
 def value_kinds() -> dict[str, Form]:
     """Kind -> form of every object that may be a value: signals, surfaces, bases, damping, contact and friction laws,
-    rolling resistance, characteristics of springs, oils, feeds and forms of films, cells of small-sliding contacts,
+    rolling resistance, characteristics of springs, oils, feeds and forms of films, matched faces, contacts,
     integrators, treatments of local modes, stress points, parts of bearings."""
     from warpffrf.model.damping import DAMPINGS
     from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES
     from warpffrf.model.forces import CHARACTERISTICS
     from warpffrf.model.friction import FRICTION_LAWS
-    from warpffrf.model.laps import LapCells
+    from warpffrf.model.laps import SmallSliding
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
     from warpffrf.model.moments import ROLLING_LAWS
     from warpffrf.model.oils import OILS, DowsonHigginson, iso_vg
     from warpffrf.model.reduced.stress_field import StressPoints
-    from warpffrf.model.surfaces import SHAPES
+    from warpffrf.model.surfaces import SHAPES, Matched
     from warpffrf.offline.bases import BASES
 
     online = importlib.import_module("warpffrf.online")
-    others = [StressPoints, LapCells, DowsonHigginson, iso_vg]
+    others = [StressPoints, Matched, SmallSliding, DowsonHigginson, iso_vg]
     others += [online.LocalDynamics, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
     registered = {
@@ -272,8 +272,14 @@ def shape_kinds() -> dict[str, Form]:
 
 
 @cache
+def contact_kinds() -> dict[str, Form]:
+    """Kind -> form of everything that the contact surfaces of a reduced body may be."""
+    return {**shape_kinds(), "matched": value_kinds()["matched"]}
+
+
+@cache
 def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
-    """(Section of contacts, films, small-sliding contacts or bearings, argument) -> kind -> form, for arguments that
+    """(Section of contacts, films or bearings, argument) -> kind -> form, for arguments that
     accept one sort of laws, oils, forms or parts."""
     from warpffrf.model.films import FORMS, ROUGHNESSES
     from warpffrf.model.friction import FRICTION_LAWS
@@ -281,7 +287,7 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
     from warpffrf.model.moments import ROLLING_LAWS
     from warpffrf.model.oils import OILS
 
-    contacts = {"contacts": LAWS, "lumped_contacts": LUMPED_LAWS, "laps": LAWS, "bearings": LUMPED_LAWS}
+    contacts = {"contacts": LAWS, "lumped_contacts": LUMPED_LAWS, "bearings": LUMPED_LAWS}
     of_films = {"asperities": LAWS, "oil": (*OILS, "iso_vg")}
     of_films |= dict.fromkeys(("form_a", "form_b"), FORMS)
     of_films |= dict.fromkeys(("roughness_a", "roughness_b"), ROUGHNESSES)

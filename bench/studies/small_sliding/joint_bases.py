@@ -72,9 +72,10 @@ def engine_table(both: Sequence[Both]) -> str:
                 entry.space.name, f"{entry.space.unknowns}", one.load, who, *(f"{v:.1%}" for v in shares),
                 f"{entry.loss:+.1%}", f"{entry.amplitude:+.2%}", f"{entry.milliseconds:.1f}",
             ])  # fmt: skip
-    what = f"""The same joint in the engine, whose cells are made by `LapCells(size=)` and `LapCells(growth=, fine=)`,
-with {joint_engine.MODES} vibration modes and {SCALE:g} of the loads; *study*: the flexibility of the same cells in the
-solver of all rows above. Errors compared with the full model, milliseconds per load step, of the engine with everything
+    what = f"""The same joint in the engine, whose cells are made by `surfaces.Matched(size=)` and
+`surfaces.Matched(growth=, fine=)`, with {joint_engine.MODES} vibration modes and {SCALE:g} of the loads; *study*: the
+flexibility of the same cells in the solver of all rows above. Errors compared with the full model, milliseconds per
+load step, of the engine with everything
 that belongs to one."""
     head = ["cells", "unknowns", "load", "by", "pressure", "friction", "slip", "loss", "amplitude", "ms"]
     pairs = [(one.study, one.engine) for one in both if one.study is not None]

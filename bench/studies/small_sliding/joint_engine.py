@@ -1,4 +1,4 @@
-"""Small-sliding contact of the engine in the study of joint bases: the same joint, its cells as `LapCells` makes them.
+"""Small-sliding contact of the engine in the study of joint bases: the same joint, its cells as `Matched` makes them.
 
 The engine has the two sheets as one body that is connected at its clamped root, where both are held, and solves joint
 interfaces with their body in Newton's method; the study has the flexibility of the same cells alone. Its loads are a
@@ -38,7 +38,7 @@ def sheets(counts: tuple[int, int, int]) -> Sheets:
 
 
 def ways(stacked: Sheets) -> dict[str, dict[str, Any]]:
-    """Arguments of `LapCells` by name; graded cells are fine where those of the study are."""
+    """Arguments of `Matched` by name; graded cells are fine where those of the study are."""
     facet = joint_spaces.SIZE[0] / stacked.counts[0]
     fine = (*(low for low, _ in stacked.bolted), "sheet0_x_min", "sheet0_x_max")
     found: dict[str, dict[str, Any]] = {"all cells": {}}

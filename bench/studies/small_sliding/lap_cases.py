@@ -17,11 +17,14 @@ import numpy as np
 from references.closed_forms.joints import BarOnBase, BoltedJoint, PressFit, TwoLeaves
 from studies.small_sliding.lap_rows import Row, cycle, loads, static
 from warpffrf.model import forces, joints, sensors, signals, surfaces
-from warpffrf.model.laps import Lap, LapCells
+from warpffrf.model.contact import Contact
+from warpffrf.model.laps import SmallSliding
+from warpffrf.model.laps.sliding import cells_of
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box, grid, roller, sleeve
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline import reduce
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.0, density=7800.0)
@@ -39,10 +42,14 @@ LEAVES = TwoLeaves(length=0.2, width=0.02, thickness=0.004, youngs_modulus=210e9
 def leaf(counts: tuple[int, int], joint: str, back: str) -> ReducedBody:
     """A leaf in so many cells along and across, with a joint interface at the face `joint`, pressed at `back`."""
     return reduce(
-        box((LEAVES.length, LEAVES.width, LEAVES.thickness), (*counts, 1), order=2), STEEL,
-        interfaces=dict.fromkeys(("x_min", "x_max", back), "average"), laps={"face": joint}, modes=10, cache=False,
+        box((LEAVES.length, LEAVES.width, LEAVES.thickness), (*counts, 1), order=2),
+        STEEL,
+        interfaces=dict.fromkeys(("x_min", "x_max", back), "average"),
+        contact={"face": Matched(first=joint)},
+        modes=10,
+        cache=False,
         progress=False,
-    )  # fmt: skip
+    )
 
 
 def two_leaves(counts: tuple[int, int], force: signals.Table) -> Scene:
@@ -58,7 +65,7 @@ def two_leaves(counts: tuple[int, int], force: signals.Table) -> Scene:
         scene.add(forces.PointForce(body[back], (0.0, 0.0, normal)))
         scene.add(forces.PointForce(body["x_max"], (0.0, 0.0, share)))
         bodies.append(body)
-    scene.add(Lap(bodies[0]["face"], bodies[1]["face"], friction=LEAVES.friction, name="joint"))
+    scene.add(Contact(bodies[0]["face"], bodies[1]["face"], sliding="small", friction=LEAVES.friction, name="joint"))
     scene.add(sensors.Position(bodies[1]["x_max"], name="tip"))
     return scene
 
@@ -70,7 +77,7 @@ def leaf_rows(counts: tuple[int, int] = (40, 1), steps: int = 20, times: float =
     found = static(two_leaves(counts, loads(path, peak)), len(path) - 1)
     tip = found.sensor("tip").values[:, 2]
     tip = tip - tip[0]
-    loss = found.lap("joint").loss
+    loss = found.contact("joint").loss
     stuck, slow = steps // int(2 * times), 3 * steps // 4
     slope, slips = tip[stuck] / (peak * path[stuck]), (tip[steps] - tip[slow]) / (peak * (1.0 - path[slow]))
     kink = (peak - tip[steps] / slips) * slips / (slips - slope)
@@ -96,7 +103,7 @@ def many_steps_rows(counts: tuple[int, int] = (39, 3), steps: int = 100) -> list
         found = static(scene, len(path) - 1)
         walls.append(time.perf_counter() - begin)
         busy.append(time.process_time() - worked)
-    loss = found.lap("joint").loss
+    loss = found.contact("joint").loss
     case, cells = f"two leaves, {len(path) - 1} load steps", f"{counts[0]} x {counts[1]}"
     return [
         Row(case, cells, "time of the processor", "s", 0.0, min(busy), 3.0, relative=False),
@@ -133,7 +140,7 @@ def bar(first: float, growth: float, largest: float) -> ReducedBody:
     z = HIGH * np.array([-0.5, 0.0, 0.5])
     return reduce(
         grid(graded(first * HIGH, growth, largest * HIGH), y, z, order=2), STEEL, interfaces={"x_max": "average"},
-        laps={"low": "z_min", "high": "z_max"}, modes=10, cache=False, progress=False,
+        contact={"low": Matched(first="z_min"), "high": Matched(first="z_max")}, modes=10, cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -144,7 +151,9 @@ def pulled(body: ReducedBody, force: signals.Table) -> Scene:
     for name, side in (("low", -1.0), ("high", 1.0)):
         face = surfaces.Plane(origin=(0, 0, 0.5 * side * HIGH), outward=(0, 0, -side), direction=(1, 0, 0))
         base = scene.ground.surface(face, name=name)
-        scene.add(Lap(held[name], base, friction=BAR_FRICTION, interference=SQUEEZED, name=name))
+        scene.add(
+            Contact(held[name], base, sliding=SmallSliding(interference=SQUEEZED), friction=BAR_FRICTION, name=name)
+        )
     scene.add(forces.PointForce(held["x_max"], (force, 0.0, 0.0)))
     scene.add(sensors.Position(held["x_max"], name="end"))
     return scene
@@ -161,9 +170,9 @@ def micro_slip_rows(first: float = 0.25, growth: float = 1.07, largest: float = 
         peak = BAR.resistance * depth
         found = static(pulled(body, loads(path, peak)), len(path) - 1)
         end = found.sensor("end").values[:, 0]
-        loss = found.lap("low").loss + found.lap("high").loss
+        loss = found.contact("low").loss + found.contact("high").loss
         lost.append(loss[-1] - loss[2])
-        zone = found.lap("low").slip_zone(2.0, float(len(path) - 1))
+        zone = found.contact("low").slip_zone(2.0, float(len(path) - 1))
         cells = f"{zone.cells} in the slip zone"
         named = f"{peak:.4g} N"
         if depth in depths[[0, -1]]:
@@ -187,9 +196,14 @@ BOLT, TIGHTENED = 0.25 * CLAMPED, 1e4  # N/m, N: of the bolt before the blocks g
 def block(counts: tuple[int, int, int], joint: str, head: str) -> ReducedBody:
     """A block with a joint interface at the face `joint`, held over all of `head`."""
     return reduce(
-        box(BLOCK, counts, order=1), STEEL, interfaces={head: "average"}, laps={"face": joint}, modes=6, cache=False,
+        box(BLOCK, counts, order=1),
+        STEEL,
+        interfaces={head: "average"},
+        contact={"face": Matched(first=joint)},
+        modes=6,
+        cache=False,
         progress=False,
-    )  # fmt: skip
+    )
 
 
 def bolted(counts: tuple[int, int, int], force: signals.Table) -> Scene:
@@ -201,7 +215,7 @@ def bolted(counts: tuple[int, int, int], force: signals.Table) -> Scene:
     scene.add(joints.Fixed(scene.ground, low["z_min"]))
     bolt = scene.add(joints.Prismatic(low["z_min"], high["z_max"], axis=(0, 0, 1), point=(0.0, 0.0, 0.0), name="bolt"))
     scene.add(forces.JointSpringDamper(bolt, BOLT, preload=TIGHTENED, name="shank"))
-    scene.add(Lap(high["face"], low["face"], friction=0.2, name="joint"))
+    scene.add(Contact(high["face"], low["face"], sliding="small", friction=0.2, name="joint"))
     scene.add(forces.PointForce(high["z_max"], (0.0, 0.0, force)))
     scene.add(sensors.Position(high["z_max"], name="head"))
     return scene
@@ -213,7 +227,7 @@ def bolt_rows(counts: tuple[int, int, int] = (3, 3, 2), steps: int = 8) -> list[
     exact = BoltedJoint(bolt=BOLT, clamped=CLAMPED, preload=preload)
     path = np.linspace(0.0, 1.5, 3 * steps + 1)
     found = static(bolted(counts, loads(path, exact.opening_force)), len(path) - 1)
-    clamp = found.lap("joint").normal_force
+    clamp = found.contact("joint").normal_force
     head = found.sensor("head").values[:, 2]
     tension = TIGHTENED + BOLT * (head - 2.0 * 0.5 * BLOCK[2])
     half, last = exact.opening_force * path[steps], exact.opening_force * path[-1]
@@ -240,7 +254,13 @@ def shaft(sectors: int) -> ReducedBody:
     """A solid shaft turned by its ends, which are round all over."""
     mesh = roller(FIT.radius, 0.0, FIT.width, sectors=sectors, layers=2, axial=1, order=2)
     return reduce(
-        mesh, FIT.shaft, interfaces={"ends": "average"}, laps={"seat": "rim"}, modes=8, cache=False, progress=False
+        mesh,
+        FIT.shaft,
+        interfaces={"ends": "average"},
+        contact={"seat": Matched(first="rim")},
+        modes=8,
+        cache=False,
+        progress=False,
     )
 
 
@@ -249,9 +269,14 @@ def hub(sectors: int) -> ReducedBody:
     """A hub held in the mean of its outside."""
     mesh = sleeve(FIT.radius, FIT.outer_radius, FIT.width, sectors=sectors, axial=1, layers=3, order=2)
     return reduce(
-        mesh, FIT.shaft, interfaces={"outside": "average"}, laps={"seat": "bore"}, modes=8, cache=False,
+        mesh,
+        FIT.shaft,
+        interfaces={"outside": "average"},
+        contact={"seat": Matched(first="bore")},
+        modes=8,
+        cache=False,
         progress=False,
-    )  # fmt: skip
+    )
 
 
 def pressed_on(sectors: int, angle: signals.Table) -> Scene:
@@ -261,7 +286,15 @@ def pressed_on(sectors: int, angle: signals.Table) -> Scene:
     held = scene.add(joints.Fixed(scene.ground, outer["outside"], name="held"))
     turns = scene.add(joints.Revolute(scene.ground, inner["ends"], axis=(0, 1, 0), name="turns"))
     scene.add(joints.Drive(turns, angle, quantity="position"))
-    scene.add(Lap(inner["seat"], outer["seat"], friction=FIT.friction, interference=FIT.interference, name="seat"))
+    scene.add(
+        Contact(
+            inner["seat"],
+            outer["seat"],
+            sliding=SmallSliding(interference=FIT.interference),
+            friction=FIT.friction,
+            name="seat",
+        )
+    )
     scene.add(sensors.JointReaction(held, name="torque"))
     return scene
 
@@ -270,7 +303,7 @@ def press_fit_rows(sectors: int = 32, steps: int = 8) -> list[Row]:
     """Pressure at rest, and the torque at which the shaft slips."""
     path = np.linspace(0.0, 1.0, steps + 1)
     found = static(pressed_on(sectors, loads(path, TURNED)), steps)
-    lap = found.lap("seat")
+    lap = found.contact("seat")
     pressure = float(lap.pressure[0] @ lap.area / lap.area.sum())
     torque = abs(found.sensor("torque").values[:, 4])
     case, cells = "press fit", f"{lap.cells} on the seat"
@@ -291,7 +324,7 @@ def half_block(counts: tuple[int, int, int], by: str, held: str, joint: str) -> 
     """A block of steel, held rigidly at one end, with a joint interface by nodes or facets at the other."""
     return reduce(
         box(BLOCK, counts, order=1), replace(STEEL, poisson_ratio=0.3), interfaces={held: "rigid"},
-        laps={"face": LapCells(joint, by=by)}, modes=6, cache=False, progress=False,
+        contact={"face": Matched(first=joint, by=by)}, modes=6, cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -317,12 +350,12 @@ def press_rows(counts: tuple[int, int, int] = (4, 4, 3)) -> list[Row]:
         high = scene.add_body(half_block(counts, by, "z_max", "z_min"), name="high", position=(0.0, 0.0, half))
         scene.add(joints.Fixed(scene.ground, low["z_min"]))
         scene.add(joints.Prismatic(scene.ground, high["z_max"], axis=(0, 0, 1)))
-        lap = scene.add(Lap(high["face"], low["face"], name="joint"))
+        lap = scene.add(Contact(high["face"], low["face"], sliding="small", name="joint"))
         scene.add(forces.PointForce(high["z_max"], (0.0, 0.0, push)))
         scene.add(sensors.Position(high["z_max"], name="top"))
         found = static(scene, 1)
         top = float(found.sensor("top").values[-1, 2]) - BLOCK[2]
-        cells = f"{len(lap.cells().cell)}, by {by}"
+        cells = f"{len(cells_of(lap).cell)}, by {by}"
         rows.append(
             Row("press of two blocks, no friction", cells, "shortening, of one block's", "m", exact, top, target)
         )

@@ -27,7 +27,7 @@ from studies.small_sliding.lap_cases import (
 )
 from studies.small_sliding.lap_rows import Row, completed, cycle, loads, static
 from warpffrf.model import forces, joints, rotation, sensors, signals
-from warpffrf.model.laps import Lap
+from warpffrf.model.contact import Contact
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online.stages import Stage
@@ -65,7 +65,7 @@ def flying(turn: Array | None = None) -> Scene:
             low["z_min"], high["z_max"], stiffness, free_length=2.0 * BLOCK[2] - DRAWN / stiffness
         )
     )  # fmt: skip
-    scene.add(Lap(high["face"], low["face"], friction=0.2, name="joint"))
+    scene.add(Contact(high["face"], low["face"], sliding="small", friction=0.2, name="joint"))
     return scene
 
 
@@ -90,7 +90,7 @@ def flight_rows(steps: int = 200) -> list[Row]:
         scene = flying(turn)
         found.append((scene, completed(simulate(scene, steps * 1e-5, step=1e-5, progress=False))))
     scene, first = found[0]
-    lap, turned = first.lap("joint"), found[1][1].lap("joint")
+    lap, turned = first.contact("joint"), found[1][1].contact("joint")
     push = np.abs(lap.normal_force).max()
     P, L = momenta(scene, first)
     A = rotation.matrix(TURN)
@@ -152,11 +152,11 @@ def ring_down_rows(cycles: int = 3, steps: int = 150) -> list[Row]:
     for number, (begin, end) in enumerate(zip(tops[:-1], tops[1:], strict=True)):
         ratio, peak = begin / end, float(np.sqrt(begin * end))
         loop = static(swinging(loads(path, peak)), len(path) - 1)
-        lost = loop.lap("low").loss + loop.lap("high").loss
+        lost = loop.contact("low").loss + loop.contact("high").loss
         reach = loop.sensor("place").values[-1, 0] - 1.0
         damping = (lost[-1] - lost[2]) / (2.0 * np.pi * 0.5 * peak * reach)
         rows.append(
-            Row("mass at the bar's end", f"{loop.lap('low').cells} on a face", f"2 zeta, cycle {number + 1}", "",
+            Row("mass at the bar's end", f"{loop.contact('low').cells} on a face", f"2 zeta, cycle {number + 1}", "",
                 float(damping), float(np.log(ratio) / np.pi), 0.05)
         )  # fmt: skip
     return rows

@@ -334,8 +334,8 @@ with 160 along both; partial slip, {APART:g} of the loads.
 
 A strip of {SQUARES} square facets, {NARROW * 1e3:.3g} mm wide, loads in proportion to the width. Compared with full
 finite elements with every facet, and with every node (two along a facet, three across). *Graded*: cells grow away from
-the edges of the bolts' heads through the sheet, `LapCells(growth=, fine=heads)`. Targets: pressure 5 % (L2), loss 15 %
-in partial slip and 1 % near macro slip, amplitude 0.5 %.
+the edges of the bolts' heads through the sheet, `surfaces.Matched(growth=, fine=heads)`. Targets: pressure 5 % (L2), loss
+15 % in partial slip and 1 % near macro slip, amplitude 0.5 %.
 
 {table(["cells", "count", "load", "pressure", "loss", "amplitude", "pressure, nodes", "loss, nodes",
         "amplitude, nodes"], found["fewer"])}

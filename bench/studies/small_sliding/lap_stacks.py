@@ -25,11 +25,13 @@ from references.small_sliding.quasi_static import Followed, StaticLap
 from references.small_sliding.sheets import ROOT, one_body, stack
 from studies.small_sliding.lap_bolts import UP, apart, shank, turning
 from warpffrf.model import forces, joints, laws, sensors, signals
-from warpffrf.model.laps import Lap, LapCells
+from warpffrf.model.contact import Contact
+from warpffrf.model.laps.sliding import cells_of
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline import reduce
 from warpffrf.online import History, Settings
 from warpffrf.online.load_steps import run_static
@@ -130,11 +132,11 @@ class Sheets:
         return StaticLap(self.full, self.cells(by), friction, normal_compliance=yields, tangential_compliance=yields)
 
     def reduced(self, modes: int, **cells: Any) -> ReducedBody:
-        """The one body with joint interfaces; cells: `by`, `size` and `growth` of `LapCells`."""
+        """The one body with joint interfaces; cells: `by`, `size` and `growth` of `Matched`."""
         loaded = [f"sheet{k}_{name}" for k, name, _ in self.heads] + [f"sheet{self.layers - 1}_x_max"]
         return reduce(
             self.mesh, STEEL, interfaces={ROOT: "rigid"} | dict.fromkeys(loaded, "average"), modes=modes, cache=False,
-            progress=False, laps={name: LapCells(*pair, **cells) for name, pair in self.faces.items()},
+            progress=False, contact={n: Matched(b, first=a, **cells) for n, (a, b) in self.faces.items()},
         )  # fmt: skip
 
     def reduced_parts(self, modes: int) -> list[ReducedBody]:
@@ -144,7 +146,7 @@ class Sheets:
             loaded = ("head0", "head1", *more)
             found.append(reduce(
                 mesh, STEEL, interfaces={"x_min": "rigid"} | dict.fromkeys(loaded, "average"), modes=modes,
-                cache=False, progress=False, laps={"face": face},
+                cache=False, progress=False, contact={"face": Matched(first=face)},
             ))  # fmt: skip
         return found
 
@@ -156,13 +158,15 @@ class Sheets:
         if len(bodies) == 1:
             scene.add(joints.Fixed(scene.ground, sheets[0][ROOT]))
             for name in self.faces:
-                scene.add(Lap(sheets[0][name], friction=friction, law=law, name=name))
+                scene.add(Contact(sheets[0][name], sliding="small", friction=friction, law=law, name=name))
             sets = {(k, name): sheets[0][f"sheet{k}_{name}"] for k, name, _ in self.heads}
             end = sheets[0][f"sheet{self.layers - 1}_x_max"]
         else:
             for sheet in sheets:
                 scene.add(joints.Fixed(scene.ground, sheet["x_min"]))
-            scene.add(Lap(sheets[0]["face"], sheets[1]["face"], friction=friction, law=law, name="lap0"))
+            scene.add(
+                Contact(sheets[0]["face"], sheets[1]["face"], sliding="small", friction=friction, law=law, name="lap0")
+            )
             sets = {(k, name): sheets[k][name] for k, name, _ in self.heads}
             end = sheets[1]["x_max"]
         if self.shank is None:
@@ -328,6 +332,8 @@ def difference(engine: Engine, lap: StaticLap, loads: Array, cycle: Cycle) -> Di
     """Cells in the same order; the full model takes the engine's gaps, in which round-off of places is none."""
     path, at = with_halves(cycle.path, engine.parts)
     same = copy(lap)
-    same.cells = replace(lap.cells, gap=np.concatenate([one.cells().gap for one in engine.history.scene.laps]))
+    same.cells = replace(
+        lap.cells, gap=np.concatenate([cells_of(one).gap for one in engine.history.scene.small_sliding])
+    )
     full = same.follow(loads, path, loads[:, 1:])
     return between(engine, Rows.of(full, at), cycle, int(np.sum(engine.parts > 1)))

@@ -59,7 +59,7 @@ def local_systems(scene: Any, local: str, given: dict[tuple[str, str], Any], zet
     ports: dict[Place, Any] = {}
     rough: set[Place] = set()
     sides: list[Place | None] = []
-    for contact in scene.contacts:
+    for contact in scene.finite_sliding:
         for port in (contact.a, contact.b):
             place = None if port.rigid else (port.body.index, port.name)
             sides.append(place)
@@ -69,7 +69,7 @@ def local_systems(scene: Any, local: str, given: dict[tuple[str, str], Any], zet
     oiled = [(film.a.body.index, film.a.name) for film in scene.films]
     for place, film in zip(oiled, scene.films, strict=True):
         ports.setdefault(place, film.a)
-    lean = leanings(scene.contacts)
+    lean = leanings(scene.finite_sliding)
     groups, notes = _groups(ports, local)
     coordinates: dict[Place, LocalCoordinates] = {}
     for group in groups:

@@ -18,7 +18,7 @@ SHAPES = ("cylinder", "crowned_cylinder")
 def needs_nodes(scene: Any) -> bool:
     """Whether contacts at nodes have a feature that parallel-axes kinematics lack: friction, gaps at points, a rigid
     partner, another shape, or a nonlinear layer. Then all of them use the true shapes."""
-    return any(_beyond(contact) is not None for contact in scene.contacts)
+    return any(_beyond(contact) is not None for contact in scene.finite_sliding)
 
 
 def refuse_contacts(scene: Any, at_nodes: bool) -> None:
@@ -28,12 +28,12 @@ def refuse_contacts(scene: Any, at_nodes: bool) -> None:
             f"{lumped.label}: the monolithic reference has no lumped contacts; use warpffrf.simulate, or make a body "
             "flexible and use Contact(...)"
         )
-    for lap in scene.laps:
+    for lap in scene.small_sliding:
         raise InputError(
-            f"{lap.label}: the monolithic reference has no laps; use warpffrf.simulate, which solves them exactly "
-            "too, or Contact(...) between contact surfaces"
+            f"{lap.label}: the monolithic reference has no small sliding; use warpffrf.simulate, which solves them "
+            "exactly too, or Contact(...) between contact surfaces"
         )
-    for contact in scene.contacts:
+    for contact in scene.finite_sliding:
         label = f"contact {contact.name!r}"
         if contact.quadrature == "reduced":
             raise InputError(f"{label}: the monolithic reference has no quadrature 'reduced'; use quadrature 'full'")
@@ -71,7 +71,7 @@ def refuse_films(scene: Any, local: str, variant: str) -> None:
             beyond, cure = "has smooth walls of films only", "leave roughness out"
         elif film.oil.density is not None:
             beyond, cure = "has oils of constant density only", "leave density out"
-        elif scene.contacts:
+        elif scene.finite_sliding:
             beyond, cure = "has films without contacts beside them", "take the contacts out"
         elif local != "quasi_static":
             beyond, cure = "has films on quasi-static local modes only", "take local='quasi_static'"

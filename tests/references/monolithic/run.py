@@ -72,13 +72,13 @@ def build(
     coordinates, surfaces = systems.coordinates, systems.surfaces
     data.notes += systems.notes
     layout = layout_of(data, systems.counts, systems.system_of)
-    local_data, first = systems.data(), initial_state(scene, data, layout, len(scene.contacts))
+    local_data, first = systems.data(), initial_state(scene, data, layout, len(scene.finite_sliding))
     if nodal:
         pairs: list[Any] = list(node_pairs(scene, layout, surfaces, coordinates, stick_stiffness))
         first.nodes = memory(pairs)
         return System(data, layout, local_data, pairs, surfaces, variant, True, tolerance, nodal=True), first
     pairs = []
-    for contact, (i, j), layer in zip(scene.contacts, surfaces, layers, strict=True):
+    for contact, (i, j), layer in zip(scene.finite_sliding, surfaces, layers, strict=True):
         if j is not None:  # rigid partners have been refused, or have the law at nodes
             pairs.append(pair_data(contact, layout, (i, j), (coordinates[i], coordinates[j]), law, layer))
     films: list[FilmData] = []

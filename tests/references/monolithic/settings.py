@@ -40,7 +40,7 @@ def contact_layers(
     there, and for layers elsewhere.
     """
     layers: list[float | None] = []
-    for contact in scene.contacts:
+    for contact in scene.finite_sliding:
         label = f"contact {contact.name!r}"
         if not at_nodes:
             if contact.law.curve is not None:

@@ -42,12 +42,11 @@ import numpy as np
 from scipy.linalg import null_space, orth
 from scipy.optimize import linprog
 
-from warpffrf.model.bodies import LapPort, SurfacePort
+from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.checks.redundancy import held_motions, scene_length
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
-from warpffrf.model.laps import Lap
 from warpffrf.model.placement.gap import GapSamples, Nearest, closing_direction, facing_gap, gap_samples, moved_body
 
 if TYPE_CHECKING:
@@ -83,11 +82,11 @@ def refuse_double_claims(contact: Any, others: Iterable[Any]) -> None:
 
 def refuse_claims_of(scene: Any) -> None:
     """The same for all contacts and films of a scene: laws may have been changed since they were added."""
-    contacts = (*scene.contacts, *scene.lumped_contacts, *scene.films)
+    contacts = (*scene.finite_sliding, *scene.lumped_contacts, *scene.films)
     for number, contact in enumerate(contacts):
         refuse_double_claims(contact, contacts[:number])
-    for number, lap in enumerate(scene.laps):
-        refuse_double_laps(lap, scene.laps[:number])
+    for number, contact in enumerate(scene.small_sliding):
+        refuse_double_small_sliding(contact, scene.small_sliding[:number])
 
 
 def _refuse_beside_film(one: Any, other: Any) -> None:
@@ -108,13 +107,13 @@ def _refuse_beside_film(one: Any, other: Any) -> None:
             )
 
 
-def refuse_double_laps(lap: Lap, others: Iterable[Lap]) -> None:
+def refuse_double_small_sliding(contact: Contact, others: Iterable[Contact]) -> None:
     """Raises `InputError` where another small-sliding contact has the same faces."""
     for other in others:
-        if other is not lap and len(other.ports) == len(lap.ports) and on_same_surfaces(lap, other):
+        if other is not contact and len(other.ports) == len(contact.ports) and on_same_surfaces(contact, other):
             raise InputError(
-                f"{lap.label}: {' and '.join(port.label for port in lap.ports)} are joined already, as "
-                f"{other.label}; one lap has all of their cells"
+                f"{contact.label}: {' and '.join(port.label for port in contact.ports)} are joined already, as "
+                f"{other.label}; one contact has all of their cells"
             )
 
 
@@ -123,7 +122,7 @@ def on_same_surfaces(a: Any, b: Any) -> bool:
     return all(any(_same_surface(port, used) for used in b.ports) for port in a.ports)
 
 
-def _same_surface(a: SurfacePort | LapPort, b: SurfacePort | LapPort) -> bool:
+def _same_surface(a: SurfacePort, b: SurfacePort) -> bool:
     return a.body is b.body and a.name == b.name
 
 
@@ -147,8 +146,8 @@ def allowed_overlap(contact: Contact, theta: float, z: float) -> float:
 def refuse_overlap(scene: Scene) -> None:
     """Raises `InputError` for a pair whose surfaces overlap at the initial pose by more than is allowed, with the depth
     and the cure."""
-    gaps = {contact.name: facing_gap(contact) for contact in scene.contacts}
-    for contact in scene.contacts:
+    gaps = {contact.name: facing_gap(contact) for contact in scene.finite_sliding}
+    for contact in scene.finite_sliding:
         gap, theta, z = gaps[contact.name] or (0.0, 0.0, 0.0)
         allowed = excessive_overlap(contact, gap, theta, z)
         if allowed is not None:
@@ -186,7 +185,7 @@ MOVES = 1e-6  # of a motion of length one: less is none
 def out_of_reach(scene: Scene, gaps: dict[str, Nearest | None]) -> list[str]:
     """What is to be said of such pairs, a sentence each; `gaps`: `facing_gap` by the name of the pairs to look at."""
     told, free = [], None
-    for contact in scene.contacts:
+    for contact in scene.finite_sliding:
         if contact.name not in gaps:
             continue
         near, size = gaps[contact.name], _size(contact)
@@ -311,12 +310,12 @@ def find_wedge(scene: Scene, gaps: dict[str, Nearest | None] | None = None) -> W
     """The deepest wedge at the initial pose, None where there is none; `gaps`: `facing_gap` of each pair by its name,
     where they are known."""
     if gaps is None:
-        gaps = {contact.name: facing_gap(contact) for contact in scene.contacts}
+        gaps = {contact.name: facing_gap(contact) for contact in scene.finite_sliding}
     nearest = {name: near for name, near in gaps.items() if near is not None}
     deepest = -min((near[0] for near in nearest.values()), default=0.0)
     if deepest <= 0.0:
         return None
-    pairs = [contact for contact in scene.contacts if contact.name in nearest]
+    pairs = [contact for contact in scene.finite_sliding if contact.name in nearest]
     length = scene_length(scene)
     samples = [gap_samples(contact, nearest[contact.name]).below(NEARER * deepest) for contact in pairs]
     gradients = np.vstack([

@@ -111,7 +111,7 @@ def check_scene(scene: Scene) -> SceneCheck:
     constraints: dict[str, int] = {}
     for row in found.rows:
         constraints[row.owner] = constraints.get(row.owner, 0) + 1
-    found_gaps = {contact.name: facing_gap(contact) for contact in scene.contacts}
+    found_gaps = {contact.name: facing_gap(contact) for contact in scene.finite_sliding}
     lumped_gaps = {contact.name: contact.gap() for contact in scene.lumped_contacts}
     unknowns = sum(6 + body.mode_count for body in scene.bodies)
     return SceneCheck(
@@ -140,7 +140,7 @@ def check_scene(scene: Scene) -> SceneCheck:
 def _overlaps(scene: Scene, gaps: dict[str, tuple[float, float, float] | None]) -> list[str]:
     """The pairs whose overlap at the start a run refuses."""
     told = []
-    for contact in scene.contacts:
+    for contact in scene.finite_sliding:
         gap = gaps[contact.name]
         allowed = None if gap is None else excessive_overlap(contact, *gap)
         if gap is not None and allowed is not None:
@@ -159,7 +159,7 @@ def _lumped_overlaps(scene: Scene, gaps: dict[str, float]) -> list[str]:
 
 def connecting(scene: Scene) -> list[Any]:
     """All that has two ports, on two bodies or the ground."""
-    return [*scene.joints, *scene.forces, *scene.contacts, *scene.lumped_contacts, *scene.films, *scene.laps]
+    return [*scene.joints, *scene.forces, *scene.contacts, *scene.lumped_contacts, *scene.films]
 
 
 def _local_modes(body: Body) -> int:
@@ -169,13 +169,13 @@ def _local_modes(body: Body) -> int:
 
 
 def _unsupported(scene: Scene) -> tuple[str, ...]:
-    """Names of bodies that no chain of joints, springs, contacts, films and laps connects with the ground."""
+    """Names of bodies that no chain of joints, springs, contacts and films connects with the ground."""
     floating = {b for group in floating_groups(scene) for b in group}
     return tuple(body.name for body in scene.bodies if body.index in floating)
 
 
 def floating_groups(scene: Scene) -> list[list[int]]:
-    """Bodies that chains of joints, springs, contacts, films and laps connect with each other, but not with the ground,
+    """Bodies that chains of joints, springs, contacts and films connect with each other, but not with the ground,
     by index."""
     items, groups = connecting(scene), []
     reached = reached_from(GROUND_INDEX, items)

@@ -377,6 +377,11 @@ def _require_surface(port: Any, place: str) -> None:
             "reduce(contact=...) or in add_rigid_body(surfaces=...), got "
             f"{getattr(port, 'label', None) or repr(getattr(port, 'name', port))}"
         )
+    if port.matched:
+        raise InputError(
+            f"film: the {place} surface, {port.label}, was reduced as surfaces.Matched, for contact with small "
+            "sliding; reduce the body with a shape in its place, such as surfaces.Bore()"
+        )
 
 
 def _feeds(value: Any, label: str) -> tuple[Feed, ...]:

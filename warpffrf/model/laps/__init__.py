@@ -1,13 +1,12 @@
-"""Small-sliding contact (joint interfaces, laps): its cells, and its data in a reduced body.
+"""Small-sliding contact (joint interfaces): its options in a scene, and its cells in a reduced body.
 
-LapCells      the cells of a face, or of the overlap of two faces, as requested from `reduce`
-LapSurface    the cells of a reduced body
-Lap           the contact in a scene, within a body or between two
+SmallSliding  options of a `Contact` with small sliding
+LapSurface    the cells of a matched face of a reduced body
 """
 
 from __future__ import annotations
 
-from warpffrf.model.laps.lap import Lap
-from warpffrf.model.laps.lap_surface import LapCells, LapSurface
+from warpffrf.model.laps.lap_surface import LapSurface
+from warpffrf.model.laps.sliding import SmallSliding
 
-__all__ = ["Lap", "LapCells", "LapSurface"]
+__all__ = ["LapSurface", "SmallSliding"]

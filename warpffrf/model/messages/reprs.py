@@ -12,7 +12,9 @@ from __future__ import annotations
 import unicodedata
 from dataclasses import fields
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from warpffrf.model.renamed import RENAMED
 
 LONGEST = 60  # characters of a list of names
 
@@ -24,6 +26,14 @@ class Shown:
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__()} - self._hidden)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Raises `AttributeError`, with the new name of one that was renamed."""
+            now = [new for new in RENAMED.get(name, ()) if hasattr(type(self), new)]
+            hint = f"; it is called {now[0]!r} now" if now else ""
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}{hint}", name=name, obj=self)
 
     def _facts(self) -> dict[str, Any]:
         raise TypeError(f"{type(self).__name__} does not say what to show")

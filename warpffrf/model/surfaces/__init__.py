@@ -4,7 +4,8 @@
     inside    Bore      Ring (grooved)                             Cup     ConicalBore
 
 Their common base is in `base` (frame, fit), `revolution` (chart) and `profile` (the meridian's numbers). `SHAPES` lists
-them by kind. A user-defined surface is a subclass of `RevolutionShape` with a `profile`, or of one of these.
+them by kind. A user-defined surface is a subclass of `RevolutionShape` with a `profile`, or of one of these. `Matched`
+is a face of any shape for small-sliding contact.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from typing import Any
 
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.surfaces.base import DEFAULT_FIT_FRACTION, Shape
+from warpffrf.model.surfaces.matched import Matched
 from warpffrf.model.surfaces.plane import Plane
 from warpffrf.model.surfaces.profile import SurfaceProfile
 from warpffrf.model.surfaces.profiled_cylinder import ProfiledCylinder, RevolutionShape
@@ -29,6 +31,7 @@ __all__ = [
     "Cup",
     "Cylinder",
     "Groove",
+    "Matched",
     "Plane",
     "ProfiledCylinder",
     "RevolutionShape",

@@ -17,9 +17,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps import LapCells
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import rigid_modes, triangles
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline.bases import Basis
 from warpffrf.offline.bases.build import GlobalBasis, build_basis
 from warpffrf.offline.elastic import Array, ElasticModel, free_model
@@ -74,7 +74,7 @@ def reduce_general(
     stiffening: bool | str = False,
     membrane_modes: int | None = None,
     centrifugal: bool = False,
-    laps: Mapping[str, LapCells] | None = None,
+    laps: Mapping[str, Matched] | None = None,
     solver: str | None = None,
     checkpoint: Checkpoint | None = None,
 ) -> PathProduct:

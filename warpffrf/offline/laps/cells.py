@@ -26,10 +26,10 @@ import scipy.sparse as sp
 from scipy.spatial import KDTree
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps import LapCells
 from warpffrf.model.laps.facing import BEHIND, FACING
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline.fe import FACET_DEGREE, rule
 from warpffrf.offline.laps.clusters import gathered, grown, outline, slivers_joined
 from warpffrf.offline.laps.faces import Face
@@ -69,7 +69,7 @@ class Cells:
         return len(self.points)
 
 
-def make_cells(mesh: Mesh, name: str, wanted: LapCells) -> Cells:
+def make_cells(mesh: Mesh, name: str, wanted: Matched) -> Cells:
     """The cells of the interface `name`. Raises `InputError` for unknown facet sets, faces that do not face each other,
     and cells by nodes if the nodes of the faces do not coincide."""
     first = Face.of(mesh, wanted.first)
@@ -84,11 +84,13 @@ def _outlines(mesh: Mesh, name: str, sets: tuple[str, ...]) -> Array | None:
     found = [outline(Face.of(mesh, one)) for one in sets]
     for one, places in zip(sets, found, strict=True):
         if not len(places):
-            raise InputError(f"lap {name!r}: {one!r} has no outline at which cells could be fine; name a set that has")
+            raise InputError(
+                f"contact {name!r}: {one!r} has no outline at which cells could be fine; name a set that has"
+            )
     return np.concatenate(found) if found else None
 
 
-def _by_facets(name: str, first: Face, second: Face | None, wanted: LapCells, fine: Array | None) -> Cells:
+def _by_facets(name: str, first: Face, second: Face | None, wanted: Matched, fine: Array | None) -> Cells:
     notes = []
     if second is None:
         pieces, covered, of_facet = whole(first), (1.0, 1.0), np.ones(len(first))
@@ -97,8 +99,8 @@ def _by_facets(name: str, first: Face, second: Face | None, wanted: LapCells, fi
         pieces, covered, of_facet = found.pieces, found.covered, found.of_facet
         if min(covered) < WHOLE:
             notes.append(
-                f"lap {name!r}: {covered[0]:.1%} of {first.name!r} and {covered[1]:.1%} of {second.name!r} face each "
-                "other, the rest carries nothing"
+                f"contact {name!r}: {covered[0]:.1%} of {first.name!r} and {covered[1]:.1%} of {second.name!r} face "
+                "each other, the rest carries nothing"
             )
     own = np.bincount(first.triangles.facet, weights=first.triangles.area, minlength=len(first))
     there = of_facet > SLIVER
@@ -177,8 +179,8 @@ def _by_nodes(name: str, first: Face, second: Face | None) -> Cells:
         shared = np.isin(nodes, second.node_set)
         if shared.any():
             notes.append(
-                f"lap {name!r}: {int(shared.sum())} nodes belong to both {first.name!r} and {second.name!r}, where the "
-                "faces hang together; they make no cells"
+                f"contact {name!r}: {int(shared.sum())} nodes belong to both {first.name!r} and {second.name!r}, where "
+                "the faces hang together; they make no cells"
             )
             nodes, area, normals = nodes[~shared], area[~shared], normals[~shared]
         opposite, gap = _nodes_across(name, first, second, nodes, normals)
@@ -186,7 +188,9 @@ def _by_nodes(name: str, first: Face, second: Face | None) -> Cells:
         met = sum(areas[node] for node in np.unique(opposite).tolist())
         covered = (1.0, float(met / sum(areas.values())))
     if any(kind in SERENDIPITY for kind, _ in first.blocks):
-        notes.append(f"lap {name!r}: areas of nodes are int N^2 dA, scaled: int N dA is not positive at the corners")
+        notes.append(
+            f"contact {name!r}: areas of nodes are int N^2 dA, scaled: int N dA is not positive at the corners"
+        )
     triangles, node = _node_parts(first)
     cell = np.searchsorted(nodes, node)
     own = np.isin(node, nodes)
@@ -238,7 +242,7 @@ def _nodes_across(name: str, first: Face, second: Face, nodes: Array, normals: A
     candidates = np.setdiff1d(second.node_set, first.node_set)
     edge = float(first.edge.min())
     if not len(candidates):
-        raise InputError(f"lap {name!r}: {second.name!r} has no nodes of its own; choose two faces that part")
+        raise InputError(f"contact {name!r}: {second.name!r} has no nodes of its own; choose two faces that part")
     x, across = first.points[nodes], first.points[candidates]
     # the opposite node is about as far as the nearest one: check a few, take the one with the least tangential offset
     near = min(len(candidates), 8)
@@ -263,7 +267,7 @@ def _nodes_across(name: str, first: Face, second: Face, nodes: Array, normals: A
             else "there is nothing opposite"
         )
         raise InputError(
-            f"lap {name!r}: by='nodes' needs a node of {second.name!r} opposite to every node of {first.name!r}; "
+            f"contact {name!r}: by='nodes' needs a node of {second.name!r} opposite to every node of {first.name!r}; "
             f"{int(missing.sum())} of {len(nodes)} have none, {far}; use by='facets', or mesh both faces alike"
         )
     return candidates[found[rows, best]], gap[rows, best]
@@ -291,7 +295,7 @@ def _node_parts(face: Face) -> tuple[Array, Array]:
 
 
 def require_sets(
-    mesh: Mesh, laps: Mapping[str, LapCells], contact: Iterable[str], interfaces: Mapping[str, str]
+    mesh: Mesh, laps: Mapping[str, Matched], contact: Iterable[str], interfaces: Mapping[str, str]
 ) -> None:
     """Raises `InputError` for unknown facet sets, facets that also belong to a contact surface or to both faces of an
     interface, and sets that are rigid interfaces."""
@@ -303,18 +307,18 @@ def require_sets(
             own = _named(mesh, name, used)
             if interfaces.get(used) == "rigid":
                 raise InputError(
-                    f"lap {name!r}: set {used!r} is a rigid interface, whose facets do not give way; make the "
+                    f"contact {name!r}: set {used!r} is a rigid interface, whose facets do not give way; make the "
                     "interface 'average', or use two sets"
                 )
             for other in contact:
                 if shared := len(own & _facets(mesh, other)):
                     raise InputError(
-                        f"lap {name!r}: {shared} facets of {used!r} belong to contact surface {other!r} too; a facet "
-                        "carries one or the other: separate the sets"
+                        f"contact {name!r}: {shared} facets of {used!r} belong to contact surface {other!r} too; a "
+                        "facet carries one or the other: separate the sets"
                     )
         if len(lap.sets) == 2 and (shared := len(_facets(mesh, lap.sets[0]) & _facets(mesh, lap.sets[1]))):
             raise InputError(
-                f"lap {name!r}: {lap.sets[0]!r} and {lap.sets[1]!r} share {shared} facets, which cannot face "
+                f"contact {name!r}: {lap.sets[0]!r} and {lap.sets[1]!r} share {shared} facets, which cannot face "
                 "themselves; separate the sets"
             )
 
@@ -324,7 +328,7 @@ def _named(mesh: Mesh, lap: str, name: str) -> set[tuple[int, ...]]:
     try:
         return _facets(mesh, name)
     except InputError as error:
-        raise InputError(f"lap {lap!r}: {error}") from None
+        raise InputError(f"contact {lap!r}: {error}") from None
 
 
 def _facets(mesh: Mesh, name: str) -> set[tuple[int, ...]]:

@@ -28,8 +28,9 @@ import scipy.sparse as sp
 from scipy.linalg import lapack as _lapack
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps import LapCells, LapSurface
+from warpffrf.model.laps import LapSurface
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline.elastic import ElasticModel
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.observers import Observer
@@ -58,7 +59,7 @@ class BodyLaps:
     by: dict[str, str]
 
     @classmethod
-    def of(cls, mesh: Mesh, laps: Mapping[str, LapCells]) -> BodyLaps:
+    def of(cls, mesh: Mesh, laps: Mapping[str, Matched]) -> BodyLaps:
         """The joint interfaces requested of a mesh; raises `InputError` as `cells.make_cells` does."""
         cells = {name: make_cells(mesh, name, wanted) for name, wanted in laps.items()}
         axes = {name: frames(found.normals) for name, found in cells.items()}
@@ -86,9 +87,9 @@ class BodyLaps:
         if needed > limit:
             counts = ", ".join(f"{name!r} {cells.count}" for name, cells in self.cells.items())
             raise InputError(
-                f"laps: the compliance of {self.unknowns} forces (cells: {counts}) needs {needed} bytes "
+                f"matched faces: the compliance of {self.unknowns} forces (cells: {counts}) needs {needed} bytes "
                 f"({needed / 2**30:.3g} GiB), memory_limit is {limit / 2**30:.3g} GiB; make larger cells by "
-                "LapCells(size=, growth=), or raise memory_limit"
+                "surfaces.Matched(size=, growth=), or raise memory_limit"
             )
 
     def product(
@@ -145,7 +146,7 @@ def _surface(name: str, cells: Cells, axes: Array, modes: Array, by: str) -> Lap
 def _gaps(surfaces: Mapping[str, LapSurface]) -> list[str]:
     """Notes on initial gaps."""
     return [
-        f"lap {name!r}: the faces are {s.distance[0]:.3g} m apart in the mean, {s.distance[1]:.3g} m at most"
+        f"contact {name!r}: the faces are {s.distance[0]:.3g} m apart in the mean, {s.distance[1]:.3g} m at most"
         + (f", and overlap by up to {-s.gap.min():.3g} m" if s.gap.min() < 0.0 else "")
         for name, s in surfaces.items()
         if s.pair and np.abs(s.gap).max() > 1e-9 * np.ptp(s.triangles.reshape(-1, 3), axis=0).max()
@@ -159,8 +160,8 @@ def _doubts(surfaces: Mapping[str, LapSurface], C: Array, softness: Array) -> li
     total = sum(s.cells for s in surfaces.values())
     if total > MANY_CELLS:
         found.append(
-            f"laps: {total} cells, more than {MANY_CELLS}: steps solve for all that are in play at once, at a cost "
-            "that grows with the third power; make larger cells by LapCells(size=, growth=)"
+            f"matched faces: {total} cells, more than {MANY_CELLS}: steps solve for all that are in play at once, at a "
+            "cost that grows with the third power; make larger cells by surfaces.Matched(size=, growth=)"
         )
     start = 0
     for name, s in surfaces.items():
@@ -170,18 +171,19 @@ def _doubts(surfaces: Mapping[str, LapSurface], C: Array, softness: Array) -> li
         held = np.diag(own) < HELD * np.diag(C).max()
         if held.any():
             found.append(
-                f"lap {name!r}: {int(held.sum())} of {s.cells} cells hardly give way, a rigid interface holds their "
-                "nodes; end the lap a row of facets before it, or make it 'average', which holds them in the mean alone"
+                f"contact {name!r}: {int(held.sum())} of {s.cells} cells hardly give way, a rigid interface holds "
+                "their nodes; end the face a row of facets before it, or make it 'average', which holds them in the "
+                "mean alone"
             )
             own, normal = own[np.ix_(~held, ~held)], normal[~held]
         own = own + softness[:, normal].T @ softness[:, normal]
         if len(own) and (rank := _rank(own)) < len(own):
-            cure = "end the lap a row of facets before a rigid interface, which takes what its nodes get"
+            cure = "end the face a row of facets before a rigid interface, which takes what its nodes get"
             if s.by == "facets":
-                cure += "; where there is none, make larger cells by LapCells(size=), or take by='nodes'"
+                cure += "; where there is none, make larger cells by surfaces.Matched(size=), or take by='nodes'"
             found.append(
-                f"lap {name!r}: {len(own) - rank} of {s.cells} cells depend on the others: some pressures that change "
-                f"from cell to cell load no node; {cure}"
+                f"contact {name!r}: {len(own) - rank} of {s.cells} cells depend on the others: some pressures that "
+                f"change from cell to cell load no node; {cure}"
             )
     return found
 

@@ -61,7 +61,7 @@ def overlap(name: str, first: Face, second: Face) -> Overlap:
     found = facing(a, b)
     if max(found.covered) < LEAST_SHARE:
         raise InputError(
-            f"lap {name!r}: facet sets {first.name!r} and {second.name!r} do not face each other: "
+            f"contact {name!r}: facet sets {first.name!r} and {second.name!r} do not face each other: "
             f"{why_apart(a, b, found.covered)}; choose two sets whose outward normals look at each other across a gap"
         )
     facet = a.facet[found.source]
@@ -69,7 +69,7 @@ def overlap(name: str, first: Face, second: Face) -> Overlap:
     of_facet = np.bincount(facet, weights=found.area, minlength=len(first)) / own
     if np.any(of_facet > 1.0 + FOLDED):
         raise InputError(
-            f"lap {name!r}: {int(np.sum(of_facet > 1.0 + FOLDED))} facets of {first.name!r} see facets of "
+            f"contact {name!r}: {int(np.sum(of_facet > 1.0 + FOLDED))} facets of {first.name!r} see facets of "
             f"{second.name!r} behind one another; keep only those of {second.name!r} that touch {first.name!r}"
         )
     corners = np.einsum("pcv,pvd->pcd", found.weights, a.xi[found.source])

@@ -121,7 +121,7 @@ class Collector:
         self.local = LocalPlan.of(scene, local)
         dynamic = {body.index for body in scene.bodies if self.local.count(body.index)}
         if patches is None:
-            self.patches, chosen = patch_plans(scene.contacts, dynamic, off_end=off_end)
+            self.patches, chosen = patch_plans(scene.finite_sliding, dynamic, off_end=off_end)
             self.notes += chosen
         else:
             self.patches = dict(patches)
@@ -130,7 +130,7 @@ class Collector:
     def pairs(self) -> list[Pair]:
         """All pairs, in the order of the contacts."""
         found = []
-        for i, contact in enumerate(self.scene.contacts):
+        for i, contact in enumerate(self.scene.finite_sliding):
             (body_a, _, a), (body_b, _, b) = (self.surfaces[s] for s in self.sides[2 * i : 2 * i + 2])
             a, b = (s.real if isinstance(s, PatchSide) else s for s in (a, b))
             if not isinstance(a, ContactSurface):

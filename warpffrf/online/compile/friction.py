@@ -22,12 +22,12 @@ ROUND_OFF = 1e-9  # cells: a ratio of two grids that is a whole number up to thi
 
 def has_friction(scene: Scene) -> bool:
     """True where any pair of `scene` has friction."""
-    return any(contact.friction.acts for contact in scene.contacts)
+    return any(contact.friction.acts for contact in scene.finite_sliding)
 
 
 def fill_friction(collector: Collector, m: Model, z_start: np.ndarray) -> None:
     """Friction fields of the model; `z_start`: of `fill_surfaces`."""
-    contacts = collector.scene.contacts
+    contacts = collector.scene.finite_sliding
     collector.fill(
         m.pairs, friction=[c.friction.largest_coefficient for c in contacts],
         slip_velocity=[c.friction.creep_limit for c in contacts],
@@ -75,7 +75,7 @@ def _fill_slip_speeds(collector: Collector) -> None:
     """Coefficients that depend on the slip speed, in cubic pieces, concatenated tables."""
     tables = [
         cubic_pieces(c.friction, f"contact {c.name!r}") if c.friction.breaks else np.zeros((0, 5))
-        for c in collector.scene.contacts
+        for c in collector.scene.finite_sliding
     ]
     pieces = [len(table) for table in tables]
     collector.fill(

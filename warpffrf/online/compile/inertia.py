@@ -72,7 +72,7 @@ def outer_modes(collector: Collector) -> list[int]:
     """
     loads = Counter(body.index for body, _, _ in (collector.surfaces[s] for s in set(collector.sides)))
     scene = collector.scene
-    blocks = {port.body.index for item in (*scene.films, *scene.laps) for port in item.ports}
+    blocks = {port.body.index for item in (*scene.films, *scene.small_sliding) for port in item.ports}
     return [
         body.mode_count if loads[body.index] > 1 or body.index in blocks else plan.count
         for body, plan in zip(collector.scene.bodies, collector.inertia.bodies, strict=True)

@@ -18,9 +18,10 @@ from scipy.linalg import get_lapack_funcs
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Body
+from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps import Lap, lap_surface
-from warpffrf.model.laps.lap import LapCellsOf, lap_notes
+from warpffrf.model.laps import lap_surface
+from warpffrf.model.laps.sliding import LapCellsOf, cells_of, lap_notes, yields
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.inertia import outer_modes
 from warpffrf_kernels.core.model import Laps
@@ -36,7 +37,7 @@ THIN = 1e-6  # of that mean: layer that is added then
 STIFF = 1e4  # times the stiffness of single cells: no deformation is left
 
 
-def groups_of(laps: list[Lap]) -> list[list[int]]:
+def groups_of(laps: list[Contact]) -> list[list[int]]:
     """Numbers of the small-sliding contacts, grouped by shared flexible bodies."""
     found: list[tuple[set[int], list[int]]] = []
     for number, lap in enumerate(laps):
@@ -53,7 +54,7 @@ def groups_of(laps: list[Lap]) -> list[list[int]]:
     return sorted(numbers for _, numbers in found)
 
 
-def lap_order(laps: list[Lap]) -> list[int]:
+def lap_order(laps: list[Contact]) -> list[int]:
     """Numbers of the small-sliding contacts in the order of their cells on the device."""
     return [number for numbers in groups_of(laps) for number in numbers]
 
@@ -76,12 +77,12 @@ def fill_laps(collector: Collector) -> None:
     modal = np.cumsum([0, *collector.mode_counts])
     outer = np.cumsum([0, *outer_modes(collector)])
     column = 0
-    for numbers in groups_of(scene.laps):
-        members = [scene.laps[number] for number in numbers]
-        cells = [lap.cells() for lap in members]
+    for numbers in groups_of(scene.small_sliding):
+        members = [scene.small_sliding[number] for number in numbers]
+        cells = [cells_of(lap) for lap in members]
         flexible = _bodies(members, rigid=False)
         friction = np.concatenate(
-            [np.full(len(c.cell), lap.coefficient) for lap, c in zip(members, cells, strict=True)]
+            [np.full(len(c.cell), lap.friction.static_coefficient) for lap, c in zip(members, cells, strict=True)]
         )
         components = 3 if np.any(friction > 0.0) else 1
         G = _compliance(members, cells, flexible)
@@ -116,7 +117,7 @@ def fill_laps(collector: Collector) -> None:
         column += columns
         collector.notes.extend(_notes(members, cells, lines))
     values: dict[str, Any] = dict.fromkeys(declared.declarations, np.zeros(0))
-    if scene.laps:
+    if scene.small_sliding:
         values |= {name: ones[name] for name in values if name in ones}
         values |= {name: np.concatenate(parts[name]) for name in values if name in parts}
         lines, columns, outers = (np.array(ones[name]) for name in ("lines", "columns", "outers"))
@@ -129,16 +130,16 @@ def fill_laps(collector: Collector) -> None:
             values[f"{name}_start"] = np.concatenate([[0], np.cumsum(sizes)])
         for name in ("compliance", "motion"):
             values[f"{name}_start"] = np.cumsum([0, *map(len, parts[name])])[:-1]
-    collector.fill(collector.laps, count=len(ones.get("laps", [])), laps=len(scene.laps), **values)
+    collector.fill(collector.laps, count=len(ones.get("laps", [])), laps=len(scene.small_sliding), **values)
 
 
-def _bodies(laps: list[Lap], *, rigid: bool) -> list[Body]:
+def _bodies(laps: list[Contact], *, rigid: bool) -> list[Body]:
     """Bodies of these contacts that move, flexible ones alone or all, each once, in the order of the scene."""
     found = {p.body.index: p.body for lap in laps for p in lap.ports if p.body.index >= 0 and (rigid or not p.rigid)}
     return [found[index] for index in sorted(found)]
 
 
-def _frames(lap: Lap) -> dict[str, Array]:
+def _frames(lap: Contact) -> dict[str, Array]:
     """Origin and axes in which the relative motion of two bodies is measured, and R_0."""
     if lap.b is None:
         return {"first_point": np.zeros(3), "second_point": np.zeros(3), "turn": np.eye(3)}
@@ -151,7 +152,7 @@ def _frames(lap: Lap) -> dict[str, Array]:
     return {"first_point": arms[0], "second_point": arms[1], "turn": turn}
 
 
-def _loads(lap: Lap, cells: LapCellsOf, body: Body) -> sp.csr_matrix | None:
+def _loads(lap: Contact, cells: LapCellsOf, body: Body) -> sp.csr_matrix | None:
     """P of a contact on a body (unknowns of its interface compliance, 3 c); None where it does not load it."""
     laps = body.flexible.laps
     if lap.a.body is body:
@@ -162,7 +163,7 @@ def _loads(lap: Lap, cells: LapCellsOf, body: Body) -> sp.csr_matrix | None:
     return lap_surface.on_partner(laps, lap.b.name, cells.weights, cells.frames @ turn.T)
 
 
-def _all_loads(laps: list[Lap], cells: list[LapCellsOf], body: Body) -> sp.csr_matrix:
+def _all_loads(laps: list[Contact], cells: list[LapCellsOf], body: Body) -> sp.csr_matrix:
     """P of all contacts of a group on a body."""
     total = lap_surface.count(body.flexible.laps)
     parts = []
@@ -172,23 +173,19 @@ def _all_loads(laps: list[Lap], cells: list[LapCellsOf], body: Body) -> sp.csr_m
     return sp.csr_matrix(sp.hstack(parts))
 
 
-def _compliance(laps: list[Lap], cells: list[LapCellsOf], bodies: list[Body]) -> Array:
+def _compliance(laps: list[Contact], cells: list[LapCellsOf], bodies: list[Body]) -> Array:
     """G (3 c, 3 c) [m/N]."""
     n = 3 * sum(len(own.cell) for own in cells)
     G = np.zeros((n, n))
     for body in bodies:
         P = _all_loads(laps, cells, body)
         G += P.T @ np.asarray(P.T @ body.flexible.lap_compliance).T
-    layers = [
-        np.column_stack([np.full(len(own.cell), y) for y in (lap.yields[0], lap.yields[1], lap.yields[1])])
-        / own.area[:, None]
-        for lap, own in zip(laps, cells, strict=True)
-    ]
+    layers = [np.array(yields(lap))[[0, 1, 1]] / own.area[:, None] for lap, own in zip(laps, cells, strict=True)]
     G[np.diag_indices(n)] += np.concatenate(layers).ravel()
     return 0.5 * (G + G.T)
 
 
-def _tell_apart(laps: list[Lap], G: Array, J: Array, kept: slice) -> list[str]:
+def _tell_apart(laps: list[Contact], G: Array, J: Array, kept: slice) -> list[str]:
     """Where forces of cells cause no displacement independent of the others, a layer on the diagonal of G that makes
     them unique, and a note of it. Raises `InputError` where such forces move the bodies nevertheless: then there is no
     compliance between them.
@@ -212,11 +209,11 @@ def _tell_apart(laps: list[Lap], G: Array, J: Array, kept: slice) -> list[str]:
     return [
         f"{label}: {missing} of {len(part)} forces of cells cause no independent displacement, as with more "
         f"cells than nodes; a layer with {THIN:g} of the mean compliance of a cell makes them unique, "
-        "LapCells(size=) gathers cells"
+        "surfaces.Matched(size=) gathers cells"
     ]
 
 
-def _motion(laps: list[Lap], cells: list[LapCellsOf], bodies: list[Body]) -> Array:
+def _motion(laps: list[Contact], cells: list[LapCellsOf], bodies: list[Body]) -> Array:
     """J (3 c, columns)."""
     starts = np.cumsum([0, *(3 * len(own.cell) for own in cells)])
     parts = []
@@ -235,7 +232,7 @@ def _motion(laps: list[Lap], cells: list[LapCellsOf], bodies: list[Body]) -> Arr
     return np.concatenate(parts, axis=1)
 
 
-def _notes(laps: list[Lap], cells: list[LapCellsOf], lines: int) -> list[str]:
+def _notes(laps: list[Contact], cells: list[LapCellsOf], lines: int) -> list[str]:
     """Notes on a group for the report of a run."""
     notes = []
     for lap, own in zip(laps, cells, strict=True):
@@ -244,6 +241,6 @@ def _notes(laps: list[Lap], cells: list[LapCellsOf], lines: int) -> list[str]:
     if count > MANY:
         notes.append(
             f"{', '.join(lap.label for lap in laps)}: {count} cells with {lines} unknown forces, all "
-            "coupled; use LapCells(size=, growth=) for larger cells where little changes"
+            "coupled; use surfaces.Matched(size=, growth=) for larger cells where little changes"
         )
     return notes

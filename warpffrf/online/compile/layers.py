@@ -20,7 +20,7 @@ def fill_layers(collector: Collector) -> None:
     numbers: list[list[float]] = []
     tables = [np.zeros((0, 3))]
     rules: list[tuple[PointRule, int] | None] = []
-    for contact in collector.scene.contacts:
+    for contact in collector.scene.finite_sliding:
         curve = contact.law.bent
         if curve is not None and curve.form not in device.FORMS:
             raise InputError(

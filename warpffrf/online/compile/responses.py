@@ -61,8 +61,8 @@ def loads_on_sides(collector: Collector) -> list[list[int]]:
 def fill_responses(collector: Collector, m: Model) -> None:
     """The loads on every side and the tables of their displacements."""
     loads = loads_on_sides(collector)
-    rubbing = [contact.friction.acts for contact in collector.scene.contacts]
-    layers = [contact.law.compliance for contact in collector.scene.contacts]
+    rubbing = [contact.friction.acts for contact in collector.scene.finite_sliding]
+    layers = [contact.law.compliance for contact in collector.scene.finite_sliding]
     asked: dict[Key, int] = {}
     far: set[Key] = set()
     numbers: dict[str, list[int]] = {kind: [] for kind in (NORMAL, RUBBED, PRESSED, TANGENTIAL)}

@@ -38,7 +38,7 @@ UNLIKE = 1e-9  # of the larger coupling of both half-spaces: smaller differences
 
 def fill_rolling(collector: Any, m: Model) -> None:
     """Near fields of all pairs with friction on patches, and tangential far fields."""
-    contacts = collector.scene.contacts
+    contacts = collector.scene.finite_sliding
     rolling = {i: plan for i, plan in collector.patches.items() if contacts[i].friction.acts}
     per_pair: dict[str, list[int]] = {"ring_rows": [], "coupled": [], "shear_start": []}
     tables, numbers, cells = [np.zeros(0)], 0, 0

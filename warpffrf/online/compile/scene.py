@@ -101,7 +101,7 @@ def _compiled(collector: Collector) -> CompiledScene:
     fill_inertia(collector, m)
     m.outer.row_offset = 6 * m.bodies.count + m.dense.count
     m.outer.count = m.outer.row_offset + m.rows.count
-    m.pairs.count = len(scene.contacts)
+    m.pairs.count = len(scene.finite_sliding)
     collector.fill(m, gravity=wp.vec3d(*scene.gravity), length=_length(collector))
     _modes(collector, m)
     modes = _interfaces(collector, m)
@@ -147,13 +147,13 @@ def _compiled(collector: Collector) -> CompiledScene:
 def _gather_surfaces(collector: Collector) -> None:
     """The surfaces of contacts, lumped contacts and films, each once, and the surface index of each of their sides."""
     scene = collector.scene
-    lean = leanings(scene.contacts)
+    lean = leanings(scene.finite_sliding)
     known: dict[tuple[int, str], int] = {}
     patched = {}  # sides of patches of cells
     for i, plan in collector.patches.items():
         patched |= {2 * i: len(plan.z), 2 * i + 1: 0}
     on: list[tuple[list[Any], list[int]]] = [
-        (scene.contacts, collector.sides), (scene.lumped_contacts, collector.lumped_sides),
+        (scene.finite_sliding, collector.sides), (scene.lumped_contacts, collector.lumped_sides),
         (scene.films, collector.film_sides),
     ]  # fmt: skip
     for items, sides in on:

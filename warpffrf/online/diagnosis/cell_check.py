@@ -74,7 +74,9 @@ class CellCheck:
 def cell_check_notes(engine: Engine, checks: Mapping[int, CellCheck]) -> list[str]:
     """One note for each contact of `engine` whose cells carried a load, by its number."""
     return [
-        check.note(engine.scene.contacts[i], (engine.compiled.patches[i].columns, len(engine.compiled.patches[i].z)))
+        check.note(
+            engine.scene.finite_sliding[i], (engine.compiled.patches[i].columns, len(engine.compiled.patches[i].z))
+        )
         for i, check in checks.items()
     ]
 
@@ -82,13 +84,13 @@ def cell_check_notes(engine: Engine, checks: Mapping[int, CellCheck]) -> list[st
 def check_cells(engine: Engine, history: History, sampled: int = SAMPLED) -> dict[int, CellCheck]:
     """Changes by finer cells by number of the contact, at most `sampled` saved steps of `history` each."""
     scene, plans = engine.scene, engine.compiled.patches
-    found = {i: history.contacts[scene.contacts[i].name] for i in plans}
+    found = {i: history.contacts[scene.finite_sliding[i].name] for i in plans}
     forces = {i: np.linalg.norm(record.force, axis=1) for i, record in found.items()}
     if not any(np.any(force > 0.0) for force in forces.values()):
         return {}
     widths = {i: _widths(found[i], forces[i]) for i in plans}
     few = {
-        i: plan.spread(scene.contacts[i], min(plan.columns, FEW[0]), min(len(plan.z), FEW[1]), *widths[i])
+        i: plan.spread(scene.finite_sliding[i], min(plan.columns, FEW[0]), min(len(plan.z), FEW[1]), *widths[i])
         for i, plan in plans.items()
     }
     checks = {}
@@ -100,7 +102,7 @@ def check_cells(engine: Engine, history: History, sampled: int = SAMPLED) -> dic
         size = plan.columns, len(plan.z)
         finer = size[0] * size[1] < MANY
         across, along = (2 * n - 1 if finer else (n + 1) // 2 | 1 for n in size)
-        other = plan.spread(scene.contacts[i], across, along, *widths[i])
+        other = plan.spread(scene.finite_sliding[i], across, along, *widths[i])
         at_own, at_other = (_at_rest(engine, history, rows, i, {**few, i: cells}) for cells in (plan, other))
         apart = [
             _apart(at_own[t], at_other[t]) for t in rows if t in at_own and t in at_other and at_own[t].force > 0.0
@@ -174,7 +176,7 @@ def _at_rest(
     except (InputError, MemoryError, RuntimeError):  # not enough memory for them
         return {}
     held.rates_to_zero()
-    name = engine.scene.contacts[number].name
+    name = engine.scene.finite_sliding[number].name
     values = {}
     for t in rows:
         held.control(status=0)

@@ -222,7 +222,7 @@ def near_patches(scene: Scene, history: History) -> list[str]:
     """Notes on patches of one surface so near to each other that the mesh is inaccurate between them."""
     sides = [
         (contact, port, side)
-        for contact in scene.contacts
+        for contact in scene.finite_sliding
         if contact.name in history.contacts and history.contacts[contact.name].cells is not None
         for side, port in enumerate(contact.ports)
         if not port.rigid

@@ -64,7 +64,7 @@ MOST_SKEW = 0.07  # rad: e^2/2 is 0.25 %; compared with closest-point kinematics
 def contact_notes(scene: Scene, history: History, on_axes: Collection[str] = ()) -> list[str]:
     """Notes on the patches of all contacts of a run; `on_axes`: names of those with parallel-axes kinematics."""
     notes = []
-    taken = leanings(scene.contacts)
+    taken = leanings(scene.finite_sliding)
     for contact in loaded_contacts(scene, history):
         found = history.contacts[contact.name]
         columns = _widest(found)
@@ -180,7 +180,7 @@ def _cut(contact: Contact, found: ContactHistory) -> list[str]:
 def overlap_notes(scene: Scene) -> list[str]:
     """Contacts whose surfaces overlap at the initial poses, so that a run starts with an impulse."""
     notes = []
-    for contact in scene.contacts:
+    for contact in scene.finite_sliding:
         try:
             gap = smallest_gap(contact)[0]
         except InputError:  # the surfaces do not face each other
@@ -254,7 +254,7 @@ class SamplingCheck:
 def sampling_notes(scene: Scene, history: History) -> list[str]:
     """One note for each contact of quadrature "reduced"."""
     notes = []
-    for contact in scene.contacts:
+    for contact in scene.finite_sliding:
         if contact.quadrature != "reduced":
             continue
         surface = contact.a.surface

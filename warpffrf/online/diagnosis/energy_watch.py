@@ -83,7 +83,7 @@ class EnergyWatch:
         by_pair = engine.state.made.numpy()[0]
         owner = INTEGRATOR
         if by_pair.size and by_pair.sum() - float(engine.word("least")[0]) > 0.5 * made:
-            owner = f"contact {engine.scene.contacts[int(np.argmax(by_pair))].name!r}"
+            owner = f"contact {engine.scene.finite_sliding[int(np.argmax(by_pair))].name!r}"
         began = float(self.kept["clk"]["time"][0])
         try:
             cure = self._cure(
@@ -107,7 +107,7 @@ class EnergyWatch:
             tighter = self.engine.settings.energy_tolerance * TIGHTER
             return f"limit it in steps of impacts, energy_tolerance={tighter:.2g}"
         cure = "give the contact surfaces a finer grid (half_width=, expected_half_width=) or the machine some damping"
-        if self.set_down and any(contact.friction.acts for contact in self.engine.scene.contacts):
+        if self.set_down and any(contact.friction.acts for contact in self.engine.scene.finite_sliding):
             cure = (
                 f"begin at rest with closed contacts with friction, start=equilibrium(scene, friction=True), or {cure}"
             )

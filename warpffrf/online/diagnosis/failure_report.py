@@ -137,7 +137,7 @@ def _pairs(engine: Engine, world: int) -> list[Residual]:
     opened, area = _array(scratch, "opened", world), _array(scratch, "area", world)
     active = _array(engine.state, "active", world) != 0
     penetration = float(_array(scratch, "gap_defect", world)[1])
-    for i, contact in enumerate(engine.scene.contacts):
+    for i, contact in enumerate(engine.scene.finite_sliding):
         use = active[i] & (area[i] > 0.0)
         off = float(np.max(np.abs(opened[i][use] / area[i][use]), initial=0.0))
         if not np.isfinite(off):
@@ -170,7 +170,7 @@ def _tractions(engine: Engine, world: int) -> list[Residual]:
     return [
         Residual(
             defect[i] / largest,
-            f"tractions of contact {engine.scene.contacts[i].name!r}, {defect[i]:.3g} Pa off those of their slip",
+            f"tractions of contact {engine.scene.finite_sliding[i].name!r}, {defect[i]:.3g} Pa off those of their slip",
         )
         for i in rubbing
     ]
@@ -178,7 +178,7 @@ def _tractions(engine: Engine, world: int) -> list[Residual]:
 
 def _at_pair(engine: Engine, bits: int, world: int) -> str:
     """The pair that failed by itself: the fullest, where room was short, or else with the largest residual."""
-    contacts = engine.scene.contacts
+    contacts = engine.scene.finite_sliding
     if len(contacts) == 1:
         return f"at contact {contacts[0].name!r}"
     if bits & int(k.CAPACITY):
@@ -191,7 +191,7 @@ def _at_pair(engine: Engine, bits: int, world: int) -> str:
 def _fullest(engine: Engine, world: int) -> str:
     """The contact with the most active nodes among those with the widest window, or among all if there is none: deep
     penetration in one contact often spreads to its neighbours."""
-    contacts = engine.scene.contacts
+    contacts = engine.scene.finite_sliding
     H = engine.compiled.model.window.half
     window = _array(engine.scratch, "window", world)[: len(contacts)]
     nodes = (_array(engine.state, "active", world)[: len(contacts)] != 0.0).reshape(len(contacts), -1).sum(axis=1)

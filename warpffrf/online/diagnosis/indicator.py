@@ -322,7 +322,7 @@ def _smallest_extent(body: Body) -> float:
 
 def deflection_lines(scene: Scene, found: list[Deflection], *, at_rest: bool = False) -> list[str]:
     """Lines of the report on them, and the cures; `at_rest`: of an equilibrium."""
-    touched = {port.body.name for item in (*scene.contacts, *scene.films, *scene.laps) for port in item.ports}
+    touched = {port.body.name for item in (*scene.contacts, *scene.films) for port in item.ports}
     return [line for one in found for line in _lines(scene.body(one.body), one, one.body in touched, at_rest)]
 
 

@@ -53,9 +53,9 @@ def fall_notes(scene: Scene, history: History) -> list[str]:
     seconds = float(history.time[-1] - history.time[0]) if len(history.time) else 0.0
     if size == 0.0 or seconds <= 0.0:
         return []
-    touched = [c for c in scene.contacts if np.any(history.contacts[c.name].force != 0.0)]
+    touched = [c for c in scene.finite_sliding if np.any(history.contacts[c.name].force != 0.0)]
     touched += [c for c in scene.lumped_contacts if np.any(history.lumped_contacts[c.name].force != 0.0)]
-    held = reached_from(GROUND_INDEX, [*scene.joints, *scene.forces, *touched, *scene.films, *scene.laps])
+    held = reached_from(GROUND_INDEX, [*scene.joints, *scene.forces, *touched, *scene.films, *scene.small_sliding])
     down = scene.gravity / size
     fell = []
     for body in scene.bodies:
@@ -76,7 +76,7 @@ def fall_notes(scene: Scene, history: History) -> list[str]:
 def steep_notes(scene: Scene, steep: np.ndarray) -> list[str]:
     """A note for every pair with steps whose slip was not the only one; steep (pairs, 3): see `slip_speed.mark`."""
     notes = []
-    for contact, found in zip(scene.contacts, steep, strict=False):
+    for contact, found in zip(scene.finite_sliding, steep, strict=False):
         if not found[int(COUNT)]:
             continue
         cure = "take a shorter step"
@@ -225,7 +225,7 @@ def untouched_notes(scene: Scene, history: History) -> list[str]:
 
 def _saved(scene: Scene, history: History) -> list[Contact]:
     found = history.contacts
-    return [c for c in scene.contacts if c.name in found and len(found[c.name].approach)]
+    return [c for c in scene.finite_sliding if c.name in found and len(found[c.name].approach)]
 
 
 def _largest(found: ContactHistory) -> float:

@@ -259,7 +259,7 @@ def check_free(scene: Scene, integrator: str, *, loads: bool) -> None:
                 f"{integrator}: body {body.name!r} has membrane energy, which is not known here; add it with "
                 f"stiffening=False, or {CURE}"
             )
-    for item in [*scene.joints, *scene.drives, *scene.contacts, *scene.lumped_contacts, *scene.films, *scene.laps]:
+    for item in [*scene.joints, *scene.drives, *scene.contacts, *scene.lumped_contacts, *scene.films]:
         raise InputError(
             f"{integrator}: {item.kind} {item.name!r}: only scenes of free bodies can be integrated so; remove it, or "
             f"{CURE}"

@@ -31,12 +31,12 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Port
 from warpffrf.model.checks.redundancy import ConstraintRow, scene_length
+from warpffrf.model.contact import Contact
 from warpffrf.model.forces import SpringLaw
 from warpffrf.model.forces.notes import characteristic_notes
 from warpffrf.model.joints import Drive, Joint, Marker, Row
 from warpffrf.model.joints.base import gradient, value
-from warpffrf.model.laps import Lap
-from warpffrf.model.laps.lap import LapCellsOf
+from warpffrf.model.laps.sliding import LapCellsOf, cells_of
 from warpffrf.model.scene import Scene
 from warpffrf.online.arrays.ring import SavedRows
 from warpffrf.online.compile.joint_friction import SlipTable
@@ -92,7 +92,7 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
     forces = with_pulls(forces | friction_histories(compiled.slips, rows), tension_histories(compiled.tensions, rows))
     forces = {str(item.name): forces[str(item.name)] for item in scene.forces}
     contacts = {}
-    for i, contact in enumerate(scene.contacts):
+    for i, contact in enumerate(scene.finite_sliding):
         contacts[contact.name] = _contact(compiled, i, rows, bodies)
         if contact.friction.acts:
             contacts[contact.name].friction = _friction(compiled, i, rows)
@@ -112,7 +112,7 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
 
 
 def _contact(compiled: CompiledScene, i: int, rows: SavedRows, bodies: dict[str, BodyHistory]) -> ContactHistory:
-    m, contact = compiled.model, compiled.scene.contacts[i]
+    m, contact = compiled.model, compiled.scene.finite_sliding[i]
     a, b = contact.a.surface, contact.b.surface
     x = {name: rows[name][:, i] for name in declared_in(SavedContact) if name != "saved_patch"}
     T = len(x["saved_active"])
@@ -146,7 +146,7 @@ def _window(compiled: CompiledScene, i: int) -> tuple[int, int]:
     """Columns and rows of the window of contact i."""
     plan = compiled.patches.get(i)
     if plan is None:
-        return compiled.model.window.columns, compiled.scene.contacts[i].a.surface.grid.rows
+        return compiled.model.window.columns, compiled.scene.finite_sliding[i].a.surface.grid.rows
     return plan.columns, len(plan.z)
 
 
@@ -315,18 +315,18 @@ def half_turn_notes(laws: dict[str, SpringLaw], bodies: dict[str, BodyHistory], 
 
 def lap_histories(compiled: CompiledScene, rows: SavedRows, bodies: dict[str, BodyHistory]) -> dict[str, LapHistory]:
     """By name, in the order of the scene."""
-    laps = compiled.scene.laps
+    laps = compiled.scene.small_sliding
     found, start = {}, 0
     for number in lap_order(laps):
         lap = laps[number]
-        cells = lap.cells()
+        cells = cells_of(lap)
         count = len(cells.cell)
         found[lap.name] = _history(lap, cells, rows["saved_lap"][:, start : start + count], bodies)
         start += count
     return {lap.name: found[lap.name] for lap in laps}
 
 
-def _history(lap: Lap, cells: LapCellsOf, saved: np.ndarray, bodies: dict[str, BodyHistory]) -> LapHistory:
+def _history(lap: Contact, cells: LapCellsOf, saved: np.ndarray, bodies: dict[str, BodyHistory]) -> LapHistory:
     """Of the numbers (T, c, `keeping.NUMBERS`) of its cells."""
     force = np.einsum("tck,cki->tci", saved[:, :, :3], cells.frames)
     arm = cells.points - lap.a.surface.points.mean(axis=0)

@@ -284,7 +284,7 @@ class FreeMotions:
 
     @property
     def _contacts(self) -> list[Contact]:
-        return self.engine.scene.contacts
+        return self.engine.scene.finite_sliding
 
     @property
     def driven(self) -> str:
@@ -497,7 +497,9 @@ def parted(engine: Engine, world: int, weight: np.ndarray, motions: np.ndarray) 
 
 def _unrubbed(scene: Scene, body: Body) -> str:
     """For a body in a static state without friction: its contacts with friction, and when friction counts."""
-    contacts = [c for c in (*scene.contacts, *scene.lumped_contacts) if c.friction.acts and not c.friction.creep_limit]
+    contacts = [
+        c for c in (*scene.finite_sliding, *scene.lumped_contacts) if c.friction.acts and not c.friction.creep_limit
+    ]
     names = [str(c.name) for c in contacts if body in [port.body for port in c.ports]]
     if not names or scene.films:
         return ""

@@ -40,7 +40,7 @@ def slides(engine: Engine) -> str:
     none."""
     if not engine.compiled.model.pairs.count or engine.scratch.hold_force.numpy()[0] <= DRAGS:
         return ""
-    names = ", ".join(repr(contact.name) for contact in engine.scene.contacts if contact.friction.acts)
+    names = ", ".join(repr(contact.name) for contact in engine.scene.finite_sliding if contact.friction.acts)
     return (
         f"the loads are more than friction of {names} holds (where it slides, drive a joint from place to place, "
         'quantity="position", and read the force of that joint)'

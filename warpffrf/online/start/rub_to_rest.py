@@ -56,7 +56,7 @@ def refuse_without_rest(scene: Scene) -> None:
             f"equilibrium: film {scene.films[0].name!r} carries by sliding and squeezing, which friction=True has not; "
             "leave friction out, then films slide as the scene begins"
         )
-    laws = [(c.name, c.friction) for c in (*scene.contacts, *scene.lumped_contacts)]
+    laws = [(c.name, c.friction) for c in (*scene.finite_sliding, *scene.lumped_contacts)]
     laws += [(force.name, force.friction) for force in scene.forces if hasattr(force, "slip")]
     for name, law in laws:
         if law.creep_limit > 0.0:
@@ -84,7 +84,7 @@ def rub_to_rest(engine: Engine) -> bool:
         engine.not_at_rest = unbalanced
         return False
     engine.commit()
-    if not any(contact.friction.acts for contact in engine.scene.contacts):
+    if not any(contact.friction.acts for contact in engine.scene.finite_sliding):
         return _rubbed(engine, CAREFUL)
     _joints_stick(engine)
     begin, notes = engine.checkpoint(), list(engine.start_notes)

@@ -28,6 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.laps.sliding import cells_of
 from warpffrf.online.checkpoint import off_end_of
 from warpffrf.online.compile.laps import lap_order
 from warpffrf.online.engine import Engine
@@ -163,9 +164,9 @@ class RubbingMode:
 
     def _cells(self) -> dict[str, slice]:
         found, start = {}, 0
-        for number in lap_order(self.engine.scene.laps):
-            lap = self.engine.scene.laps[number]
-            count = len(lap.cells().cell)
+        for number in lap_order(self.engine.scene.small_sliding):
+            lap = self.engine.scene.small_sliding[number]
+            count = len(cells_of(lap).cell)
             found[lap.name] = slice(start, start + count)
             start += count
         return found
@@ -228,7 +229,7 @@ def rubbing_mode(modes: SceneModes, i: int) -> RubbingMode:
     standing vibrations.
     """
     label, linear, value = "equivalent_damping", modes.linear, modes.eigenvalues[i]
-    if not modes.scene.laps:
+    if not modes.scene.small_sliding:
         raise InputError(f"{label}: the scene has no small-sliding contact; use damping_ratios")
     if linear.turning:
         raise InputError(

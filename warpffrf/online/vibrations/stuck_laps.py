@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from warpffrf.model.laps.sliding import cells_of
 from warpffrf.online.compile.laps import lap_order
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.motions import gradients, lap_groups
@@ -60,13 +61,13 @@ def largest_pull(engine: Engine) -> float:
 
 def stuck_notes(engine: Engine, name: str) -> list[str]:
     """Notes on the small-sliding contacts for modes about the state `name`."""
-    laps, pressed = engine.scene.laps, engine.state.lap_state.numpy()[0] != int(OPEN)
+    laps, pressed = engine.scene.small_sliding, engine.state.lap_state.numpy()[0] != int(OPEN)
     notes, start = [], 0
     for number in lap_order(laps):
-        count = len(laps[number].cells().cell)
+        count = len(cells_of(laps[number]).cell)
         closed = int(np.sum(pressed[start : start + count]))
         start += count
-        held = "stick" if laps[number].coefficient > 0.0 else "stay closed and slide without friction"
+        held = "stick" if laps[number].friction.static_coefficient > 0.0 else "stay closed and slide without friction"
         if closed:
             notes.append(
                 f"{laps[number].label}: {closed} of {count} cells are under pressure and {held}, the others stay open: "

@@ -150,7 +150,7 @@ class Stuck:
 def _with_cells(scene: Scene, now: Setting) -> Setting:
     """`now` with cells for contacts that can have them and were set to nodes of the contact grid."""
     options = dict(now.options)
-    for contact in scene.contacts:
+    for contact in scene.finite_sliding:
         if options.get((GRID, contact.name)) == HATS:
             options[GRID, contact.name] = AUTO
     return replace(now, options=options)
@@ -209,7 +209,7 @@ def first_setting(
     for body, plan in zip(scene.bodies, InertiaPlan.of(scene).bodies, strict=True):
         if body.level == AUTO and body.reduced is not None:
             options[INERTIA, body.name] = plan.level
-    for contact in scene.contacts:
+    for contact in scene.finite_sliding:
         if contact.grid == AUTO:
             options[GRID, contact.name] = AUTO
         if contact.cells is None and contact.cell_error == USUAL_CELL_ERROR and contact.without_patch() is None:

@@ -86,7 +86,7 @@ def contact_choices(scene: Scene, result: Any, lines: Sequence[BudgetLine], limi
     """Grids and cells of loaded contacts; `scene`: as given by the user."""
     found = _grids(scene, result, limits)
     leaning = {line.of: line for line in lines if line.source == contacts.GAPS and line.size > limits.force}
-    for contact in scene.contacts:
+    for contact in scene.finite_sliding:
         if (line := leaning.get(f"moment of contact {contact.name!r}")) is not None and contact.kinematics == AUTO:
             found.append(Choice(KINEMATICS, contact.name, "closest_point", line.basis))
         loaded = result.contact(contact.name)
@@ -115,10 +115,12 @@ def _grids(scene: Scene, result: Any, limits: Limits) -> list[Choice]:
     """Grids of contacts that are left to the program and can have cells: nodes of the body-fixed grid if accurate
     enough for all of them, since a body cannot have contacts of both kinds; else the default. Empty unless the rule
     covers each."""
-    runs = {contact.name: result.contact(contact.name) for contact in scene.contacts}
-    chosen = {contact.name for contact in result.history.scene.contacts if contact.grid == HATS}
+    runs = {contact.name: result.contact(contact.name) for contact in scene.finite_sliding}
+    chosen = {contact.name for contact in result.history.scene.finite_sliding if contact.grid == HATS}
     free = [
-        c for c in scene.contacts if c.grid == AUTO and (c.name in chosen or runs[c.name].history.cells is not None)
+        c
+        for c in scene.finite_sliding
+        if c.grid == AUTO and (c.name in chosen or runs[c.name].history.cells is not None)
     ]
     ruled = [not c.friction.acts and c.quadrature == "full" and np.any(runs[c.name].touching) for c in free]
     if not all(ruled):

@@ -173,7 +173,7 @@ def _alone(scene: Scene, name: str, history: History, row: int) -> Scene:
         body.velocity, body.angular_velocity = np.zeros(3), np.zeros(3)
     holding = [joint for ring in (bearing.inner, bearing.outer) for joint in _held_by(alone, ring)]
     alone.joints = [*holding, *(joint for key, joint in bearing.joints.items() if key != "cage_axle")]
-    alone.drives, alone.forces, alone.films, alone.laps, alone.sensors = [], [], [], [], []
+    alone.drives, alone.forces, alone.films, alone.sensors = [], [], [], []
     alone.contacts = [c for c in bearing.contacts.values() if isinstance(c, Contact)]
     for contact in alone.contacts:
         contact.friction = 0.0

@@ -45,7 +45,7 @@ def given_by_loads(result: Any) -> set[str]:
             owners.append(owner)
             owner = ""  # for the components across an existing force
 
-    for contact in scene.contacts:
+    for contact in scene.finite_sliding:
         found = result.contact(contact.name)
         if np.any(found.force[-1]):
             one, other = contact.a.body, contact.b.body
@@ -100,7 +100,7 @@ def _held(scene: Any, history: Any) -> list[tuple[str, int, Array, Any, Any]]:
         found.append((f"film {film.name!r}", pressed, frame, body, film.ports[1].body))
     laws = [force for force in scene.forces if history.forces[force.name].deformation.shape[1]]
     ports = [getattr(item, "joint", item).ports for item in laws]
-    ports += [item.ports for item in (*scene.laps, *scene.lumped_contacts)]
+    ports += [item.ports for item in (*scene.small_sliding, *scene.lumped_contacts)]
     held = [pair for pair in ports if len(pair) == 2]  # a small-sliding contact may have only one
     return [*found, *(("", 0, np.eye(3), one.body, other.body) for one, other in held)]
 

@@ -82,7 +82,7 @@ def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
     history = result.history
     checks, share = history.cell_checks, shares(history)
     lines: list[BudgetLine] = []
-    for number, contact in enumerate(history.scene.contacts):
+    for number, contact in enumerate(history.scene.finite_sliding):
         found = result.contact(contact.name)
         if not np.any(found.touching):
             continue
@@ -171,7 +171,7 @@ def hats_error(found: Any, spacing: float, quantity: str) -> float:
 def gap_lines(result: Any, engine: Engine) -> list[BudgetLine]:
     """One line for each loaded contact with parallel-axes kinematics."""
     lines, families = [], engine.compiled.model.pairs.family.numpy()
-    for number, contact in enumerate(result.history.scene.contacts):
+    for number, contact in enumerate(result.history.scene.finite_sliding):
         if families[number] != LINE_OF_CENTRES or not np.any(result.contact(contact.name).touching):
             continue
         lean = Leaning.of(contact, result.history.contacts[contact.name], result.history)
@@ -185,7 +185,7 @@ def gap_lines(result: Any, engine: Engine) -> list[BudgetLine]:
 def friction_lines(result: Any) -> list[BudgetLine]:
     """One line for each contact whose patch of cells advances too fast for friction."""
     lines = []
-    for contact in result.history.scene.contacts:
+    for contact in result.history.scene.finite_sliding:
         found = result.contact(contact.name)
         if contact.friction.acts and found.loaded == "cells" and np.any(found.friction.too_fast):
             advance = float(np.nanmax(found.friction.cells_per_step))
@@ -204,7 +204,7 @@ def friction_lines(result: Any) -> list[BudgetLine]:
 def point_lines(result: Any) -> list[BudgetLine]:
     """One line for each contact of quadrature "reduced"."""
     lines = []
-    for contact in result.history.scene.contacts:
+    for contact in result.history.scene.finite_sliding:
         if contact.quadrature == "reduced" and np.any(result.contact(contact.name).touching):
             check = check_sampling(contact, result.history)
             cure = "a smaller sampling_error of the first body"
@@ -217,7 +217,7 @@ def mesh_lines(result: Any) -> list[BudgetLine]:
     their share of the compliance: by `model.mesh_error.own_mesh_error`, on a body-fixed grid by `line_mesh_error` of
     the reduction."""
     lines = []
-    for contact in result.history.scene.contacts:
+    for contact in result.history.scene.finite_sliding:
         found = result.contact(contact.name)
         if not np.any(found.touching):
             continue
@@ -253,7 +253,7 @@ def _of_mesh(found: Any, reduced: Any, surface: Any, widths: tuple[float, ...]) 
 
 def tolerance_lines(result: Any, engine: Engine) -> list[BudgetLine]:
     """Tolerance of the equilibrium iteration of a step."""
-    of = "force of all contacts" if result.history.scene.contacts else "all results"
+    of = "force of all contacts" if result.history.scene.finite_sliding else "all results"
     size = engine.settings.residual_tolerance
     return [BudgetLine(TOLERANCE, of, size, "the tolerance of the balance of forces")]
 
@@ -296,7 +296,7 @@ def local_lines(result: Any, engine: Engine) -> list[BudgetLine]:
     if engine.compiled.local.options.treatment != STATIC:
         return []
     lines = []
-    for contact in result.history.scene.contacts:
+    for contact in result.history.scene.finite_sliding:
         found = result.contact(contact.name)
         if not np.any(found.touching):
             continue

@@ -31,7 +31,7 @@ UNKNOWN = "not estimated"  # source of the line of a quantity without an estimat
 WORK = "work of friction"  # of the whole run
 BALANCE = "balance"  # of forces given by the loads
 OF_TIME = ("time step", "energy ledger", "iteration")  # sources that do not cover grids and meshes
-ON_GRIDS = ("contact", "film", "lap")
+ON_GRIDS = ("contact", "film")
 AS_FORCE = "by what it is of the force"
 EXPONENTS = {"line": 1.1, "line_around": 1.1, "point": 1.5, "flat": 1.0}  # exponents of the approach in the force
 WIDTHS = {"line": 0.5, "line_around": 0.5, "point": 1.0 / 3.0, "flat": 0.0}  # exponents of the force in half-widths
@@ -128,7 +128,7 @@ def _values(history: History, view: SceneView) -> Iterator[tuple[str, str, Any]]
         yield "feed flow", owner, film.feed_flow
         yield "end flow", owner, film.end_flow
     for name, lap in history.laps.items():
-        yield "peak pressure", f"lap {name!r}", lap.pressure.max(axis=1, initial=0.0)
+        yield "peak pressure", f"contact {name!r}", lap.pressure.max(axis=1, initial=0.0)
     for name, joint in history.joints.items():
         yield "reaction", f"joint {name!r}", joint.force
         yield "reaction torque", f"joint {name!r}", joint.torque
@@ -205,7 +205,7 @@ def _of_pairs(result: Any, lines: Sequence[BudgetLine], own: dict[str, Quantity]
 def _of_machine(
     result: Any, lines: Sequence[BudgetLine], own: dict[str, Quantity], given: set[str]
 ) -> list[BudgetLine]:
-    """Effects of the largest force error of a contact, film or small-sliding contact on joints, force elements,
+    """Effects of the largest force error of a contact or film contact on joints, force elements,
     sensors, and lives, for each source without own estimates of them."""
     told, forces = {(line.source, line.of) for line in lines}, dict[str, BudgetLine]()
     for line in lines:
@@ -236,8 +236,8 @@ def _of_machine(
 def _why(name: str, result: Any) -> str:
     """The reason why no source covers the quantity."""
     kind, owner = kind_and_owner(name)
-    if owner.startswith(("film", "lap")):
-        return f"grid error: requires the {owner.split()[0]} on a finer grid"
+    if owner.startswith("film"):
+        return "grid error: requires the film on a finer grid"
     if owner.startswith("contact") and kind in RUBBED:
         return "grid error of friction: requires another grid"
     if owner.startswith("contact"):

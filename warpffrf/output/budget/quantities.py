@@ -46,17 +46,17 @@ class Quantity:
 
 
 def quantities(history: History) -> dict[str, Quantity]:
-    """By name: the force of each contact, oil film and small-sliding contact relative to its root mean square, or
+    """By name: the force of each contact and oil film relative to its root mean square, or
     `LIGHT` of the largest one; the motion of each body (origin, and axes with the length of the radius of gyration)
     relative to the largest distance from its mean, or `STILL` of the largest one, or `STANDS` of the size of the
     machine; the deformation of a flexible body, as the root of the strain energy of each of its modes, relative to its
-    root mean square; and the friction loss of each small-sliding contact, relative to its total.
+    root mean square; and the friction loss of each contact with small sliding, relative to its total.
 
     A quantity that is zero in all rows is omitted.
     """
     forces = [_of_force(f"contact {name!r}", contact.force) for name, contact in _contacts(history)]
     forces += [_of_force(f"film {name!r}", film.force) for name, film in history.films.items()]
-    forces += [_of_force(f"lap {name!r}", lap.force) for name, lap in history.laps.items()]
+    forces += [_of_force(f"contact {name!r}", lap.force) for name, lap in history.laps.items()]
     least = LIGHT * max((quantity.size for quantity in forces), default=0.0)
     found = [quantity.at_least(least, f"{LIGHT:g} of the largest contact force") for quantity in forces]
     places = {body.name: _places(body, history) for body in history.scene.bodies}
@@ -73,7 +73,7 @@ def quantities(history: History) -> dict[str, Quantity]:
             found.append(_over_mean_square(f"deformation of body {body.name!r}", strain))
     for name, lap in history.laps.items():
         loss = lap.loss.sum(axis=1, keepdims=True)
-        found.append(Quantity(f"loss of lap {name!r}", loss, float(loss.max(initial=0.0))))
+        found.append(Quantity(f"loss of contact {name!r}", loss, float(loss.max(initial=0.0))))
     return {quantity.name: quantity for quantity in found if quantity.size > 0.0}
 
 

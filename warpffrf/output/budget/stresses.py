@@ -34,7 +34,7 @@ def stress_lines(result: Any) -> list[BudgetLine]:
             continue
         points = np.concatenate([field.points for field in body.reduced.stress.values()])
         away, owner = np.ones(len(points), dtype=bool), f"body {body.name!r}"
-        for contact in result.history.scene.contacts:
+        for contact in result.history.scene.finite_sliding:
             found = result.contact(contact.name)
             if not np.any(found.touching):
                 continue

@@ -171,7 +171,7 @@ LAP_FIELDS = (
 FIRST_USER = "user frame of the first body"
 LAP_DERIVED = (
     Field("lap_loss", "loss", "J", "by friction so far"),
-    Field("lap_largest_pressure", "largest_pressure", "Pa", "mean over a cell"),
+    Field("lap_peak_pressure", "peak_pressure", "Pa", "mean over a cell"),
     Field("lap_stick_area", "stick_area", "m2", "none"),
     Field("lap_slip_area", "slip_area", "m2", "none"),
     Field("lap_sliding", "sliding", "m", f"{FIRST_USER}, of the second face at the middle of the cells", AXIS),

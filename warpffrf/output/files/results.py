@@ -169,7 +169,7 @@ def put_result(file: Any, result: Any, *, bodies: bool = True, packing: dict[str
         _put_group(file, "film", FILM_SECOND_FIELDS, yielding, steps, packing)
     _put_fixed(file, FILM_POSITIONS, {name: result.film(name) for name in history.films})
     if history.laps:
-        _put_group(file, "lap", LAP_DERIVED, {name: result.lap(name) for name in history.laps}, steps, packing)
+        _put_group(file, "lap", LAP_DERIVED, {name: result.contact(name) for name in history.laps}, steps, packing)
     _put_fixed(file, LAP_CELLS, {name: result.view.laps[name] for name in history.laps})
     lines = np.stack(list(history.energy.values()), axis=1) if history.energy else np.zeros((steps, 0))
     file.attrs["energy_lines"] = json.dumps(list(history.energy))

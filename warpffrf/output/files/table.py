@@ -224,7 +224,7 @@ def owner_groups(result: Any) -> tuple[Group, ...]:
     rubbing = {name: contact.friction for name, contact in contacts.items() if contact.has_friction}
     cells = {name: contact.cells for name, contact in history.contacts.items() if contact.cells is not None}
     stuck = {name: force.friction for name, force in history.forces.items() if force.friction is not None}
-    laps = {name: result.lap(name) for name in history.laps}
+    laps = {name: result.contact(name) for name in history.laps}
     yielding = {name: film for name, film in history.films.items() if film.load_second is not None}
     return (
         ("body", BODY_FIELDS, history.bodies),
@@ -259,7 +259,7 @@ def to_xarray(result: Any) -> Any:
         (coords if field.name == "time" else data)[field.name] = entry
     contacts = {name: result.contact(name) for name in history.contacts}
     cells = {name for name, contact in history.contacts.items() if contact.cells is not None}
-    laps = {name: result.lap(name) for name in history.laps}
+    laps = {name: result.contact(name) for name in history.laps}
     groups = owner_groups(result)
     present = {dim for dim, _, _ in groups}
     for dim, owner in (

@@ -74,7 +74,7 @@ def write_time_series(
     folder = target.with_suffix("")
     folder.mkdir(exist_ok=True)
     entries = []
-    laps = [result.lap(name) for name in result.lap_names]
+    laps = [result.contact(name) for name in result.small_sliding_names]
     parts = [(name, partial(body_mesh, result, name, skin)) for name, skin in skins.items()]
     for lap in laps:
         placed = LapOnSkin(lap.view, skins[lap.view.first_body.name])

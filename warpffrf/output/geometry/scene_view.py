@@ -14,6 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.laps.sliding import cells_of
 from warpffrf.model.reduced.inertia import interface_motion
 from warpffrf.model.rigid_surface import RigidSurface
 
@@ -143,7 +144,7 @@ def scene_view(scene: Any) -> SceneView:
     """The view of a live `Scene`; a `SceneView` is returned unchanged."""
     if isinstance(scene, SceneView):
         return scene
-    shapes = rigid_shapes((*scene.contacts, *scene.lumped_contacts, *scene.films, *scene.laps))
+    shapes = rigid_shapes((*scene.contacts, *scene.lumped_contacts, *scene.films))
     bodies = {
         body.name: BodyView(
             body.name, body.reduced, float(body.mass), np.asarray(body.center_of_mass, dtype=float),
@@ -152,7 +153,7 @@ def scene_view(scene: Any) -> SceneView:
         for body in scene.bodies
     }  # fmt: skip
     known = {GROUND: ground_view(shapes.get(GROUND, {})), **bodies}
-    pairs, lumped = _pairs(scene.contacts, known), _pairs(scene.lumped_contacts, known)
+    pairs, lumped = _pairs(scene.finite_sliding, known), _pairs(scene.lumped_contacts, known)
     films = {
         film.name: FilmView(
             film.name, known[film.a.body.name], film.a.name, known[film.b.body.name], film.b.name,
@@ -161,7 +162,7 @@ def scene_view(scene: Any) -> SceneView:
         for film in scene.films
     }  # fmt: skip
     joints = tuple(joint.name for joint in scene.joints)
-    laps = {lap.name: _lap(lap, known) for lap in scene.laps}
+    laps = {lap.name: _lap(lap, known) for lap in scene.small_sliding}
     bearings = {bearing.name: bearing.describe() for bearing in scene.bearings}
     return SceneView(
         scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped, films, laps, bearings,
@@ -170,13 +171,13 @@ def scene_view(scene: Any) -> SceneView:
 
 
 def _lap(lap: Any, known: dict[str, BodyView]) -> LapView:
-    cells = lap.cells()
+    cells = cells_of(lap)
     other = lap.a if lap.b is None else lap.b
     turn = rot.matrix(other.body.rotation).T @ rot.matrix(lap.a.body.rotation)
     shares = sp.coo_matrix((len(cells.cell), 0)) if cells.weights is None else cells.weights.tocoo()
     return LapView(
         lap.name, known[lap.a.body.name], lap.a.name, known[other.body.name], "" if lap.b is None else lap.b.name,
-        lap.coefficient, cells.cell, cells.points, cells.frames, cells.area,
+        lap.friction.static_coefficient, cells.cell, cells.points, cells.frames, cells.area,
         other.body.to_user(lap.a.body.to_world(cells.points)), cells.frames @ turn.T, shares.data,
         np.stack([shares.row, shares.col], axis=1).astype(np.int64),
     )  # fmt: skip

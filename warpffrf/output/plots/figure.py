@@ -31,22 +31,25 @@ PROFILE, REFERENCE, FORCE = "#1b6ca8", "#d1495b", "#2a9d6f"
 
 
 class OfPair:
-    """A result restricted to the contact `name`."""
+    """A result restricted to the contact, `name`."""
 
     def __init__(self, result: Any, name: str) -> None:
         result.contact(name)  # raises for an unknown name
-        self._result, self.contact_names = result, [name]
+        self._result = result
+        self.finite_sliding_names = [one for one in result.finite_sliding_names if one == name]
+        self.small_sliding_names = [one for one in result.small_sliding_names if one == name]
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._result, name)
 
 
 def _contact(result: Any) -> Any:
-    if not result.contact_names:
+    if not result.finite_sliding_names:
         raise InputError(
-            "plot: the scene has no contact pair; 'energy' can be drawn, and plots of films and laps if it has some"
+            f"plot: the scene has no contact with finite sliding, or another one is named; 'energy' can be drawn, of "
+            f"contacts with small sliding {', '.join(map(repr, LAP_PLOTS))}, and plots of films if it has some"
         )
-    return result.contact(result.contact_names[0])
+    return result.contact(result.finite_sliding_names[0])
 
 
 def _last_touching(contact: Any) -> int:
@@ -95,15 +98,13 @@ def _crowd_below(figure: Any) -> None:
 
 
 def force(result: Any, ax: Any) -> None:
-    """Force of every contact, lumped contact, oil film and small-sliding contact against time; bars for a run of one
+    """Force of every contact, lumped contact and oil film against time; bars for a run of one
     row."""
     forces = {name: result.contact(name).force_magnitude for name in result.contact_names}
     forces |= {name: np.linalg.norm(c.force, axis=1) for name, c in result.history.lumped_contacts.items()}
     pressed = bool(forces)
     forces |= {name: result.film(name).force_magnitude for name in result.film_names if name not in forces}
-    laps = {name: np.linalg.norm(result.lap(name).force, axis=1) for name in result.lap_names}
-    forces |= {name: size for name, size in laps.items() if name not in forces}
-    what = " and ".join(["contact"] * pressed + ["film"] * bool(result.film_names) + ["lap"] * bool(laps))
+    what = " and ".join(["contact"] * pressed + ["film"] * bool(result.film_names))
     ax.set_title(f"{what.capitalize()} force", fontsize=10)
     if len(result.time) == 1:
         draw_bars(ax, {name: size * 1e-3 for name, size in forces.items()}, f"{what} force [kN]")
@@ -270,7 +271,7 @@ SUMMARY = "summary"  # command-line word for the page with all plots
 Draw = Callable[[Any, Any], None]
 # Histories: for a run of one row a page shows their numbers instead.
 OVER_TIME = {
-    "widths", "ripple", "energy", "creepage", "spin", "t_gamma", "power", "film_thickness", "lap_history"
+    "widths", "ripple", "energy", "creepage", "spin", "t_gamma", "power", "film_thickness", "slip_area"
 }  # fmt: skip
 PLOTS: dict[str, Draw] = {
     "force": force,
@@ -292,25 +293,28 @@ def _film(result: Any, name: str | None) -> Any:
 
 def plot(
     result: Any, kind: str, ax: Any = None, contact: str | None = None, film: str | None = None,
-    row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
-    bearing: str | None = None,
+    row: int | None = None, channel: str | None = None, speed: str | None = None, bearing: str | None = None,
 ) -> Any:  # fmt: skip
     """Draw `kind` on `ax` (a new one if None) and return the axes.
 
-    contact, film, lap, bearing: names of the contact, film, small-sliding contact and bearing to draw, the first ones
-    if None; row: saved step of the maps of films and laps and of the loads of bearings, the last one if None; channel,
-    speed: name of a history and of the rotating body, for plots of a history. Raises `InputError` for an unknown kind,
-    contact, film, lap, bearing or row, a run without rows, plots of friction, films, laps or bearings of a run without
-    them, and plots of histories without a name.
+    contact, film, bearing: names of the contact, film and bearing to draw, the first ones if None; kinds that contacts
+    with finite and with small sliding have in common are of the first with finite sliding, where there is one. row:
+    saved step of the maps of films and of contacts with small sliding and of the loads of bearings, the last one if
+    None; channel, speed: names of a history and of the rotating body, for plots of a history. Raises `InputError` for
+    an unknown kind, contact, film, bearing or row, a run without rows, plots of friction, films, contacts or bearings
+    of a run without them, and plots of histories without a name.
     """
     known = {**PLOTS, **FRICTION_PLOTS}
-    kinds = (*known, *FILM_PLOTS, *LAP_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS)
+    kinds = tuple(dict.fromkeys((*known, *FILM_PLOTS, *LAP_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS)))
     if kind not in kinds:
         cure = "; the page with all of them is result.summary()" if kind == SUMMARY else ""
         raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join(kinds)}{cure}")
     result, row = _shown(result, contact, row)
     known |= {name: _of_film(draw, film, row) for name, draw in FILM_PLOTS.items()}
-    known |= {name: _of_lap(draw, lap, row) for name, draw in LAP_PLOTS.items()}
+    if result.small_sliding_names and not result.finite_sliding_names:
+        known |= {name: _of_lap(draw, row) for name, draw in LAP_PLOTS.items()}
+    else:
+        known = {name: _of_lap(draw, row) for name, draw in LAP_PLOTS.items()} | known
     known |= {name: _of_bearing(draw, bearing, row) for name, draw in BEARING_PLOTS.items()}
     if kind in HISTORY_PLOTS:
         known[kind] = _of_history(HISTORY_PLOTS[kind], the_channel(kind, channel), speed)
@@ -338,8 +342,8 @@ def _of_film(draw: Callable[[Any, Any, int], None], film: str | None, row: int) 
     return lambda result, ax: draw(_film(result, film), ax, row)
 
 
-def _of_lap(draw: Callable[[Any, Any, int], None], lap: str | None, row: int) -> Draw:
-    return lambda result, ax: draw(the_lap(result, lap), ax, row)
+def _of_lap(draw: Callable[[Any, Any, int], None], row: int) -> Draw:
+    return lambda result, ax: draw(the_lap(result), ax, row)
 
 
 def _of_history(draw: Callable[[Any, Any, str, str | None], None], channel: str, speed: str | None) -> Draw:
@@ -350,46 +354,46 @@ def _of_bearing(draw: Callable[[Any, Any, int], None], bearing: str | None, row:
     return lambda result, ax: draw(the_bearing(result, bearing), ax, row)
 
 
-def drawable(result: Any, film: str | None = None, row: int = -1, lap: str | None = None) -> dict[str, Draw]:
-    """The kinds of plots for which the run has data, with their drawing functions; film, row, lap: as of `plot`."""
-    drawn: dict[str, Draw] = dict(PLOTS) if result.contact_names else {"energy": energy}
-    if result.contact_names and not has_material(_contact(result)):
+def drawable(result: Any, film: str | None = None, row: int = -1) -> dict[str, Draw]:
+    """The kinds of plots for which the run has data, with their drawing functions; film, row: as of `plot`."""
+    finite = result.finite_sliding_names
+    drawn: dict[str, Draw] = dict(PLOTS) if finite else {"energy": energy}
+    if finite and not has_material(_contact(result)):
         del drawn["stress_depth"]
-    if result.lumped_contact_names or result.film_names or result.lap_names:
+    if result.lumped_contact_names or result.film_names or result.small_sliding_names:
         drawn = {"force": force} | drawn
-    if any(result.contact(name).has_friction for name in result.contact_names):
+    if any(result.contact(name).has_friction for name in finite):
         drawn.update(FRICTION_PLOTS)
     if result.film_names:
         kinds = [kind for kind in FILM_PLOTS if kind != "film_orbit" or has_orbit(_film(result, film))]
         drawn |= {kind: _of_film(FILM_PLOTS[kind], film, row) for kind in kinds}
-    if result.lap_names:
-        frictionless = result.lap(result.lap_names[0] if lap is None else lap).friction == 0.0
-        kinds = [kind for kind in LAP_PLOTS if kind != "lap_loss" or not frictionless]
-        drawn |= {kind: _of_lap(LAP_PLOTS[kind], lap, row) for kind in kinds}
+    if result.small_sliding_names:
+        frictionless = the_lap(result).friction == 0.0
+        kinds = [kind for kind in LAP_PLOTS if kind != "friction_loss" or not frictionless]
+        drawn = {kind: _of_lap(LAP_PLOTS[kind], row) for kind in kinds} | drawn
     return drawn if len(result.time) > 1 else {kind: draw for kind, draw in drawn.items() if kind not in OVER_TIME}
 
 
 def about_kinds() -> dict[str, str]:
     """Every kind of plot with a one-sentence description."""
     draws: dict[str, Callable[..., None]] = {
-        **PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **LAP_PLOTS, **BEARING_PLOTS, **HISTORY_PLOTS
+        **LAP_PLOTS, **PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **BEARING_PLOTS, **HISTORY_PLOTS
     }  # fmt: skip
     said = {kind: " ".join((draw.__doc__ or "").split("\n\n")[0].split()) for kind, draw in draws.items()}
     return said | {SUMMARY: "Everything that the run has data for, on one page."}
 
 
-def summary(
-    result: Any, contact: str | None = None, film: str | None = None, row: int | None = None, lap: str | None = None
-) -> Any:
-    """A matplotlib Figure with every plot for which the run has data; contact, film, row, lap and errors raised: as of
-    `plot`."""
+def summary(result: Any, contact: str | None = None, film: str | None = None, row: int | None = None) -> Any:
+    """A matplotlib Figure with every plot for which the run has data; contact, film, row and errors raised: as of
+    `plot`, which says what
+    is raised, too."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     result, row = _shown(result, contact, row)
-    drawn = drawable(result, film, row, lap)
+    drawn = drawable(result, film, row)
     if len(result.time) == 1:
-        numbers: dict[str, Draw] = {"numbers": lambda result, ax: _numbers(result, ax, film, lap)}
+        numbers: dict[str, Draw] = {"numbers": lambda result, ax: _numbers(result, ax, film)}
         drawn = {"force": drawn.pop("force")} | numbers | drawn if "force" in drawn else numbers | drawn
     kinds = list(drawn)
     columns = min(3, len(kinds))
@@ -402,45 +406,46 @@ def summary(
     saved = "1 saved row" if len(result.time) == 1 else f"{len(result.time)} saved rows"
     end = f"{result.time[-1] * 1e3:.4g} ms, {saved}, status: {result.status}"
     if isinstance(result, OfPair):
-        end += f"; pair {result.contact_names[0]!r}"
-    if len(result.contact_names) > 1:
-        end += f"; patches of pair {result.contact_names[0]!r}, the first of {len(result.contact_names)}"
-        with_friction = [name for name in result.contact_names if result.contact(name).has_friction]
+        end += f"; contact {[*result.finite_sliding_names, *result.small_sliding_names][0]!r}"
+    finite = result.finite_sliding_names
+    if len(finite) > 1:
+        end += f"; patches of contact {finite[0]!r}, the first of {len(finite)}"
+        with_friction = [name for name in finite if result.contact(name).has_friction]
         end += f", friction of {with_friction[0]!r}" if with_friction else ""
     if len(result.film_names) > 1:
         end += f"; film {_film(result, film).name!r} of {len(result.film_names)}"
-    if len(result.lap_names) > 1:
-        end += f"; lap {the_lap(result, lap).name!r} of {len(result.lap_names)}"
+    if len(small := result.small_sliding_names) > 1:
+        end += f"; of {len(small)} contacts with small sliding {small[0]!r}"
     figure.suptitle(end, fontsize=11)
     return figure
 
 
-def _numbers(result: Any, ax: Any, film: str | None, lap: str | None) -> None:
+def _numbers(result: Any, ax: Any, film: str | None) -> None:
     """Numbers of the histories of a run of one row."""
     numbers = numbers_of(
         result,
-        _contact(result) if result.contact_names else None,
-        rubbing(result) if any(result.contact(name).has_friction for name in result.contact_names) else None,
+        _contact(result) if result.finite_sliding_names else None,
+        rubbing(result) if any(result.contact(name).has_friction for name in result.finite_sliding_names) else None,
         _film(result, film) if result.film_names else None,
-        the_lap(result, lap) if result.lap_names else None,
+        the_lap(result) if result.small_sliding_names else None,
     )
     draw_numbers(ax, numbers, f"Numbers at {_at(result, 0)}")
 
 
 def write_plot(
     result: Any, kind: str, path: str | os.PathLike[str], *, contact: str | None = None, film: str | None = None,
-    lap: str | None = None, row: int | None = None, channel: str | None = None, speed: str | None = None,
-    dpi: int = 130, overwrite: bool = False,
+    row: int | None = None, channel: str | None = None, speed: str | None = None, dpi: int = 130,
+    overwrite: bool = False,
 ) -> Path:  # fmt: skip
     """Write `plot(result, kind, ...)` as a picture; the file ending selects the format (.png, .pdf, .svg). Raises
     InputError as `plot`, for a path that cannot be written, and for an existing file, unless `overwrite` is set."""
 
     def draw(ax: Any) -> None:
-        plot(result, kind, ax, contact, film, row, lap, channel, speed)
+        plot(result, kind, ax, contact, film, row, channel, speed)
 
     if kind != SUMMARY:
         return write_drawing(draw, path, "figure", overwrite=overwrite, dpi=dpi)
-    return write_picture(summary(result, contact, film, row, lap), path, "figure", overwrite=overwrite, dpi=dpi)
+    return write_picture(summary(result, contact, film, row), path, "figure", overwrite=overwrite, dpi=dpi)
 
 
 def write_figure(result: Any, path: str | os.PathLike[str], *, dpi: int = 130, overwrite: bool = False) -> Path:

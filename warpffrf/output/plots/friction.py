@@ -30,8 +30,8 @@ PRESSURE, BOUND, TRACTION, ACROSS, SECOND = "#8a94a3", "#d1495b", "#1b6ca8", "#2
 
 
 def rubbing(result: Any) -> Any:
-    """The first contact with friction; raises `InputError` if there is none."""
-    for name in result.contact_names:
+    """The first contact with finite sliding and friction; raises `InputError` if there is none."""
+    for name in result.finite_sliding_names:
         if result.contact(name).has_friction:
             return result.contact(name)
     raise InputError("plot: no contact pair of the run has friction; give Contact(..., friction=mu) and run again")

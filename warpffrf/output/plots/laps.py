@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.output.contact.friction import STATES
 from warpffrf.output.laps import LapResult, lap_chart
 from warpffrf.output.loops import value_at
@@ -24,9 +24,9 @@ FORCE, AREA = "#1b6ca8", "#d1495b"
 
 def pressure(lap: LapResult, ax: Any, row: int) -> None:
     """Pressure of the cells, with one colour range for the run."""
-    colors = _map(lap, ax, lap.pressure[row] * 1e-6, PRESSURE_STOPS, largest([lap.largest_pressure]) * 1e-6)
+    colors = _map(lap, ax, lap.pressure[row] * 1e-6, PRESSURE_STOPS, largest([lap.peak_pressure]) * 1e-6)
     ax.figure.colorbar(colors, ax=ax, label="pressure [MPa]", shrink=SHRINK)
-    ax.set_title(f"Lap '{lap.name}': pressure, {_at(lap, row)}", fontsize=10)
+    ax.set_title(f"Contact '{lap.name}': pressure, {_at(lap, row)}", fontsize=10)
 
 
 def state(lap: LapResult, ax: Any, row: int) -> None:
@@ -37,7 +37,7 @@ def state(lap: LapResult, ax: Any, row: int) -> None:
     cells.set(cmap=ListedColormap(STATE_COLORS), norm=BoundaryNorm(np.arange(len(STATES) + 1) - 0.5, len(STATES)))
     bar = ax.figure.colorbar(cells, ax=ax, ticks=np.arange(len(STATES)), shrink=SHRINK)
     bar.ax.set_yticklabels([f"{name}: {count}" for name, count in zip(STATES, lap.counts[row], strict=True)])
-    ax.set_title(f"Lap '{lap.name}': open, stick, slip, {_at(lap, row)}", fontsize=10)
+    ax.set_title(f"Contact '{lap.name}': open, stick, slip, {_at(lap, row)}", fontsize=10)
 
 
 def loss(lap: LapResult, ax: Any, row: int) -> None:
@@ -45,7 +45,7 @@ def loss(lap: LapResult, ax: Any, row: int) -> None:
     top = largest([lap.loss_density])
     colors = _map(lap, ax, lap.loss_density[row], WEAR_STOPS, top)
     ax.figure.colorbar(colors, ax=ax, label="accumulated loss [J/m²]", shrink=SHRINK)
-    ax.set_title(f"Lap '{lap.name}': loss {lap.loss[row]:.4g} J so far, {_at(lap, row)}", fontsize=10)
+    ax.set_title(f"Contact '{lap.name}': loss {lap.loss[row]:.4g} J so far, {_at(lap, row)}", fontsize=10)
 
 
 def history(lap: LapResult, ax: Any, row: int) -> None:
@@ -59,7 +59,7 @@ def history(lap: LapResult, ax: Any, row: int) -> None:
     area.set_ylabel("slipping area [mm²]", color=AREA)
     from_zero(ax, lap.normal_force * 1e-3)
     from_zero(area, lap.slip_area * 1e6)
-    ax.set_title(f"Lap '{lap.name}': normal force, slipping area", fontsize=10)
+    ax.set_title(f"Contact '{lap.name}': normal force, slipping area", fontsize=10)
 
 
 def lap_figure(result: Any, name: str | None, times: Sequence[float] | np.ndarray | None) -> Any:
@@ -70,7 +70,7 @@ def lap_figure(result: Any, name: str | None, times: Sequence[float] | np.ndarra
     from matplotlib.figure import Figure
 
     lap = the_lap(result, name)
-    label = f"lap '{lap.name}'"
+    label = f"contact '{lap.name}'"
     if times is None:
         rows = np.unique(np.linspace(0, len(lap.time) - 1, PAGE_TIMES + 1).round().astype(int))[-PAGE_TIMES:]
     else:
@@ -88,13 +88,19 @@ def lap_figure(result: Any, name: str | None, times: Sequence[float] | np.ndarra
     return figure
 
 
-def the_lap(result: Any, name: str | None) -> LapResult:
-    """The small-sliding contact of a plot, the first one if None. Raises `InputError` if there is none."""
-    if name is None and not result.lap_names:
-        raise InputError("plot: the scene has no lap; give it one with scene.add(Lap(...)), and run again")
+def the_lap(result: Any, name: str | None = None) -> LapResult:
+    """The contact with small sliding of a plot, the first one if None. Raises `InputError` if there is none."""
+    known = result.small_sliding_names
+    if not known:
+        raise InputError(
+            "plot: the scene has no contact with small sliding; give it one with scene.add(Contact(..., "
+            "sliding='small')), and run again"
+        )
+    if name is not None and name not in known:
+        raise unknown_name("plot: contact with small sliding", name, known)
     if not len(result.time):
         raise InputError("plot: the run has no saved row")
-    return result.lap(result.lap_names[0] if name is None else name)
+    return result.contact(known[0] if name is None else name)
 
 
 def _at(lap: LapResult, row: int) -> str:
@@ -122,8 +128,8 @@ def _map(lap: LapResult, ax: Any, values: np.ndarray, stops: tuple[str, ...], to
 
 
 LAP_PLOTS: dict[str, Callable[[LapResult, Any, int], None]] = {
-    "lap_pressure": pressure,
-    "lap_state": state,
-    "lap_loss": loss,
-    "lap_history": history,
+    "patch": pressure,
+    "stick_slip": state,
+    "friction_loss": loss,
+    "slip_area": history,
 }

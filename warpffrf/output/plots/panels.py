@@ -231,8 +231,8 @@ def numbers_of(result: Any, contact: Any, friction: Any, film: Any, lap: Any) ->
         found["smallest film"] = f"{film.smallest_gap[0] * 1e6:.4g} µm"
         found["largest pressure of the film"] = f"{film.largest_pressure[0] * 1e-6:.4g} MPa"
     if lap is not None:
-        found["normal force of the lap"] = f"{lap.normal_force[0] * 1e-3:.4g} kN"
-        found["slipping area of the lap"] = f"{lap.slip_area[0] * 1e6:.4g} mm²"
+        found[f"normal force of {lap.name!r}"] = f"{lap.normal_force[0] * 1e-3:.4g} kN"
+        found[f"slipping area of {lap.name!r}"] = f"{lap.slip_area[0] * 1e6:.4g} mm²"
     found["energy scale"] = f"{result.energy_scale:.4g} J"
     return found
 

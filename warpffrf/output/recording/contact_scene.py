@@ -283,8 +283,8 @@ def machine_series(result: Any) -> list[Series]:
     for name, film in history.films.items():
         found.append((("plots", "film_gap", name), f"{name} [µm]", film.smallest_gap * 1e6))
         found.append((("plots", "film_pressure", name), f"{name} [MPa]", film.largest_pressure * 1e-6))
-    for name in result.lap_names:
-        lap = result.lap(name)
+    for name in result.small_sliding_names:
+        lap = result.contact(name)
         found.append((("plots", "lap_force", name), f"{name} [N]", lap.normal_force))
         if lap.friction > 0.0:
             found.append((("plots", "lap_slip", name), f"{name} [mm²]", lap.slip_area * 1e6))

@@ -40,7 +40,7 @@ class LapColors:
         rubbing = any(lap.friction > 0.0 for lap in laps)
         self.fields = [f for f in TITLES if f != "loss" or rubbing] if laps else []
         pressure, loss = (largest([a[rows] for a in of]) for of in (
-            [lap.largest_pressure for lap in laps], [lap.loss_density for lap in laps],
+            [lap.peak_pressure for lap in laps], [lap.loss_density for lap in laps],
         ))  # fmt: skip
         self._scales: dict[str, ColorScale | ColorClasses] = {
             "pressure": ColorScale("pressure of laps [MPa]", pressure, 1e-6, PRESSURE_STOPS),

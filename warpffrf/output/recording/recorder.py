@@ -181,7 +181,7 @@ class _Recorder:
             good,
             stride,
         )
-        self.contacts = [result.contact(name) for name in result.contact_names]
+        self.contacts = [result.contact(name) for name in result.finite_sliding_names]
         drawn = np.flatnonzero(good)  # row by row: a copy of all rows would double the memory
         shown = [np.linalg.norm(b.displacement[f], axis=-1) for b in bodies.values() for f in drawn]
         top = largest(shown)
@@ -194,7 +194,7 @@ class _Recorder:
         self.factor = float(factor) if factor is not None else automatic_factor(top, smallest)
         self.top_force = largest([c.force_magnitude[rows[good]] for c in self.contacts])
         films = list(result.history.films.values())
-        laps = [result.lap(name) for name in result.lap_names]
+        laps = [result.contact(name) for name in result.small_sliding_names]
         self.color, self.contact_colors = color, ContactColors(self.contacts, films, laps, rows[good])
         self.skin_scale = self._skin_scale(top)
         self.scenes = [ContactScene(self, contact) for contact in self.contacts]

@@ -48,7 +48,7 @@ def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") ->
     lines += [f"{file.what:<17} {file}" for file in result.written]
     contacts = [
         Block(name, _contact_lines(result.contact(name)), same_surfaces(result.view.pairs[name]))
-        for name in result.contact_names
+        for name in result.finite_sliding_names
     ]
     lines += [line for block in folded(contacts, "contact", pairs) for line in block]
     lines += item_lines(result, pairs)
@@ -68,7 +68,7 @@ def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") ->
     friction = history.energy.get("friction")
     if friction is not None and np.any(np.nan_to_num(friction) != 0.0):
         lines.append(f"friction          {friction[-1]:+.6g} J, work of friction since the start")
-    if result.contact_names and defect is not None and result.energy_scale > idle and np.isfinite(defect[-1]):
+    if result.finite_sliding_names and defect is not None and result.energy_scale > idle and np.isfinite(defect[-1]):
         lines.append(
             f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale, exchanged as patches "
             "move over nodes of finite spacing"
@@ -181,8 +181,8 @@ MOST_LINES = 20  # lines of one kind: a report should fit on one screen
 
 def item_lines(result: Any, pairs: Pairs = "folded") -> list[str]:
     """One line per lumped contact, oil film, joint, force element and sensor of a run with saved rows, and several per
-    small-sliding contact; similar ones grouped, and at most `MOST_LINES` of a kind, unless `pairs` is "all". Stresses
-    are omitted: they are evaluated only on request."""
+    contact with small sliding; similar ones grouped, and at most `MOST_LINES` of a kind, unless `pairs` is "all".
+    Stresses are omitted: they are evaluated only on request."""
     history = result.history
     beside = max(largest_force(history), *(_largest_torque(getattr(history, kind)) for kind in ("joints", "forces")))
     kinds = {
@@ -191,7 +191,7 @@ def item_lines(result: Any, pairs: Pairs = "folded") -> list[str]:
             for name, contact in history.lumped_contacts.items()
         },
         "film": {name: Block(name, [_film(name, film, history.time)]) for name, film in history.films.items()},
-        "lap": {name: Block(name, _lap(result.lap(name))) for name in result.lap_names},
+        "contact": {name: Block(name, _small_sliding(result.contact(name))) for name in result.small_sliding_names},
         "joint": {name: Block(name, [_joint(name, joint, beside)]) for name, joint in history.joints.items()},
         "force": {name: Block(name, [_force(name, force, beside)]) for name, force in history.forces.items()},
         "sensor": {name: Block(name, [_sensor(name, sensor)]) for name, sensor in history.sensors.items()},
@@ -253,11 +253,11 @@ def _film(name: str, film: Any, time: Any) -> str:
     return line + f"; feeds {_mean(film.feed_flow, time) * 1e6:.5g} cm3/s on average"
 
 
-def _lap(lap: Any) -> list[str]:
+def _small_sliding(lap: Any) -> list[str]:
     """Force and pressure, cells by state, slip and its energy loss, and sources of uncertainty."""
-    force, peak = lap.normal_force, lap.largest_pressure * 1e-6
+    force, peak = lap.normal_force, lap.peak_pressure * 1e-6
     count, area = lap.counts[-1], lap.slip_area * 1e6
-    line = f"lap '{lap.name}': normal force {force[-1]:.5g} N (largest {np.max(force):.5g})"
+    line = f"contact '{lap.name}': normal force {force[-1]:.5g} N (largest {np.max(force):.5g})"
     line += f"; peak pressure {peak[-1]:.5g} MPa (largest {np.max(peak):.5g})"
     line += f"; of {lap.cells} cells {count[0]} open, {count[1]} stick, {count[2]} slip"
     ratio = lap.shift_distance / lap.size

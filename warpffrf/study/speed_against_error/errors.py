@@ -139,7 +139,7 @@ def stresses(result: Result, rows: np.ndarray) -> np.ndarray:
 
 def _pressure(result: Result, rows: np.ndarray, reference: Result, reference_rows: np.ndarray) -> float:
     apart = size = 0.0
-    for name in reference.contact_names:
+    for name in reference.finite_sliding_names:
         pair, pair_ref = result.contact(name), reference.contact(name)
         shape = pair_ref.view.first.shape
         for i, j in zip(rows, reference_rows, strict=True):

@@ -21,7 +21,7 @@ def node_pairs(
     """All contacts of `scene`; `surfaces`: numbers of both sides in `local` and in the layout, None for a rigid one;
     stick [Pa/m]: stick stiffness of friction, None for the default of `friction`."""
     found, first = [], 0
-    for contact, (i, j) in zip(scene.contacts, surfaces, strict=True):
+    for contact, (i, j) in zip(scene.finite_sliding, surfaces, strict=True):
         rough = contact.friction.acts
         a = node_side(contact.a, local[i], rough, f"contact {contact.name!r}")
         b = partner_side(contact.b, None if j is None else local[j], rough)

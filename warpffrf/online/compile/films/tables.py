@@ -253,7 +253,7 @@ def _alone(collector: Collector) -> list[str]:
     """A note for each flexible body that a film loads in addition to other films or contacts."""
     scene, notes = collector.scene, []
     films = [port for film in scene.films for port in film.ports if not port.rigid]
-    others = [port for contact in scene.contacts for port in contact.ports if not port.rigid]
+    others = [port for contact in scene.finite_sliding for port in contact.ports if not port.rigid]
     for body in scene.bodies:
         names = [port.name for port in (*films, *others) if port.body is body]
         if len(names) > 1 and any(port.body is body for port in films):

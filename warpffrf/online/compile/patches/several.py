@@ -56,7 +56,7 @@ def fill_beside(collector: Any) -> dict[str, Any]:
             ):
                 continue
             along = _along_surface(target, source) and all(
-                _keeps_rows(collector.scene.contacts[i // 2], i % 2) for i in (side, other)
+                _keeps_rows(collector.scene.finite_sliding[i // 2], i % 2) for i in (side, other)
             )
             key = (target.surface.number, source.surface.number, along)
             if key not in tables:
@@ -96,7 +96,7 @@ def fill_beside(collector: Any) -> dict[str, Any]:
 def _meridians(collector: Any) -> dict[str, list[float]]:
     """Direction and origin of z on each side of the pairs."""
     found: dict[str, list[float]] = {"row_sign": [], "row_offset": []}
-    for contact in collector.scene.contacts:
+    for contact in collector.scene.finite_sliding:
         for port in contact.ports:
             sign, offset = (1.0, 0.0) if port.surface.grid is None else meridian(contact, port)
             found["row_sign"].append(sign)

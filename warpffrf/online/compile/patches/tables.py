@@ -125,7 +125,7 @@ def filled(count: int) -> int:
 
 def fill_patches(collector: Any, m: Model) -> None:
     """Cells, near tables and far fields of all pairs on contact-fixed grids."""
-    plans, contacts = collector.patches, collector.scene.contacts
+    plans, contacts = collector.patches, collector.scene.finite_sliding
     per_pair: dict[str, list] = {
         name: [] for name in ("columns", "first", "second", "curvature", "follows", "aspect", "middle", "least_width",
                               "most_width", "begins", "span", "layer", "row_start", "near_start", "near_levels",
@@ -201,7 +201,7 @@ def _rows_stand(collector: Any, m: Model) -> bool:
     depend only on their own pressures, with constant coefficients.
     """
     alone = not (m.capacity.cells or collector.elements.layers.count or m.modes.dynamic_count or m.pairs.beside)
-    return alone and 0 < len(collector.patches) == len(collector.scene.contacts)
+    return alone and 0 < len(collector.patches) == len(collector.scene.finite_sliding)
 
 
 def _spline_modes(body: Body | Ground, collector: Any, surface: ContactSurface) -> Array:
