@@ -51,7 +51,11 @@ def run(step: float) -> wf.Result:
     """One second of the top at a fixed `step` [s]."""
     save_every = max(round(DURATION / step) // SAVED, 1)
     return wf.simulate(
-        build(), DURATION, step=step, integrator=wf.GeneralizedAlpha(RHO_INF), save_every=save_every, progress=False
+        build(),
+        DURATION,
+        step=step,
+        options=wf.RunOptions(integrator=wf.GeneralizedAlpha(RHO_INF), save_every=save_every),
+        progress=False,
     )
 
 

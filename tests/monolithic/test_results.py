@@ -14,7 +14,7 @@ from scenes.rollers import PAIR, guided_pair, roller_body
 from warpffrf.model import forces, joints, sensors, signals
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
-from warpffrf.online import GeneralizedAlpha, LocalDynamics, RungeKutta4
+from warpffrf.online import GeneralizedAlpha, LocalModes, RungeKutta4
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
 
@@ -194,7 +194,7 @@ def test_dynamic_local_modes_are_named_in_the_notes() -> None:
     )  # fmt: skip
     scene = pressing(body, speed=None)
     result = results.simulate(
-        scene, 1e-6, step=1e-6, start="equilibrium", variant="low_rank", local=LocalDynamics("hht", count=10), **SAME
+        scene, 1e-6, step=1e-6, start="equilibrium", variant="low_rank", local=LocalModes("hht", count=10), **SAME
     )
     assert result.status == "completed"
     assert any("local modes are dynamic" in note for note in result.history.notes)

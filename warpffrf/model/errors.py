@@ -19,10 +19,16 @@ class InputError(ValueError):
 
 class RunError(RuntimeError):
     """A run that did not complete, raised with `check=True`. The message has its status, the reason and the cure;
-    `result` has the data computed so far."""
+    `result` has the data computed so far: a Result, or the list of them from `simulate_worlds`."""
 
     def __init__(self, result: Any) -> None:
-        super().__init__(f"{result.status}: {result.message}")
+        if isinstance(result, list):
+            failed = [
+                f"scene {i}: {one.status}: {one.message}" for i, one in enumerate(result) if one.status != "completed"
+            ]
+            super().__init__("\n".join(failed))
+        else:
+            super().__init__(f"{result.status}: {result.message}")
         self.result = result
 
 
@@ -89,9 +95,9 @@ def unknown_name(kind: str, name: object, known: Iterable[str]) -> InputError:
 
 def suggestion(name: str, known: Sequence[str]) -> str:
     """ "; did you mean 'x'? known: ..." for a name that does not exist, or the new name of a renamed one."""
-    now = [new for new in RENAMED.get(name, ()) if new in known]
+    now = [new for new in RENAMED.get(name, ()) if new.partition("=")[0] in known]
     if now:
-        return f"; it is called {now[0]!r} now"
+        return f"; it is {now[0]} now" if "=" in now[0] else f"; it is called {now[0]!r} now"
     close = get_close_matches(name, known, n=1)
     listed = ", ".join(repr(k) for k in known) or "none"
     return (f"; did you mean {close[0]!r}?" if close else ";") + f" known: {listed}"

@@ -3,11 +3,18 @@ this table. `errors.suggestion` reads it: of arguments, kinds, words and public 
 
 from __future__ import annotations
 
-# old -> new, of which one is known where the old one is not
+# old -> new, of which one is known where the old one is not; ARGUMENT=... is a new argument that takes the old one
 RENAMED: dict[str, tuple[str, ...]] = {
     # surfaces and grids of contact
     "patch_grid": ("contact_fixed",), "patch": ("contact_fixed",), "material": ("body_fixed",),
     "gaps": ("kinematics",), "points": ("closest_point",),
+    # runs and studies of runs
+    "local": ("local_modes",), "LocalDynamics": ("LocalModes",), "local_dynamics": ("local_modes",),
+    "stages": ("duration",), "device": ("workers=['cuda:0', ...]",),
+    "simulate": ("run=functools.partial(wf.simulate, ...)",), "equilibrium": ("run=wf.equilibrium",),
+    **{name: (f"run=functools.partial(wf.simulate, {name}=...)",) for name in ("duration", "step", "start")},
+    "seed": ("sample='latin:64:SEED'",), "client": ("workers=...",), "error_budget": ("outputs=['error_budget', ...]",),
+    "settings": ("parameters=...",),
     # oil films
     "Groove": ("AxialGroove",), "Ring": ("CircumferentialGroove",), "Hole": ("SupplyHole",),
     "oil_groove": ("axial_groove",), "oil_ring": ("circumferential_groove",), "oil_hole": ("supply_hole",),
@@ -24,4 +31,12 @@ RENAMED: dict[str, tuple[str, ...]] = {
     "force_table": ("tabulated_force",), "rolling_lever": ("rolling_resistance_arm",), "bearing": ("bearing_spring",),
     "Spaced": ("PrescribedCage",), "Pockets": ("PocketCage",), "spaced": ("prescribed_cage",),
     "pockets": ("pocket_cage",),
+}  # fmt: skip
+
+STATIC = "; a static run is wf.static(scene, duration, step=...), in a scene file the table [static]"
+# (call, old argument) -> what does the same now
+REPLACED: dict[tuple[str, str], str] = {
+    ("simulate", "kind"): STATIC,
+    ("simulate", "record_every"): "; write the recording with wf.record(result, path, every=...), or warpffrf view",
+    ("simulate", "keep_every"): "; leave it out, unfinished runs are kept every 20 s",
 }  # fmt: skip

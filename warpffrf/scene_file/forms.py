@@ -14,11 +14,12 @@ import inspect
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, wraps
 from types import ModuleType
 from typing import Any, NotRequired
 
 from warpffrf.model.errors import InputError, suggestion
+from warpffrf.model.renamed import REPLACED
 from warpffrf.scene_file.source import Path, Source
 
 PORTS = ("a", "b", "port", "onto", "first", "second")  # arguments that are places on bodies
@@ -68,7 +69,8 @@ class Form:
         here = (*path, *error["loc"])
         what = f"{source.place(here if error['type'] != 'missing' else path)}: {shown(path)}"
         if error["type"] == "extra_forbidden":
-            return f"{what}: unknown key {key!r}{suggestion(key, tuple(self.roles))}"
+            hint = REPLACED.get((self.title, key)) or suggestion(key, tuple(self.roles))
+            return f"{what}: unknown key {key!r}{hint}"
         if error["type"] == "missing":
             return f"{what}: the key {key!r} is missing"
         words = WORDS.get(error["type"], error["msg"][:1].lower() + error["msg"][1:])
@@ -107,6 +109,53 @@ def form_of(title: str, call: Callable[..., Any], roles: dict[str, str], leave_o
     config = ConfigDict(extra="forbid", strict=True, arbitrary_types_allowed=True)
     setattr(table, "__pydantic_config__", config)  # noqa: B010 (TypedDict as a call has no other way)
     return Form(title, call, found, TypeAdapter(table))
+
+
+def flat(call: Callable[..., Any], **objects: type) -> Callable[..., Any]:
+    """`call` that takes the fields of the option `objects` (argument -> class) in place of these: a flat table."""
+    kept = inspect.signature(call).parameters
+    fields = {name: inspect.signature(cls).parameters for name, cls in objects.items()}
+    added = [p.replace(kind=p.KEYWORD_ONLY) for own in fields.values() for p in own.values()]
+
+    @wraps(call)
+    def flattened(*args: Any, **given: Any) -> Any:
+        for name, own in fields.items():
+            if values := {key: given.pop(key) for key in own if key in given}:
+                given[name] = objects[name](**values)
+        return call(*args, **given)
+
+    parameters = [*(p for name, p in kept.items() if name not in objects), *added]
+    setattr(flattened, "__signature__", inspect.Signature(parameters))  # noqa: B010 (functions have no such attribute)
+    return flattened
+
+
+def arguments_of(call: Callable[..., Any]) -> Callable[..., dict[str, Any]]:
+    """Takes the arguments of `call` and returns them."""
+
+    @wraps(call)
+    def arguments(**given: Any) -> dict[str, Any]:
+        return given
+
+    return arguments
+
+
+def staged(call: Callable[..., Any]) -> Callable[..., Any]:
+    """`call` whose duration may be given as `stages`."""
+
+    @wraps(call)
+    def with_stages(*, stages: Any = None, **given: Any) -> Any:
+        if stages is None:
+            return call(**given)
+        for name in ("duration", "step"):
+            if name in given:
+                raise InputError(f"stages have their own {name}; leave that of the run out")
+        return call(duration=stages, **given)
+
+    parameters = inspect.signature(call).parameters
+    own = inspect.Parameter("stages", inspect.Parameter.KEYWORD_ONLY, default=None)
+    both = {**parameters, "duration": own.replace(name="duration", annotation="float | None"), "stages": own}
+    setattr(with_stages, "__signature__", inspect.Signature([p.replace(kind=own.kind) for p in both.values()]))  # noqa: B010
+    return with_stages
 
 
 def _type_of(annotation: str) -> Any:
@@ -218,7 +267,7 @@ def value_kinds() -> dict[str, Form]:
 
     online = importlib.import_module("warpffrf.online")
     others = [StressPoints, LapCells, DowsonHigginson, iso_vg]
-    others += [online.LocalDynamics, *online.INTEGRATORS.values()]
+    others += [online.LocalModes, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
     registered = {
         **SHAPES, **BASES, **DAMPINGS, **LAWS, **LUMPED_LAWS, **FRICTION_LAWS, **CHARACTERISTICS, **OILS, **FEEDS,
@@ -283,9 +332,11 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     from warpffrf.model.scene import Scene
     from warpffrf.offline import reduce
     from warpffrf.online.stages import Stage
-    from warpffrf.output.simulate import equilibrium, simulate
+    from warpffrf.output.options import OF_TIME, RunOptions
+    from warpffrf.output.simulate import equilibrium, simulate, static
 
     paths: dict[str, str] = dict.fromkeys(PATHS, "path")
+    of_program = ("scene", "progress", "overwrite", "resume", "check")
     rings: dict[str, str] = {"inner": "port", "outer": "port", "element_body": "reduced_bodies"}
     found = {
         "materials": {"": form_of("material", Material, {}, ("name",))},
@@ -319,10 +370,11 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
             "place": form_of("place", Scene.place, {"port": "port", "onto": "port"}, ("self",)),
             "close_gap": form_of("close_gap", Scene.close_gap, {"contact": "contacts"}, ("self", "with_bodies")),
         },
-        "equilibrium": {"": form_of("equilibrium", equilibrium, {}, ("scene", "progress", "overwrite", "check"))},
+        "equilibrium": {"": form_of("equilibrium", arguments_of(equilibrium), {}, of_program)},
+        "static": {"": form_of("static", flat(arguments_of(static), options=RunOptions), {}, (*of_program, *OF_TIME))},
         "simulate": {
             "": form_of(
-                "simulate", simulate, {"stages": "stages"}, ("scene", "progress", "overwrite", "resume", "check")
+                "simulate", staged(flat(arguments_of(simulate), options=RunOptions)), {"stages": "stages"}, of_program
             )
         },
         "stages": {"": form_of("stage", Stage, {"overrides": "overrides"})},

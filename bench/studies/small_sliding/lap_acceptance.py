@@ -31,7 +31,7 @@ def page() -> str:
     return f"""# Joints that slide a little by their acceptance
 
 {MADE}
-Closed forms beside scenes that `simulate` solves, in load steps (`kind="static"`) and in time. Poisson's ratio is zero
+Closed forms beside scenes that `simulate` solves, in load steps (`wf.static`) and in time. Poisson's ratio is zero
 but in the press of two blocks; cells are facets of the mesh where nothing else is said.
 
 {len(found) - len(missed)} of {len(found)} targets are reached.

@@ -36,7 +36,8 @@ from studies.small_sliding.lap_stacks import (
 from warpffrf.model import signals
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.online import Settings
-from warpffrf.output.simulate import simulate
+from warpffrf.output.options import RunOptions
+from warpffrf.output.simulate import simulate, static
 from warpffrf.study.markdown import table
 
 MADE = "Made by `python -m studies.small_sliding.lap_nodes`; do not edit.\n"
@@ -235,9 +236,14 @@ def motion(stacked: Sheets, modes: int, scale: float, steps: int, shake: float =
         for i, late in enumerate((np.full(steps, pre), np.array([force(t) for t in after])))
     )
     scene = stacked.scene([body], bolt if stacked.shank is None else pre, pull)
-    held = simulate(scene, rest, step=1.0, kind="static", progress=False)
+    held = static(scene, rest, step=1.0, progress=False)
     found = simulate(
-        scene, steps * STEP, step=STEP, start=held, integrator=GeneralizedAlpha(rho_inf=RHO), progress=False
+        scene,
+        steps * STEP,
+        step=STEP,
+        start=held,
+        options=RunOptions(integrator=GeneralizedAlpha(rho_inf=RHO)),
+        progress=False,
     ).history
     if found.status != "completed":
         raise RuntimeError(f"sheets: {found.status}: {found.message}")

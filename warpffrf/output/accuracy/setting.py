@@ -21,12 +21,12 @@ HATS = "body_fixed"  # a grid
 
 @dataclass(frozen=True)
 class Setting:
-    """`steps` of the whole run, treatment of `local` modes, `options` {(option, name of body or contact): value}, and
+    """`steps` of the whole run, treatment of `local_modes`, `options` {(option, name of body or contact): value}, and
     the `energy_tolerance` of steps of impacts; what is not in `options` is as the scene has it, no tolerance the usual
     one."""
 
     steps: int
-    local: Any
+    local_modes: Any
     options: Mapping[tuple[str, str], Any] = field(default_factory=dict)
     energy_tolerance: float | None = None
 

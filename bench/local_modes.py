@@ -1,4 +1,4 @@
-"""Step time against local modes with inertia: `python bench/local_dynamics.py [--json FILE] [--steps N] [--counts N]`.
+"""Step time against local modes with inertia: `python bench/local_modes.py [--json FILE] [--steps N] [--counts N]`.
 
 Two rollers swing to and fro on each other at a constant approach (`studies.speed.step_time`). The lowest n local modes
 of each contact surface get inertia, by HHT or by the exact step; the others follow the load without, as all do with
@@ -13,7 +13,7 @@ import json
 from pathlib import Path
 
 from studies.speed.step_time import StepTime, time_swing, tread_body
-from warpffrf.online import LocalDynamics
+from warpffrf.online import LocalModes
 from warpffrf.study.machine import machine
 
 SECTORS = 480  # 4,320 local modes of each roller, 9 a sector
@@ -23,9 +23,9 @@ APPROACH = 60e-6  # m: about 18 active hats
 ROUNDS = 3  # the fastest counts: other work on the machine only slows down
 
 
-def runs(counts: list[int]) -> list[LocalDynamics]:
+def runs(counts: list[int]) -> list[LocalModes]:
     """What is timed: `quasi_static`, then every treatment with every number of modes."""
-    return [LocalDynamics(), *(LocalDynamics(name, count=n) for n in counts for name in TREATMENTS)]
+    return [LocalModes(), *(LocalModes(name, count=n) for n in counts for name in TREATMENTS)]
 
 
 def main() -> None:
