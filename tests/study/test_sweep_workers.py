@@ -91,7 +91,7 @@ def dispatched(tmp_path: Path, crew: Any, worlds: int) -> dict[str, int]:
     """The statuses of six rows."""
     from warpffrf.study.sweeps.design import design_of
 
-    design, folder = design_of({"x": "1:6:6"}, None, 0), Folder(tmp_path / "s")
+    design, folder = design_of({"x": "1:6:6"}, None), Folder(tmp_path / "s")
     about = {"kind": "warpffrf sweep", "count": 6, "parameters": {"x": ""}, "outputs": {}}
     folder.begin(about, design, overwrite=True, resume=False)
     try:

@@ -44,7 +44,7 @@ FOLLOWS, STEPS_HHT, STEPS_EXACTLY = 0, 1, 2  # kinds of modes in the kernels: th
 @dataclass(frozen=True)
 class LocalModes:
     """The `treatment` of the local modes, "quasi_static", "hht", "exponential" or "auto", see the module;
-    `RunOptions(local_modes="hht")` is `LocalModes("hht")`.
+    `RunOptions(local_modes="hht")` is short for `LocalModes("hht")`.
 
     max_frequency [Hz], count: the modes of each contact surface with inertia, all that can be resolved if both are
     None. damping: their ratio, 0 to below 1; None: zero with HHT, which damps numerically, and EXACT_DAMPING with

@@ -177,7 +177,7 @@ def _definition(job: Job, design: Design) -> dict[str, Any]:
     return {
         "kind": "warpffrf sweep", "title": job.scenes.title, "count": len(design.rows), "parameters": design.texts,
         "sample": design.sample, "seed": design.seed, "rows": design.digest(), "call": call,
-        "options": {name: repr(value) for name, value in options.items() if name not in FILES},
+        "options": {name: repr(value) for name, value in options.items() if name not in (*FILES, "device")},
         "outputs": {name: output.text for name, output in job.outputs.items()}, "error_budget": job.error_budget,
         "scenes": job.scenes.digest(), "first_scene": first, "versions": versions(),
     }  # fmt: skip
