@@ -203,7 +203,7 @@ def add_sweep_command(app: typer.Typer) -> None:
             found = run(
                 scene_file, named(vary, "--vary", "upper.load=1000:5000:5"), outputs=outputs,
                 store=Path("out") / f"{scene_file.stem}.sweep" if out is None else out,
-                sample=sample and f"{sample}:{seed}", settings=settings or (),
+                sample=f"{sample}:{seed}" if sample and ":" in sample else sample, settings=settings or (),
                 run=warpffrf.equilibrium if only_equilibrium else None,
                 workers=workers_of(workers, scheduler, device or ()), worlds=worlds, overwrite=overwrite, resume=resume,
                 progress=not Asked.quiet,
