@@ -326,7 +326,7 @@ def test_options_that_a_sweep_says_itself_are_refused(tmp_path: Path) -> None:
     cases: Any = (
         ({"run": partial(wf.simulate, results="a.h5")}, "files of single runs"),
         ({"run": partial(wf.simulate, progress=True)}, "argument of sweep"),
-        ({"run": partial(wf.simulate, 0.1)}, "all arguments by name"),
+        ({"run": partial(wf.simulate, bob(1.0))}, "all arguments by name"),
         ({"run": wf.eigenmodes}, "run must be wf.simulate, wf.static or wf.equilibrium"),
         ({"workers": ["cpu", 0]}, "workers must be devices"),
         ({"workers": None}, "workers must be a number of processes"),

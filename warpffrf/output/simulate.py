@@ -103,7 +103,8 @@ def simulate(
     known_scene(scene, "simulate")
     require_options(options, "simulate")
     beginning, outputs = _prepared("simulate", scene, start, results, record, overwrite, resume)
-    stages = duration if isinstance(duration, Sequence | Stage) else None
+    whole: Any = duration  # s
+    stages = whole if isinstance(whole, Sequence | Stage) else None
     limits = None
     if accuracy is not None:
         limits = Limits.of(accuracy)
@@ -119,11 +120,11 @@ def simulate(
                 raise InputError("simulate: stages have their own step; leave that of the run out")
             found = _staged(scene, parts, beginning, results, chosen, outputs)
         elif limits is not None:
-            found = _accurate(scene, beginning, duration, step, limits, chosen, outputs, results)
+            found = _accurate(scene, beginning, whole, step, limits, chosen, outputs, results)
         elif step is None:
             raise InputError("simulate: give step, or accuracy=, or a list of Stage(name, duration, step) as duration")
         else:
-            found = outputs.run(scene, _run, beginning, duration, step, chosen, results)
+            found = outputs.run(scene, _run, beginning, whole, step, chosen, results)
         return checked(outputs.record(found, record, progress), check)
 
 

@@ -86,7 +86,7 @@ def simulate_worlds(
     steps, _ = step_count(duration, step)
     with TURN:
         ready_device(options.device)
-    chosen = run_arguments(options) | ({"kind": kind} if kind == "static" else {})
+    chosen: dict[str, Any] = run_arguments(options) | ({"kind": kind} if kind == "static" else {})
 
     def run_of(scene: Scene) -> Callable[[EngineOf], History]:
         return lambda engine_of: run_of_kind(
