@@ -103,8 +103,8 @@ def simulate(
     known_scene(scene, "simulate")
     require_options(options, "simulate")
     beginning, outputs = _prepared("simulate", scene, start, results, record, overwrite, resume)
-    whole: Any = duration  # s
-    stages = whole if isinstance(whole, Sequence | Stage) else None
+    stages: Any = duration if isinstance(duration, Sequence | Stage) else None
+    whole: Any = duration  # s, where there are no stages
     limits = None
     if accuracy is not None:
         limits = Limits.of(accuracy)
