@@ -39,6 +39,6 @@ def test_local_modes_with_inertia_do_not_move_laps() -> None:
     wall = scene.ground.surface(Plane(origin=(0.01, 0, 0), outward=(-1, 0, 0)), name="wall")
     scene.add(Lap(block["foot"], floor, friction=0.2, name="lap"))
     scene.add(Contact(block["x_max"], wall, name="stop"))
-    with pytest.raises(InputError, match="lap 'lap': local 'hht' gives inertia .* body 'block'.*quasi_static"):
+    with pytest.raises(InputError, match="lap 'lap': local_modes 'hht' gives inertia .* body 'block'.*quasi_static"):
         Engine(scene, local_modes=LocalModes("hht"))
     assert any("lap 'lap': its cells yield without inertia" in note for note in Engine(scene).compiled.notes)
