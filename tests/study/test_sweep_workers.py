@@ -123,7 +123,7 @@ class Ended:
 
 
 def test_a_worker_whose_answer_cannot_be_read_is_ended_too() -> None:
-    crew, worker, future = crews.Processes(PARCEL, 0, [None]), Ended(), Future()
+    crew, worker, future = crews.Processes(PARCEL, []), Ended(), Future()
     crew.busy[future] = worker  # type: ignore[assignment]
     future.set_exception(pickle.UnpicklingError("no answer"))
     with pytest.raises(pickle.UnpicklingError):
