@@ -175,9 +175,11 @@ def serve(folder: Path, own: Path) -> None:
     for line in sys.stdin:
         name = line.strip()
         case = CASES[name]
-        result = wf.simulate(
-            case.build(bodies), case.steps * case.step, step=case.step, save_every=20, progress=False, **case.options
-        )
+        options = {"save_every": 20, **case.options}
+        if hasattr(wf, "RunOptions"):  # trees before have these as arguments of their own
+            chosen = {"save_every": options.pop("save_every"), "local_modes": options.pop("local", "quasi_static")}
+            options["options"] = wf.RunOptions(**chosen)
+        result = wf.simulate(case.build(bodies), case.steps * case.step, step=case.step, progress=False, **options)
         history = result.history
         if name not in known:
             np.savez(own / f"{name}.npz", **dict(arrays_of(history)))  # type: ignore[arg-type]

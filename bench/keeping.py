@@ -1,7 +1,7 @@
 """What it costs to keep a run on the way: `python bench/keeping.py [--json FILE] [--seconds S] [--save-every N]`.
 
 The two rollers of the demo, on its coarser mesh, long enough to take the given seconds; in turn without results,
-with the parts kept as often as `simulate` does by itself, and as often as it may (keep_every next to nothing). Times
+with the parts kept as often as `simulate` does by itself, and as often as it may (KEEP_EVERY next to nothing). Times
 are those of the loop over steps, while a thread writes the parts. Each round begins with another of the three;
 what is over is the median of the rounds, each against its own run that is not kept.
 """
@@ -17,12 +17,13 @@ from statistics import median
 
 from demos import two_rollers
 from warpffrf.model.messages.checkpoints import Unfinished
+from warpffrf.output import outputs
 from warpffrf.output.files.unfinished import UnfinishedRun
-from warpffrf.output.outputs import KEEP_EVERY
+from warpffrf.output.options import RunOptions
 from warpffrf.output.simulate import simulate
 from warpffrf.study.machine import machine
 
-EVERY = {"not kept": None, "as it is": KEEP_EVERY, "as often as it may": 1e-3}  # s
+EVERY = {"not kept": None, "as it is": outputs.KEEP_EVERY, "as often as it may": 1e-3}  # s
 NEVER = 1e9  # s
 TRIED = 500  # steps, to find how many take the seconds
 
@@ -48,9 +49,10 @@ class Watch:
 def measure(scene, steps: int, every: float | None, folder: Path, watch: Watch, save_every: int) -> dict:
     """Loop seconds of a run, and what was written on the way."""
     watch.parts, watch.seconds, watch.bytes, watch.processor = 0, 0.0, 0, 0.0
+    outputs.KEEP_EVERY = every or NEVER
     result = simulate(
         scene, steps * two_rollers.STEP, step=two_rollers.STEP, start="equilibrium", progress=False, overwrite=True,
-        save_every=save_every, results=None if every is None else folder / "run.h5", keep_every=every or NEVER,
+        options=RunOptions(save_every=save_every), results=None if every is None else folder / "run.h5",
     )  # fmt: skip
     seconds = result.history.counters["loop_seconds"]
     spent = {"writing": watch.seconds, "processor": watch.processor}

@@ -22,6 +22,7 @@ import numpy as np
 from scenes.rollers import guided_pair, roller_body
 from warpffrf.model import forces, joints, signals
 from warpffrf.model.scene import Scene
+from warpffrf.output.options import RunOptions
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
 from warpffrf.output.worlds import simulate_worlds
@@ -126,7 +127,12 @@ def main() -> None:
     for name in given.cases:
         build, step, steps, start = CASES[name]
         scenes = build(given.worlds)
-        options: dict[str, Any] = {"step": step, "start": start, "device": given.device, "progress": False}
+        options: dict[str, Any] = {
+            "step": step,
+            "start": start,
+            "progress": False,
+            "options": RunOptions(device=given.device),
+        }
         simulate(scenes[0], steps * step, **options)  # compiles the kernels
         rounds = []
         for _ in range(given.rounds):

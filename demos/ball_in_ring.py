@@ -98,7 +98,14 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
 def run(scene: wf.Scene, size: Size, *, progress: bool = True) -> wf.Result:
     """From rest, from the static state under the load."""
     integrator = wf.GeneralizedAlpha(RHO_INF)
-    return wf.simulate(scene, DURATION, step=size.step, start="equilibrium", integrator=integrator, progress=progress)
+    return wf.simulate(
+        scene,
+        DURATION,
+        step=size.step,
+        start="equilibrium",
+        options=wf.RunOptions(integrator=integrator),
+        progress=progress,
+    )
 
 
 def speeds(result: wf.Result) -> tuple[np.ndarray, np.ndarray]:

@@ -102,7 +102,9 @@ def run(reduced: wf.ReducedBody, degrees: float, *, turns: float = TURNS, progre
     step = np.radians(degrees) / SPEED
     duration = round(360.0 * turns / degrees) * step
     integrator = wf.GeneralizedAlpha(RHO_INF)
-    return wf.simulate(machine(reduced), duration, step=step, integrator=integrator, progress=progress)
+    return wf.simulate(
+        machine(reduced), duration, step=step, options=wf.RunOptions(integrator=integrator), progress=progress
+    )
 
 
 def crank_degrees(result: wf.Result) -> np.ndarray:

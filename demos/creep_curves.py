@@ -151,9 +151,13 @@ def build(
 def roll(scene: wf.Scene, run: Sequence[Stair], size: Size, *, progress: bool = True) -> wf.Result:
     """All stairs, from the static state under the press."""
     return wf.simulate(
-        scene, float(ends(run)[-1]), step=size.step, start="equilibrium", integrator=wf.GeneralizedAlpha(RHO_INF),
+        scene,
+        float(ends(run)[-1]),
+        step=size.step,
+        start="equilibrium",
+        options=wf.RunOptions(integrator=wf.GeneralizedAlpha(RHO_INF)),
         progress=progress,
-    )  # fmt: skip
+    )
 
 
 def rows(result: wf.Result, run: Sequence[Stair]) -> list[int]:

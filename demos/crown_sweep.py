@@ -119,7 +119,7 @@ def run(store: str | Path, size: Size = FULL, *, workers: int = WORKERS, progres
     }
     parameters = {"curvature": list(size.curvatures), "load": list(size.loads), "tilt": list(size.tilts)}
     return wf.study.sweep(
-        build, parameters, outputs=outputs, equilibrium={}, store=store, workers=workers, overwrite=True,
+        build, parameters, outputs=outputs, run=wf.equilibrium, store=store, workers=workers, overwrite=True,
         progress=progress,
     )  # fmt: skip
 

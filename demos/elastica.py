@@ -75,7 +75,7 @@ def run(
 ) -> wf.Result:  # fmt: skip
     """All load steps of a scene of `build`."""
     scene = build(cells, steps=steps, parts=parts, load=load, stiffening=stiffening, progress=progress)
-    return wf.simulate(scene, float(round(steps * load / LARGEST)), step=1.0, kind="static", progress=progress)
+    return wf.static(scene, float(round(steps * load / LARGEST)), step=1.0, progress=progress)
 
 
 def ends(result: wf.Result, parts: int) -> np.ndarray:

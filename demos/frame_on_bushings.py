@@ -116,7 +116,9 @@ def main(out: str | Path = "out/frame_on_bushings", *, quick: bool = False, prog
     frames."""
     stem, scene = Path(out) / "frame_on_bushings", build(QUICK if quick else FULL, progress=progress)
     integrator = wf.GeneralizedAlpha(RHO_INF)
-    result = wf.simulate(scene, DURATION, step=STEP, start="equilibrium", integrator=integrator, progress=progress)
+    result = wf.simulate(
+        scene, DURATION, step=STEP, start="equilibrium", options=wf.RunOptions(integrator=integrator), progress=progress
+    )
     result.save(f"{stem}.h5", overwrite=True)
     wf.record(result, f"{stem}.rrd", max_frames=60 if quick else 300, overwrite=True)
 

@@ -124,10 +124,10 @@ def ring_down(
     """Load steps up to `force` [N], and the cycles after the release, about those of `frequency` [Hz]; the position of
     the carriage at rest [m]."""
     scene = machine(strips, pull=let_go(force))
-    pulled = wf.simulate(scene, 1.0, step=0.1, kind="static", progress=progress)
+    pulled = wf.static(scene, 1.0, step=0.1, progress=progress)
     result = wf.simulate(
         scene, (size.cycles + 0.6) / frequency, step=1.0 / (size.steps * frequency), start=pulled,
-        integrator=wf.GeneralizedAlpha(RHO_INF), progress=progress,
+        options=wf.RunOptions(integrator=wf.GeneralizedAlpha(RHO_INF)), progress=progress,
     )  # fmt: skip
     return result, float(pulled.body("carriage").position[0, 0])
 
@@ -136,7 +136,7 @@ def loaded(strips: Strips, places: np.ndarray, *, progress: bool = True) -> wf.R
     """Load steps in which the carriage is driven to `places` (n,) [m], a second each."""
     times = np.arange(len(places), dtype=float)
     scene = machine(strips, place=wf.signals.Table(times, places))
-    return wf.simulate(scene, times[-1], step=1.0, kind="static", progress=progress)
+    return wf.static(scene, times[-1], step=1.0, progress=progress)
 
 
 def main(out: str | Path = "out/lap_joint", *, quick: bool = False, progress: bool = True) -> list[wf.Result]:

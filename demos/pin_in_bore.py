@@ -89,7 +89,9 @@ def build(
 def run(scene: wf.Scene, *, progress: bool = True) -> wf.Result:
     """All loads, from the static state under the first."""
     integrator, end = wf.GeneralizedAlpha(RHO_INF), float(waits()[-1])
-    return wf.simulate(scene, end, step=STEP, start="equilibrium", integrator=integrator, progress=progress)
+    return wf.simulate(
+        scene, end, step=STEP, start="equilibrium", options=wf.RunOptions(integrator=integrator), progress=progress
+    )
 
 
 def main(out: str | Path = "out/pin_in_bore", *, quick: bool = False, progress: bool = True) -> list[wf.Result]:

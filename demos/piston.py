@@ -145,7 +145,9 @@ def run(scene: wf.Scene, degrees: float, *, turns: float = TURNS, progress: bool
     """From the start, in steps of so many degrees of the crank."""
     step = np.radians(degrees) / SPEED
     duration = round(360.0 * turns / degrees) * step
-    return wf.simulate(scene, duration, step=step, integrator=wf.GeneralizedAlpha(RHO_INF), progress=progress)
+    return wf.simulate(
+        scene, duration, step=step, options=wf.RunOptions(integrator=wf.GeneralizedAlpha(RHO_INF)), progress=progress
+    )
 
 
 def place(result: wf.Result) -> tuple[np.ndarray, np.ndarray]:

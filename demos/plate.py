@@ -99,7 +99,7 @@ def build(
 
 def press(scene: wf.Scene, loads: Sequence[float], *, progress: bool = True) -> wf.Result:
     """The load steps of a scene of `build`."""
-    return wf.simulate(scene, float(len(loads)), step=1.0, kind="static", progress=progress)
+    return wf.static(scene, float(len(loads)), step=1.0, progress=progress)
 
 
 def release(pressed: wf.Result, periods: float, *, progress: bool = True) -> wf.Result:

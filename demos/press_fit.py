@@ -89,7 +89,7 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
 
 def run(scene: wf.Scene, size: Size = FULL, *, progress: bool = True) -> wf.Result:
     """All load steps, from the assembled fit."""
-    return wf.simulate(scene, float(len(path(size)) - 1), step=1.0, kind="static", progress=progress)
+    return wf.static(scene, float(len(path(size)) - 1), step=1.0, progress=progress)
 
 
 def main(out: str | Path = "out/press_fit", *, quick: bool = False, progress: bool = True) -> list[wf.Result]:

@@ -97,7 +97,9 @@ def run(size: Size, *, inertia: str, stiffening: bool, progress: bool = True) ->
     """The scene and its run with one level of the rod's inertia."""
     scene = build(size, inertia=inertia, stiffening=stiffening, progress=progress)
     duration, integrator = SPIN_UP + size.turns * 2.0 * np.pi / SPEED, wf.GeneralizedAlpha(RHO_INF)
-    return scene, wf.simulate(scene, duration, step=STEP, integrator=integrator, progress=progress)
+    return scene, wf.simulate(
+        scene, duration, step=STEP, options=wf.RunOptions(integrator=integrator), progress=progress
+    )
 
 
 def midspan(scene: wf.Scene, result: wf.Result) -> np.ndarray:

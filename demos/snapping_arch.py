@@ -106,7 +106,7 @@ def main(out: str | Path = "out/snapping_arch", *, quick: bool = False, progress
     """Write snapping_arch.h5, .rrd and .png of the run under the load, and snapping_arch.driven.h5 of that by
     displacement, into the folder `out` and print the figures; quick: fewer load steps, a load that rises faster."""
     stem, size = Path(out) / "snapping_arch", QUICK if quick else FULL
-    steps = wf.simulate(driven(size, progress=progress), float(size.steps), step=1.0, kind="static", progress=progress)
+    steps = wf.static(driven(size, progress=progress), float(size.steps), step=1.0, progress=progress)
     snapped = wf.simulate(build(size, progress=progress), 2.0 * size.seconds, step=STEP, progress=progress)
     snapped.save(f"{stem}.h5", overwrite=True)
     steps.save(f"{stem}.driven.h5", overwrite=True)

@@ -82,7 +82,9 @@ def run(size: Size, *, stiffening: bool, progress: bool = True) -> tuple[wf.Scen
     """The scene and its run, with or without geometric stiffening."""
     scene = build(size, stiffening=stiffening, progress=progress)
     integrator = wf.GeneralizedAlpha(RHO_INF)
-    return scene, wf.simulate(scene, SPIN_UP + size.at_speed, step=STEP, integrator=integrator, progress=progress)
+    return scene, wf.simulate(
+        scene, SPIN_UP + size.at_speed, step=STEP, options=wf.RunOptions(integrator=integrator), progress=progress
+    )
 
 
 def tip_in_hub_frame(scene: wf.Scene, result: wf.Result) -> tuple[np.ndarray, np.ndarray]:

@@ -48,13 +48,33 @@ def test_a_table_is_made_and_told(tmp_path: Path) -> None:
         (["--vary", "arm=0.2,0.3", "--output", "max(body_position_z[bop])"], "similar names"),
         (["--vary", "arm=normal(0.3, 0.01)", "--output", LOWEST], "--sample latin:64"),
         (["--vary", "arm=0.2,0.3", "--output", LOWEST, "--sample", "latin"], "latin:64"),
+        (["--vary", "arm=0.2,0.3", "--output", LOWEST, "--sample", "latin", "--seed", "3"], "latin:64"),
         (["--vary", "arm=0.2,0.3", "--output", LOWEST, "--workers", "0"], "at least 1"),
+        (["--vary", "arm=0.2,0.3", "--output", LOWEST, "--device", "cpu", "--device", "cpu"], "give --workers 2"),
+        (
+            ["--vary", "arm=0.2,0.3", "--output", LOWEST, "--scheduler", "tcp://x:1", "--device", "cpu"],
+            "--scheduler has",
+        ),
     ],
 )
 def test_wrong_input_is_one_line_with_the_cure(tmp_path: Path, words: list[str], said: str) -> None:
     failed = call(*words, "--out", str(tmp_path / "s"))
     assert failed.exit_code == 1 and said in failed.output
     assert "Traceback" not in failed.output
+
+
+def test_options_of_the_command_are_those_of_the_sweep(tmp_path: Path) -> None:
+    """Another seed is another sample; equilibria, the device and the error budget are those of each row."""
+    arms = []
+    for seed in ("0", "3"):
+        done = call("--vary", "arm=uniform(0.2, 0.4)", "--sample", "latin:2", "--seed", seed, "--output", LOWEST,
+                    "--device", "cpu", "--error-budget", "--equilibrium", "--out", str(tmp_path / seed))  # fmt: skip
+        assert done.exit_code == 0, done.output
+        found = wf.study.open_sweep(tmp_path / seed)
+        assert found.definition["call"] == "equilibrium" and found.definition["error_budget"]
+        assert set(found["device"]) == {"cpu"}
+        arms.append(found["arm"].tolist())
+    assert arms[0] != arms[1]
 
 
 def test_a_row_that_fails_makes_the_exit_code(tmp_path: Path) -> None:

@@ -398,7 +398,7 @@ def test_the_command_runs_a_scene(tmp_path: Path, capsys: pytest.CaptureFixture)
 def test_a_file_without_a_run_says_so(tmp_path: Path) -> None:
     file = tmp_path / "still.toml"
     file.write_text(OSCILLATOR[: OSCILLATOR.index("[simulate]")], encoding="utf-8")
-    with pytest.raises(wf.InputError, match=r"add the table \[simulate\] or \[equilibrium\]"):
+    with pytest.raises(wf.InputError, match=r"add the table \[simulate\], \[static\] or \[equilibrium\]"):
         run_scene(file, out=tmp_path)
 
 

@@ -56,7 +56,7 @@ RUN = """\
 duration = 0.02
 step = 1e-3
 """
-LOCAL = '{ kind = "local_dynamics", treatment = "hht", max_frequency = 60e3 }'
+LOCAL = '{ kind = "local_modes", treatment = "hht", max_frequency = 60e3 }'
 
 
 def test_a_turning_flexible_body_with_its_options() -> None:
@@ -107,31 +107,33 @@ def test_membrane_energy() -> None:
 
 def test_every_integrator_can_be_written() -> None:
     for kind, cls in INTEGRATORS.items():
-        assert _options(f'integrator = {{ kind = "{kind}" }}')["integrator"] == cls()
+        assert _options(f'integrator = {{ kind = "{kind}" }}')["options"].integrator == cls()
     found = _options('integrator = { kind = "hht", alpha = -0.2, project_velocities = true }')
-    assert found["integrator"] == wf.integrators.HHT(-0.2, project_velocities=True)
+    assert found["options"].integrator == wf.integrators.HHT(-0.2, project_velocities=True)
     _refused(BLOCK + RUN + 'integrator = { kind = "hht", alpha = 0.2 }', "alpha", "alpha must lie between -1/3 and 0")
 
 
 def test_accuracy_and_start() -> None:
     found = _options("step_error = 1e-6\nproject_start = true")
-    assert found["step_error"] == 1e-6 and found["project_start"] is True
+    assert found["options"] == wf.RunOptions(step_error=1e-6, project_start=True)
     _refused(BLOCK + RUN + "project_start = 1", "project_start", "must be true or false")
 
 
 def test_treatments_of_local_modes_can_be_written() -> None:
-    expected = wf.LocalDynamics("hht", max_frequency=60e3)
-    assert _options('local = "auto"')["local"] == "auto"
-    assert _options(f"local = {LOCAL}")["local"] == expected
-    stage = f'[[simulate.stages]]\nname = "one"\nduration = 1e-2\nstep = 1e-3\noverrides = {{ local = {LOCAL} }}\n'
+    expected = wf.LocalModes("hht", max_frequency=60e3)
+    assert _options('local_modes = "auto"')["options"].local_modes == "auto"
+    assert _options(f"local_modes = {LOCAL}")["options"].local_modes == expected
+    stage = (
+        f'[[simulate.stages]]\nname = "one"\nduration = 1e-2\nstep = 1e-3\noverrides = {{ local_modes = {LOCAL} }}\n'
+    )
     staged = scene_of(BLOCK + stage).simulate
-    assert staged is not None and staged["stages"][0].options["local"] == expected
+    assert staged is not None and staged["duration"][0].options["local_modes"] == expected
     for wrong, said in (
-        ('{ kind = "local_dynamics", treatment = "htt" }', "known: 'quasi_static', 'hht'"),
-        ('{ kind = "local_dynamics", frequency = 6e4 }', "unknown key 'frequency'"),
-        ('{ kind = "local_dynamic" }', "did you mean 'local_dynamics'"),
+        ('{ kind = "local_modes", treatment = "htt" }', "known: 'quasi_static', 'hht'"),
+        ('{ kind = "local_modes", frequency = 6e4 }', "unknown key 'frequency'"),
+        ('{ kind = "local_mode" }', "did you mean 'local_modes'"),
     ):
-        _refused(BLOCK + RUN + f"local = {wrong}", "local =", said)
+        _refused(BLOCK + RUN + f"local_modes = {wrong}", "local_modes =", said)
 
 
 def _options(line: str) -> dict:
@@ -202,15 +204,32 @@ def test_static_runs_and_stages_can_be_written(tmp_path: Path) -> None:
         '[forces.push]\nkind = "point_force"\nport = { body = "block", point = [0, 0, 0] }\n'
         'force = [{ kind = "ramp", start_value = 0.0, end_value = 5.0, duration = 1.0 }, 0, 0]\n'
     )
-    static = 'kind = "static"\nduration = 1.0\nstep = 0.25\n'
-    stages = f'[[simulate.stages]]\nname = "push"\n{static}'
+    static = "duration = 1.0\nstep = 0.25\n"
+    stages = f'[[simulate.stages]]\nname = "push"\nkind = "static"\n{static}'
     stages += '[[simulate.stages]]\nname = "wait"\nduration = 0.01\nstep = 1e-3\n'
-    for text, rows in ((f"[simulate]\n{static}", 5), (stages, 15)):
+    for call, text, rows in (("static", f"[static]\n{static}", 5), ("simulate", stages, 15)):
         file = tmp_path / f"run{rows}.toml"
         file.write_text(machine + text)
-        result = wf.run_scene(file, out=tmp_path / "out", progress=False)["simulate"]
+        result = wf.run_scene(file, out=tmp_path / "out", progress=False)[call]
         assert result.status == "completed", result.message
-        assert len(result.time) == rows
+        assert (
+            len(result.time) == rows
+            and (tmp_path / "out" / f"{file.stem}{'' if call == 'simulate' else '_static'}.h5").exists()
+        )
         x = result.history.joints["rail"].coordinate
         assert x[:5] == pytest.approx([0.0, 1.25e-3, 2.5e-3, 3.75e-3, 5e-3], abs=1e-11)
         assert x[4:] == pytest.approx(5e-3, abs=1e-9)
+
+
+def test_keys_of_before_name_the_new_ones() -> None:
+    for line, said in (
+        ('kind = "static"', "the table [static]"),
+        ('local = "hht"', "it is called 'local_modes' now"),
+        ("record_every = 3", "warpffrf view"),
+    ):
+        _refused(BLOCK + RUN + line, line, said)
+    _refused(
+        BLOCK + RUN.replace("[simulate]", "[static]") + "step_error = 1e-6", "step_error", "unknown key 'step_error'"
+    )
+    stage = '[simulate]\nduration = 1.0\n[[simulate.stages]]\nname = "one"\nduration = 1.0\nstep = 0.1\n'
+    _refused(BLOCK + stage, "duration", "stages have their own duration")

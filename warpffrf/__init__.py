@@ -34,19 +34,21 @@ if TYPE_CHECKING:
     from warpffrf.model.lumped_contact import LumpedContact
     from warpffrf.model.material import Material
     from warpffrf.model.messages.progress import quiet
+    from warpffrf.model.messages.status import Status
     from warpffrf.model.reduced.body import ReducedBody
     from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.scene import Scene
     from warpffrf.offline import ContactGrid, ReductionOptions, bases, reduce
     from warpffrf.offline.contact.contact_grid import contact_spacing
-    from warpffrf.online import GeneralizedAlpha, LocalDynamics
+    from warpffrf.online import GeneralizedAlpha, LocalModes
     from warpffrf.online.stages import Stage
     from warpffrf.output.campbell import campbell
     from warpffrf.output.comparison import compare
     from warpffrf.output.modes_result import eigenmodes
+    from warpffrf.output.options import RunOptions
     from warpffrf.output.recording.recorder import record
     from warpffrf.output.result import Result
-    from warpffrf.output.simulate import equilibrium, simulate
+    from warpffrf.output.simulate import equilibrium, simulate, static
     from warpffrf.output.worlds import simulate_worlds
     from warpffrf.scene_file import load_scene, run_scene
 
@@ -58,16 +60,18 @@ __all__ = [
     "Film",
     "GeneralizedAlpha",
     "InputError",
-    "LocalDynamics",
+    "LocalModes",
     "LumpedContact",
     "Material",
     "ReducedBody",
     "ReductionOptions",
     "Result",
     "RunError",
+    "RunOptions",
     "Scene",
     "SmallSliding",
     "Stage",
+    "Status",
     "StressPoints",
     "bases",
     "bearings",
@@ -94,6 +98,7 @@ __all__ = [
     "signals",
     "simulate",
     "simulate_worlds",
+    "static",
     "study",
     "surfaces",
 ]
@@ -105,16 +110,18 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Film": ("warpffrf.model.films", "Film"),
     "GeneralizedAlpha": ("warpffrf.online", "GeneralizedAlpha"),
     "InputError": ("warpffrf.model.errors", "InputError"),
-    "LocalDynamics": ("warpffrf.online", "LocalDynamics"),
+    "LocalModes": ("warpffrf.online", "LocalModes"),
     "LumpedContact": ("warpffrf.model.lumped_contact", "LumpedContact"),
     "Material": ("warpffrf.model.material", "Material"),
     "ReducedBody": ("warpffrf.model.reduced.body", "ReducedBody"),
     "ReductionOptions": ("warpffrf.offline", "ReductionOptions"),
     "Result": ("warpffrf.output.result", "Result"),
     "RunError": ("warpffrf.model.errors", "RunError"),
+    "RunOptions": ("warpffrf.output.options", "RunOptions"),
     "Scene": ("warpffrf.model.scene", "Scene"),
     "SmallSliding": ("warpffrf.model.laps", "SmallSliding"),
     "Stage": ("warpffrf.online.stages", "Stage"),
+    "Status": ("warpffrf.model.messages.status", "Status"),
     "StressPoints": ("warpffrf.model.reduced.stress_field", "StressPoints"),
     "bases": ("warpffrf.offline.bases", None),
     "bearings": ("warpffrf.model.bearings", None),
@@ -141,6 +148,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "signals": ("warpffrf.model.signals", None),
     "simulate": ("warpffrf.output.simulate", "simulate"),
     "simulate_worlds": ("warpffrf.output.worlds", "simulate_worlds"),
+    "static": ("warpffrf.output.simulate", "static"),
     "study": ("warpffrf.study", None),
     "surfaces": ("warpffrf.model.surfaces", None),
 }

@@ -22,6 +22,7 @@ from warpffrf.model import forces, friction, joints, signals
 from warpffrf.model.bearings import PocketCage, RollerGeometry, RollingContact
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
+from warpffrf.output.options import RunOptions
 from warpffrf.output.simulate import simulate
 from warpffrf.study.machine import machine
 
@@ -75,7 +76,12 @@ def revolution(count: int) -> dict:
     """One turn of the inner ring."""
     begun = time.perf_counter()
     result = simulate(
-        bearing(count), 2.0 * np.pi / SPEED, step=STEP, start="equilibrium", save_every=SAVE_EVERY, progress=False
+        bearing(count),
+        2.0 * np.pi / SPEED,
+        step=STEP,
+        start="equilibrium",
+        options=RunOptions(save_every=SAVE_EVERY),
+        progress=False,
     )
     wall = time.perf_counter() - begun
     if result.status != "completed":

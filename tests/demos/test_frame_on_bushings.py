@@ -72,7 +72,11 @@ def rigid_frequencies(scene: wf.Scene) -> tuple[np.ndarray, np.ndarray]:
     )  # fmt: skip
     bushings(rigid, lambda name: body.at(ports[name]), None)
     result = wf.simulate(
-        rigid, RIGID_DURATION, step=RIGID_STEP, integrator=wf.GeneralizedAlpha(1.0), save_every=5, progress=False
+        rigid,
+        RIGID_DURATION,
+        step=RIGID_STEP,
+        options=wf.RunOptions(integrator=wf.GeneralizedAlpha(1.0), save_every=5),
+        progress=False,
     )
     motion = result.body("frame")
     turned = 2.0 * motion.rotation[:, :3]  # rotation vector, to second order in it
@@ -126,7 +130,12 @@ def test_the_mesh_is_the_cage(scene: wf.Scene) -> None:
 def test_the_figures_of_the_demo(scene: wf.Scene) -> None:
     still = wf.equilibrium(scene)
     result = wf.simulate(
-        scene, 0.08, step=demo.STEP, start="equilibrium", integrator=wf.GeneralizedAlpha(demo.RHO_INF), progress=False
+        scene,
+        0.08,
+        step=demo.STEP,
+        start="equilibrium",
+        options=wf.RunOptions(integrator=wf.GeneralizedAlpha(demo.RHO_INF)),
+        progress=False,
     )
     assert still.status == result.status == "completed"
     found = checks(SMALL, scene, result, still)

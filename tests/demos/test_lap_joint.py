@@ -34,7 +34,7 @@ def followed(
     """The engine through a path about the place `rest` [m]."""
     times = np.arange(len(path.places), dtype=float)
     scene = machine(strips, place=wf.signals.Table(times, rest + path.places))
-    result = wf.simulate(scene, times[-1], step=1.0, kind="static", progress=progress)
+    result = wf.static(scene, times[-1], step=1.0, progress=progress)
     rows = len(result.time)
     lost = np.append(result.contact(JOINT).loss, np.full(len(times) - rows, np.nan))
     force = np.append(result.joint("guide").force[:, 0], np.full(len(times) - rows, np.nan))

@@ -509,8 +509,8 @@ CASES: dict[str, Case] = {
     "ball": Case(lambda: ball_on(roller()), 2e-6),
     "ball, damped": Case(lambda: ball_on(roller(), law=DAMPED), 2e-6),
     "ball, friction": Case(lambda: ball_on(rubbing(), friction=0.2), 2e-6),
-    "ball, impulsive": Case(lambda: ball_on(dynamic_roller()), 2e-6, {"local": "hht"}),
-    "ball, impulsive and exact": Case(lambda: ball_on(dynamic_roller()), 2e-6, {"local": "exponential"}),
+    "ball, impulsive": Case(lambda: ball_on(dynamic_roller()), 2e-6, {"local_modes": "hht"}),
+    "ball, impulsive and exact": Case(lambda: ball_on(dynamic_roller()), 2e-6, {"local_modes": "exponential"}),
     "ball at the edge of a roller": Case(lambda: ball_on(rubbing(), at=(0.0, 0.0101, RADIUS), friction=0.2), 2e-6),
     "ball at the corner of a block": Case(
         lambda: ball_on(block(), "z_min", "z_max", at=(0.0098, 0.0098, 0.005), friction=0.2), 2e-6

@@ -6,7 +6,7 @@ from small_scenes import CASES
 from test_signatures import KERNELS
 
 from warpffrf.online import Engine
-from warpffrf.online.local_dynamics import as_local_dynamics
+from warpffrf.online.local_modes import as_local_modes
 
 
 def test_no_kernel_is_left_out() -> None:
@@ -16,8 +16,8 @@ def test_no_kernel_is_left_out() -> None:
         if not scene.bodies:
             continue  # made where it is run
         options = {name: case.options[name] for name in ("integrator", "step_error") if name in case.options}
-        local = as_local_dynamics(case.options.get("local", "quasi_static"))
-        engine = Engine(scene, local=local, **options)
+        local = as_local_modes(case.options.get("local_modes", "quasi_static"))
+        engine = Engine(scene, local_modes=local, **options)
         launched |= {launch.kernel for launch in engine.graph.program.launches()}
     left_out = sorted(name for name, kernel in KERNELS.items() if kernel not in launched)
     assert not left_out, f"no scene of small_scenes launches {', '.join(left_out)}"

@@ -16,7 +16,7 @@ from warpffrf.model.mesh import roller
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import ContactGrid, ReductionOptions, reduce
-from warpffrf.online import HHT, LocalDynamics, Settings, run
+from warpffrf.online import HHT, LocalModes, Settings, run
 
 DURATION = 1e-3  # s: two periods of the contact, which carries eight kilograms, while the load rises
 STEPS = (50, 100, 200)
@@ -48,10 +48,10 @@ def histories(scene: Scene, steps: int, local: str) -> list[np.ndarray]:
     """Contact force and place of the upper roller (2, 51) at the same times, of the separated and the monolithic
     solver."""
     found = []
-    treatment: Any = LocalDynamics("hht", alpha=ALPHA) if local == "hht" else local
+    treatment: Any = LocalModes("hht", alpha=ALPHA) if local == "hht" else local
     settings = Settings(residual_tolerance=TIGHT)
     for history in (
-        run(scene, DURATION, step=DURATION / steps, start="equilibrium", integrator=HHT(ALPHA), local=treatment,
+        run(scene, DURATION, step=DURATION / steps, start="equilibrium", integrator=HHT(ALPHA), local_modes=treatment,
             progress=False, settings=settings),
         monolithic.run(scene, DURATION, step=DURATION / steps, start="equilibrium", integrator=HHT(ALPHA),
                        local=local, variant="low_rank", progress=False, tolerance=TIGHT),

@@ -14,11 +14,13 @@ from scenes.rollers import PAIR, guided_pair, roller_body
 from warpffrf.model import forces, joints, sensors, signals
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
-from warpffrf.online import GeneralizedAlpha, LocalDynamics, RungeKutta4
+from warpffrf.online import GeneralizedAlpha, LocalModes, RungeKutta4
+from warpffrf.output.options import RunOptions
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
 
 SAME = {"integrator": GeneralizedAlpha(0.8), "progress": False}
+OF_ENGINE: dict[str, Any] = {"options": RunOptions(integrator=GeneralizedAlpha(0.8)), "progress": False}
 CLOSE = 1e-6  # of the largest value: the two stop their iterations at 1e-9 or so of the forces, ten steps
 
 
@@ -40,7 +42,7 @@ def pressing(roller: Any, **more: Any) -> Scene:
 @pytest.fixture(scope="module")
 def both(roller) -> tuple[Result, Result]:
     scene = pressing(roller)
-    a = simulate(scene, 1e-3, step=1e-4, start="equilibrium", **SAME)
+    a = simulate(scene, 1e-3, step=1e-4, start="equilibrium", **OF_ENGINE)
     b = results.simulate(scene, 1e-3, step=1e-4, start="equilibrium", variant="low_rank", **SAME)
     assert a.status == b.status == "completed", a.message + b.message
     return a, b
@@ -171,7 +173,7 @@ def test_springs_and_bushings_are_recorded_alike() -> None:
     scene.add(forces.SpringDamper(scene.ground.at((0, 0, 1.0)), body.at((0.0, 0.1, 0.0)), 300.0, 1.0, name="s"))
     scene.add(forces.PointForce(body.at((0.0, 0.2, 0.0)), (1.0, 0.0, 0.0), frame="body", name="p"))
     scene.add(sensors.InterfaceForce(body.at((0.1, 0.0, 0.0)), name="felt"))
-    a = simulate(scene, 0.05, step=1e-3, **SAME)
+    a = simulate(scene, 0.05, step=1e-3, **OF_ENGINE)
     b = results.simulate(scene, 0.05, step=1e-3, **SAME)
     for name in ("b", "s", "p"):
         x, y = a.force(name), b.force(name)
@@ -194,7 +196,7 @@ def test_dynamic_local_modes_are_named_in_the_notes() -> None:
     )  # fmt: skip
     scene = pressing(body, speed=None)
     result = results.simulate(
-        scene, 1e-6, step=1e-6, start="equilibrium", variant="low_rank", local=LocalDynamics("hht", count=10), **SAME
+        scene, 1e-6, step=1e-6, start="equilibrium", variant="low_rank", local=LocalModes("hht", count=10), **SAME
     )
     assert result.status == "completed"
     assert any("local modes are dynamic" in note for note in result.history.notes)

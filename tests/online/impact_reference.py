@@ -29,7 +29,7 @@ class Half:
 
     @classmethod
     def of(cls, body: Any, damping: np.ndarray, outer: Any, local: Any, h: float) -> Half:
-        """Of `colliding_bars.bar`; damping (modes,); outer, local: coefficients and `LocalDynamics`."""
+        """Of `colliding_bars.bar`; damping (modes,); outer, local: coefficients and `LocalModes`."""
         face = body.contact_surfaces["left"]
         amplitude = np.sqrt(2.0 / body.mass)  # of the face, by a mode
         uniform = np.abs(face.mode_normal[0, 0]) / amplitude  # coefficient of a face that moves by one

@@ -64,7 +64,7 @@ def test_an_oscillation_that_the_step_does_not_resolve_is_named(step: float, tak
     block = scene.add_rigid_body(1.0, (1.0, 1.0, 1.0), name="block")
     guide = scene.add(wf.joints.Prismatic(scene.ground, block.at((0.0, 0.0, 0.0)), axis=(0, 0, 1)))
     scene.add(wf.forces.JointSpringDamper(guide, stiffness=1e3, preload=10.0))
-    result = wf.simulate(scene, 20.0, step=step, save_every=7, progress=False)
+    result = wf.simulate(scene, 20.0, step=step, options=wf.RunOptions(save_every=7), progress=False)
     assert result.status == "completed" and result.time[-1] == pytest.approx(20.0)
     said = [note for note in result.history.notes if note.startswith("the integrator dissipated")]
     assert len(said) == taken and all("smaller step" in note for note in said)

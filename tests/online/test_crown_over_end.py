@@ -226,7 +226,7 @@ def test_a_run_begins_anew(crowned: ReducedBody) -> None:
     scene = held(crowned, cells=(11, 15))
     for history in (
         run(scene, 4e-6, step=1e-6, start="equilibrium", progress=False),
-        wf.simulate(scene, 1.0, step=0.5, kind="static", progress=False).history,
+        wf.static(scene, 1.0, step=0.5, progress=False).history,
     ):
         assert history.status == "completed", history.message
         first = np.diff(Rows.of(history.contacts["pair"]).edges)

@@ -28,6 +28,7 @@ from warpffrf.online.diagnosis.indicator import (
     deflections,
     percent,
 )
+from warpffrf.output.options import RunOptions
 from warpffrf.output.simulate import equilibrium, simulate
 
 MATERIAL = Material(210e9, 0.0, 7850.0)  # as a beam: sections are not stiffened by their width
@@ -213,5 +214,5 @@ def test_integrators_for_checks_say_it() -> None:
     for name, pull in (("x_min", -1.0), ("x_max", 1.0)):
         force = 1.5 * STRAINED * MATERIAL.youngs_modulus * WIDTH * THICKNESS
         scene.add(PointForce(body[name], (pull * force, 0.0, 0.0), name=f"pull {name}"))
-    result = simulate(scene, 2e-4, step=5e-7, integrator=RungeKutta4(), progress=False)
+    result = simulate(scene, 2e-4, step=5e-7, options=RunOptions(integrator=RungeKutta4()), progress=False)
     assert about(result.history.notes, "strains up to")

@@ -261,15 +261,15 @@ def test_friction_with_dynamic_local_modes_is_refused() -> None:
         )
         for E in (210e9, 2100e9)
     )  # fmt: skip
-    with pytest.raises(InputError, match="local='quasi_static'"):
-        wf.simulate(rollers(soft, 0.1, 0.0), STEP, step=STEP, local="hht", progress=False)
+    with pytest.raises(InputError, match="local_modes='quasi_static'"):
+        wf.simulate(rollers(soft, 0.1, 0.0), STEP, step=STEP, options=wf.RunOptions(local_modes="hht"), progress=False)
     between = 2.0 * dynamic_modes(soft.contact_surfaces["rim"]).omega[0] / (2.0 * np.pi)  # Hz: below all of the stiff
     scene = rollers(stiff, 0.1, 0.0)
     pair = [scene.add_body(soft, name=name, position=(1.0, 0.0, z)) for name, z in (("c", 0.0), ("d", 0.1))]
     scene.add(wf.Contact(pair[0]["rim"], pair[1]["rim"], name="smooth"))
     with pytest.raises(InputError, match="'pair': friction needs quasi-static local modes in the whole scene"):
-        local = wf.LocalDynamics("hht", max_frequency=between)
-        wf.simulate(scene, STEP, step=STEP, local=local, progress=False)
+        local = wf.LocalModes("hht", max_frequency=between)
+        wf.simulate(scene, STEP, step=STEP, options=wf.RunOptions(local_modes=local), progress=False)
 
 
 def test_a_run_says_that_friction_does_not_act_in_the_equilibrium(body) -> None:

@@ -63,14 +63,16 @@ def test_the_fastest_step_between_two_saved_rows_is_recorded(body) -> None:
     assert 0.5 * columns < every.max() < 1.01 * columns  # an impact halves some of the steps
     assert every[-1] < 0.2 * every.max()  # the row that is saved of ten is not the fastest
     for count in (2, 5, 10):
-        saved = advances(rolling(body), 10 * STEP, save_every=count)
+        saved = advances(rolling(body), 10 * STEP, options=wf.RunOptions(save_every=count))
         np.testing.assert_array_equal(saved[1:], every[1:].reshape(-1, count).max(axis=1))
 
 
 def test_rows_of_a_run_in_parts_hold_the_fastest_step_since_the_row_before(body) -> None:
     every = advances(rolling(body), 10 * STEP)
-    first = wf.simulate(rolling(body), 7 * STEP, step=STEP, save_every=10, progress=False, start="equilibrium")
-    rest = advances(rolling(body), 3 * STEP, save_every=10, start=first)
+    first = wf.simulate(
+        rolling(body), 7 * STEP, step=STEP, options=wf.RunOptions(save_every=10), progress=False, start="equilibrium"
+    )
+    rest = advances(rolling(body), 3 * STEP, options=wf.RunOptions(save_every=10), start=first)
     friction = first.history.contacts["pair"].friction
     assert friction is not None
     assert friction.cells_per_step[-1] == every[1:8].max() and rest[-1] == every[8:].max()

@@ -21,7 +21,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online.engine import Engine
-from warpffrf.online.local_dynamics import LocalDynamics
+from warpffrf.online.local_modes import LocalModes
 from warpffrf.online.run import run
 from warpffrf.online.settings import Settings
 from warpffrf.online.step.launches import threads
@@ -51,10 +51,12 @@ def bars(body: ReducedBody, **options: Any) -> Scene:
 def test_the_step_is_that_of_its_equations(integrator: Any, treatment: str, alpha: float, turn: float) -> None:
     """Force and energy at every step of two bars, no step halved; `turn`: omega h of the local mode."""
     body = bar(MODES)
-    local = LocalDynamics(treatment, alpha=alpha, damping=0.03)
+    local = LocalModes(treatment, alpha=alpha, damping=0.03)
     h = turn / dynamic_modes(body.contact_surfaces["left"]).omega[0]
     steps = 200
-    history = run(bars(body), steps * h, step=h, local=local, integrator=integrator, settings=UNGATED, progress=False)
+    history = run(
+        bars(body), steps * h, step=h, local_modes=local, integrator=integrator, settings=UNGATED, progress=False
+    )
     assert history.status == "completed" and not history.counters["rejected_steps"]
     half = Half.of(body, default_damping(body.frequencies), integrator.coefficients, local, h)
     assert half.exact.any() == (treatment == "exponential")
@@ -92,14 +94,14 @@ def blocks(body: ReducedBody, tilt: float) -> Scene:
     return scene
 
 
-@pytest.mark.parametrize("local", ["hht", LocalDynamics("hht", max_frequency=200e3), "exponential"])
+@pytest.mark.parametrize("local", ["hht", LocalModes("hht", max_frequency=200e3), "exponential"])
 @pytest.mark.parametrize(("step", "tilt"), [(2e-7, 0.0), (1e-6, 1e-4), (5e-6, 0.0)])
 def test_many_hats_gain_nothing(block: ReducedBody, local: Any, step: float, tilt: float) -> None:
     """Flat and edge first, from resolved to ten times too long steps: contact time of quasi-static local modes where
     flat, momentum kept, no energy from nowhere. (With memory: up to 1e18 times the energy.)"""
     exact = BarImpact(STEEL, BLOCK, SIDE**2, SPEED)
     steps = int(np.ceil(1.6 * exact.duration / step))
-    history = run(blocks(block, tilt), steps * step, step=step, local=local, progress=False)
+    history = run(blocks(block, tilt), steps * step, step=step, local_modes=local, progress=False)
     assert history.status == "completed", history.message
     energy = np.sum([history.energy[name] for name in ("kinetic", "strain", "contact")], axis=0)
     assert energy.max() < (1.0 + GAINED) * energy[0]
@@ -113,7 +115,7 @@ def test_many_hats_gain_nothing(block: ReducedBody, local: Any, step: float, til
 
 def test_what_is_recorded_has_the_contact_force(block: ReducedBody) -> None:
     """Between impulsive steps the state holds accelerations without it; mass times acceleration is the force."""
-    history = run(blocks(block, 1e-4), 4e-5, step=4e-7, local="hht", progress=False)
+    history = run(blocks(block, 1e-4), 4e-5, step=4e-7, local_modes="hht", progress=False)
     assert history.counters["repeated_steps"] > 0
     force = history.contacts["pair"].force
     found = block.mass * history.bodies["first"].acceleration
@@ -124,12 +126,12 @@ def test_a_run_goes_on_from_the_middle_of_an_impact(block: ReducedBody) -> None:
     """Bit for bit, also where the checkpoint is between two impulsive steps."""
     h = 1e-6
     scene = blocks(block, 0.0)
-    whole = run(scene, 20 * h, step=h, local="hht", progress=False)
+    whole = run(scene, 20 * h, step=h, local_modes="hht", progress=False)
     impulsive = 0
     for steps in (2, 5, 9):
-        part = run(scene, steps * h, step=h, local="hht", progress=False)
+        part = run(scene, steps * h, step=h, local_modes="hht", progress=False)
         impulsive += int(part.checkpoint["ctl"]["impulsive"][0] == int(k.IMPULSIVE))
-        rest = run(scene, (20 - steps) * h, step=h, start=part, local="hht", progress=False)
+        rest = run(scene, (20 - steps) * h, step=h, start=part, local_modes="hht", progress=False)
         for name in ("r", "v", "q", "qd", "qd_alg", "pressure"):
             assert np.array_equal(rest.checkpoint[name], whole.checkpoint[name]), name
     assert impulsive > 0

@@ -11,7 +11,7 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.linearise import linearise
 from warpffrf.output.modes_result import eigenmodes
-from warpffrf.output.simulate import simulate
+from warpffrf.output.simulate import static
 from warpffrf_kernels.laps.words import ANEW, READY
 
 TRUNCATED = 1e-3  # of a frequency: what modes of the blocks above HIGHEST have of inertia
@@ -56,7 +56,7 @@ def test_matrices_are_symmetric(friction: float) -> None:
 
 def test_cells_that_have_slipped_stick_in_small_vibrations() -> None:
     scene = two_blocks(pull=signals.Table([0.0, 1.0], [0.0, 595.0]))
-    pulled = simulate(scene, 1.0, step=0.2, kind="static", progress=False)
+    pulled = static(scene, 1.0, step=0.2, progress=False)
     assert np.sum(pulled.history.laps["lap"].state[-1] == 2) >= 6
     after = eigenmodes(scene, 3, about=pulled).frequencies
     before = eigenmodes(two_blocks(), 3).frequencies

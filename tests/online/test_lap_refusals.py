@@ -13,7 +13,8 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Matched, Plane
 from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online.engine import Engine
-from warpffrf.online.local_dynamics import LocalDynamics
+from warpffrf.online.local_modes import LocalModes
+from warpffrf.output.options import RunOptions
 from warpffrf.output.simulate import simulate
 
 
@@ -23,7 +24,7 @@ def test_integrators_for_checks_have_no_laps() -> None:
         scene.joints.clear()
         scene.forces.clear()
         with pytest.raises(InputError, match="contact 'lap': only scenes of free bodies .* integrate with Gener"):
-            simulate(scene, 1e-5, step=1e-6, integrator=integrator, progress=False)
+            simulate(scene, 1e-5, step=1e-6, options=RunOptions(integrator=integrator), progress=False)
 
 
 def test_local_modes_with_inertia_do_not_move_laps() -> None:
@@ -37,6 +38,8 @@ def test_local_modes_with_inertia_do_not_move_laps() -> None:
     wall = scene.ground.surface(Plane(origin=(0.01, 0, 0), outward=(-1, 0, 0)), name="wall")
     scene.add(Contact(block["foot"], floor, sliding="small", friction=0.2, name="lap"))
     scene.add(Contact(block["x_max"], wall, name="stop"))
-    with pytest.raises(InputError, match="contact 'lap': local 'hht' gives inertia .* body 'block'.*quasi_static"):
-        Engine(scene, local=LocalDynamics("hht"))
+    with pytest.raises(
+        InputError, match="contact 'lap': local_modes 'hht' gives inertia .* body 'block'.*quasi_static"
+    ):
+        Engine(scene, local_modes=LocalModes("hht"))
     assert any("contact 'lap': its cells yield without inertia" in note for note in Engine(scene).compiled.notes)

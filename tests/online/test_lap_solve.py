@@ -22,7 +22,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Matched
 from warpffrf.offline import reduce
-from warpffrf.output.simulate import simulate
+from warpffrf.output.simulate import static
 
 STEEL = Material(210e9, 0.3, 7850.0)
 STEPS = 14
@@ -60,7 +60,7 @@ def test_forces_are_those_of_the_reference(seed: int, friction: float) -> None:
     times = np.arange(float(STEPS))
     for i, (name, axis) in enumerate(names):
         scene.add(forces.PointForce(sheets[name], (signals.Table(times, path[:, i]), np.eye(3)[axis])))
-    run = simulate(scene, STEPS - 1.0, step=1.0, kind="static", progress=False)
+    run = static(scene, STEPS - 1.0, step=1.0, progress=False)
     assert run.history.status == "completed", run.history.message
     seen = run.history.laps["lap"]
     area = lap.cells.area

@@ -18,7 +18,7 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
 from warpffrf.online.load_steps import run_static
 from warpffrf.output.result import Result
-from warpffrf.output.simulate import simulate
+from warpffrf.output.simulate import simulate, static
 from warpffrf_kernels.laps.words import ANEW, READY, STANDS
 
 AGREES = 1e-8  # of the largest: steps balance to 1e-9, and what they leave adds up
@@ -50,12 +50,13 @@ def assert_same_rows(whole: History, rest: History) -> None:
 
 @pytest.mark.parametrize("kind", ["dynamic", "static"])
 def test_a_run_goes_on_from_its_file(kind: str, tmp_path: Path) -> None:
-    options: dict[str, Any] = {"step": CYCLE / STEPS, "kind": kind, "progress": False}
+    call = static if kind == "static" else simulate
+    options: dict[str, Any] = {"step": CYCLE / STEPS, "progress": False}
     scene, half = rubbing(), 0.5 * CYCLE
-    whole = simulate(scene, CYCLE, start="equilibrium", **options)
+    whole = call(scene, CYCLE, start="equilibrium", **options)
     file = tmp_path / "first.h5"
-    simulate(scene, half, start="equilibrium", results=file, **options)
-    rest = simulate(scene, half, start=Result.load(file), **options)
+    call(scene, half, start="equilibrium", results=file, **options)
+    rest = call(scene, half, start=Result.load(file), **options)
     assert_same_rows(whole.history, rest.history)
 
 

@@ -17,6 +17,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online.stages import Stage
+from warpffrf.output.options import RunOptions
 from warpffrf.output.simulate import equilibrium, simulate
 
 MATERIAL = Material(210e9, 0.3, 7850.0)
@@ -85,7 +86,7 @@ def released(scene: Scene, period: float, periods: float, steps: int, integrator
     rest = equilibrium(scene)
     assert rest.status == "completed", rest.message
     free = Stage("free", round(periods * steps) * period / steps, period / steps, {"gravity": (0.0, 0.0, 0.0)})
-    result = simulate(scene, stages=[free], start=rest, integrator=integrator, progress=False)
+    result = simulate(scene, [free], start=rest, options=RunOptions(integrator=integrator), progress=False)
     assert result.status == "completed", result.message
     return result
 

@@ -20,6 +20,7 @@ from warpffrf.model.reduced.inertia import membrane_amplitudes
 from warpffrf.model.scene import Scene
 from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online import Engine
+from warpffrf.output.options import RunOptions
 from warpffrf.output.simulate import equilibrium, simulate
 from warpffrf_kernels.core import control as k
 
@@ -135,4 +136,4 @@ def test_integrators_of_free_bodies_refuse_it() -> None:
     scene = Scene(gravity=(0, 0, 0))
     scene.add_body(plate(), name="plate", stiffening=True)
     with pytest.raises(InputError, match="body 'plate' has membrane energy, which is not known here"):
-        simulate(scene, 1e-3, step=1e-5, integrator=EnergyMomentum(), progress=False)
+        simulate(scene, 1e-3, step=1e-5, options=RunOptions(integrator=EnergyMomentum()), progress=False)

@@ -139,7 +139,7 @@ def test_three_free_bodies_collide(
     for n, contact in enumerate(scene.contacts):
         contact.law = options.get("law", (contact.law, contact.law))[n]
         contact.friction = laws.Coulomb(options.get("friction", (0.0, 0.0))[n])
-    history = run(scene, STEPS * STEP, step=STEP, local=local, progress=False)
+    history = run(scene, STEPS * STEP, step=STEP, local_modes=local, progress=False)
     assert history.status == "completed", history.message
     for c in history.contacts.values():
         on = np.abs(c.force).max(axis=1) > 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,9 +34,12 @@ def scene(joint: type, force: str) -> wf.Scene:
 @pytest.mark.parametrize("simulate", [wf.simulate, monolithic.simulate], ids=["engine", "monolithic"])
 def test_it_moves_as_a_load_does(joint: type, simulate: Callable[..., wf.Result]) -> None:
     integrator = wf.integrators.HHT(alpha=-0.3)
+    chosen: dict[str, Any] = {"integrator": integrator}
+    if simulate is wf.simulate:
+        chosen = {"options": wf.RunOptions(**chosen)}
     runs = {}
     for force in ("preload", "load"):
-        run = simulate(scene(joint, force), 0.05, step=5e-4, integrator=integrator, progress=False)
+        run = simulate(scene(joint, force), 0.05, step=5e-4, progress=False, **chosen)
         assert run.status == "completed"
         runs[force] = run
     moved = {force: run.joint("guide").coordinate for force, run in runs.items()}

@@ -20,7 +20,8 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Matched, Plane
 from warpffrf.offline import reduce
 from warpffrf.output.modes_result import eigenmodes
-from warpffrf.output.simulate import equilibrium, simulate
+from warpffrf.output.options import RunOptions
+from warpffrf.output.simulate import equilibrium, simulate, static
 
 FRICTION, LAYER, SPRING = 0.3, 2.5e10, 5e6  # -, Pa/m along the face, N/m
 YIELDS = 3e-4  # of all stiffnesses: what the block, a hundred times as stiff as steel, yields itself
@@ -109,11 +110,15 @@ def test_free_decay_loses_as_much() -> None:
     scene = bar_with_a_mass(signals.Table([0.0, 1.0, 1.0 + 1e-9, 2.0], [0.0, 150.0, 0.0, 0.0]))
     modes = eigenmodes(bar_with_a_mass(), 1)
     period = 1.0 / modes.frequencies[0]
-    pulled = simulate(scene, 1.0, step=0.1, kind="static", progress=False)
+    pulled = static(scene, 1.0, step=0.1, progress=False)
     released = simulate(
-        scene, 4.0 * period, step=period / 200.0, start=pulled, integrator=GeneralizedAlpha(rho_inf=1.0),
+        scene,
+        4.0 * period,
+        step=period / 200.0,
+        start=pulled,
+        options=RunOptions(integrator=GeneralizedAlpha(rho_inf=1.0)),
         progress=False,
-    ).history  # fmt: skip
+    ).history
     x, lost = released.bodies["mass"].position[:, 0], released.laps["lap"].loss.sum(axis=1)
     ends = 1 + np.flatnonzero(np.diff(x)[1:] * np.diff(x)[:-1] <= 0.0)
     swing = 0.5 * np.abs(np.diff(x[ends]))

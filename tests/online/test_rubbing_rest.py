@@ -138,12 +138,12 @@ def test_pressed_it_holds_beyond_the_angle() -> None:
     assert wf.equilibrium(block(0.4, press=MASS * GRAVITY), friction=True).status == "completed"
 
 
-@pytest.mark.parametrize("options", [{"kind": "static", "step": 0.5}, {"step": 1e-4}])
-def test_runs_go_on_with_the_friction_found(options: dict[str, Any]) -> None:
+@pytest.mark.parametrize(("call", "step"), [(wf.static, 0.5), (wf.simulate, 1e-4)])
+def test_runs_go_on_with_the_friction_found(call: Any, step: float) -> None:
     """It stays where it is, in statics and in time."""
     scene = block(0.25)
     rest = wf.equilibrium(scene, friction=True)
-    run = wf.simulate(scene, 10.0 * options["step"], start=rest, progress=False, **options)
+    run = call(scene, 10.0 * step, step=step, start=rest, progress=False)
     assert run.status == "completed", run.history.message
     moved = run.history.bodies["block"].position - rest.history.bodies["block"].position[0]
     assert np.abs(moved).max() < 1e-12

@@ -37,7 +37,7 @@ def pushed(push: wf.signals.Table) -> wf.Scene:
 def cycle() -> wf.Result:
     """Up to a fifth above the limit load and back to zero."""
     push = wf.signals.Table([0.0, 0.5 * UP_AND_DOWN, UP_AND_DOWN], [0.0, -arch.LARGEST, 0.0])
-    return wf.simulate(pushed(push), float(UP_AND_DOWN), step=1.0, kind="static", progress=False)
+    return wf.static(pushed(push), float(UP_AND_DOWN), step=1.0, progress=False)
 
 
 def force_of(result: wf.Result) -> np.ndarray:
@@ -95,7 +95,7 @@ def test_jumps_are_named_with_their_loads_ways_and_works(cycle, exact) -> None:
 @pytest.mark.parametrize("share", [0.999, 1.001])
 def test_equilibrium_a_thousandth_before_and_behind_the_limit(exact, share) -> None:
     """Of the reduced arch's own limit load; the tangent before it is a tenth of that at rest."""
-    driven = wf.simulate(arch.driven(arch.QUICK, progress=False), 19.0, step=1.0, kind="static", progress=False)
+    driven = wf.static(arch.driven(arch.QUICK, progress=False), 19.0, step=1.0, progress=False)
     path = EquilibriumPath(arch.crown_way(driven), -driven.joint("rod").force[:, 2])
     force = share * path.loads[0]
     found = wf.equilibrium(pushed(wf.signals.Table([0.0, 1.0], [-force, -force])))
@@ -110,7 +110,7 @@ def test_equilibrium_a_thousandth_before_and_behind_the_limit(exact, share) -> N
 def test_a_jump_in_halved_steps_is_that_in_whole_ones(cycle) -> None:
     """What follows a jump does not know how it was made, and a step a tenth as long lands nearer to the limit."""
     push = wf.signals.Table([0.0, 10.0], [0.0, -arch.LARGEST])
-    fine = wf.simulate(pushed(push), 10.0, step=0.1, kind="static", progress=False)
+    fine = wf.static(pushed(push), 10.0, step=0.1, progress=False)
     assert fine.status == "completed", fine.message
     w = arch.crown_way(fine)
     np.testing.assert_allclose(w[::10], arch.crown_way(cycle)[:11], rtol=1e-6, atol=1e-9)
@@ -135,7 +135,7 @@ def test_a_jump_on_whose_way_room_was_made_is_the_same(cycle, monkeypatch) -> No
 
     monkeypatch.setattr(snap_through, "_settled", with_more_room)
     push = wf.signals.Table([0.0, 0.5 * UP_AND_DOWN], [0.0, -arch.LARGEST])
-    found = wf.simulate(pushed(push), float(np.ceil(jumps(cycle)[0][1])), step=1.0, kind="static", progress=False)
+    found = wf.static(pushed(push), float(np.ceil(jumps(cycle)[0][1])), step=1.0, progress=False)
     assert found.status == "completed" and made == [True] and jumps(found) == jumps(cycle)[:1]
     np.testing.assert_array_equal(arch.crown_way(found), arch.crown_way(cycle)[: len(found.time)])
 
@@ -165,7 +165,7 @@ def test_rolling_resistance_hinders_no_jump() -> None:
     limit = 2.0 / np.sqrt(27.0) * stiffness * height**3 / length**2  # of k z (h^2 - z^2)/l^2, for h << l
     push = wf.signals.Table([0.0, 4.0], [0.0, -1.04 * limit])
     scene.add(wf.forces.PointForce(apex.at((0, 0, 0)), (0.0, 0.0, push), name="push"))
-    found = wf.simulate(scene, 4.0, step=1.0, kind="static", progress=False)
+    found = wf.static(scene, 4.0, step=1.0, progress=False)
     assert found.status == "completed", found.message
     assert len(jumps(found)) == 1
     assert found.body("apex").position[-1, 2] < -height

@@ -40,7 +40,7 @@ def rail(friction: Any = 0.0, *, load_independent: float = BOUND, spring: float 
 
 
 def static(scene: Scene, duration: float, step: float, **options: Any) -> wf.Result:
-    found = wf.simulate(scene, duration, step=step, kind="static", progress=False, **options)
+    found = wf.static(scene, duration, step=step, progress=False, **options)
     assert found.status == "completed", found.message
     return found
 
@@ -74,7 +74,7 @@ def test_a_regularised_law_plays_where_loads_take_long() -> None:
 
 
 def test_more_than_friction_holds_is_no_equilibrium() -> None:
-    result = wf.simulate(rail(spring=0.0), 1.0, step=0.1, kind="static", progress=False)
+    result = wf.static(rail(spring=0.0), 1.0, step=0.1, progress=False)
     assert result.status == "no_equilibrium" and "block" in result.message
     assert result.time[-1] == pytest.approx(0.4)  # 20 N of 50 N
     assert np.abs(result.history.joints["guide"].coordinate).max() < ROUND_OFF
@@ -87,7 +87,7 @@ def test_friction_of_a_joint_holds_what_a_run_in_time_finds() -> None:
     scene.forces[-1].components = forces.PointForce(
         scene.bodies[0].at(ORIGIN), (Table([0.0, 1.0, 1.3, 2.0], [0.0, 50.0, 35.0, 35.0]), 0.0, 0.0)
     ).components
-    result = wf.simulate(scene, stages=stages, progress=False)
+    result = wf.simulate(scene, stages, progress=False)
     assert result.status == "completed", result.message
     x = result.history.joints["guide"].coordinate
     assert x[10] == pytest.approx(0.03, abs=ROUND_OFF)
@@ -190,7 +190,7 @@ def test_a_static_run_with_friction_goes_on_bit_for_bit(rubbing: Scene) -> None:
 def test_tractions_stay_when_a_run_in_time_begins(rubbing: Scene) -> None:
     """Loads go on without a jump, drives stand: the tangential force is what the static run has left."""
     stages = [wf.Stage("load", 7.0, 0.1, kind="static"), wf.Stage("wait", 0.002, 1e-4)]
-    result = wf.simulate(rubbing, stages=stages, progress=False)
+    result = wf.simulate(rubbing, stages, progress=False)
     assert result.status == "completed", result.message
     force = result.history.contacts["nip"].force
     assert np.abs(force[71:] - force[70]).max() < 1e-6 * np.abs(force[70]).max()

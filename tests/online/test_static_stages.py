@@ -63,7 +63,7 @@ def cantilever(beam: ReducedBody, load: Any, *, stiffening: bool = False, spring
 
 
 def static(scene: Scene, duration: float, step: float, **options: Any) -> wf.Result:
-    found = wf.simulate(scene, duration, step=step, kind="static", progress=False, **options)
+    found = wf.static(scene, duration, step=step, progress=False, **options)
     assert found.status == "completed", found.message
     return found
 
@@ -162,7 +162,7 @@ def test_a_free_roller_that_a_load_turns_finds_no_equilibrium(plain_body: Reduce
     scene = guided_pair(plain_body, plain_body, load=20e3)
     torque = Table([0.0, 1.0, 2.0], [0.0, 0.0, 10.0])
     scene.add(forces.PointTorque(scene.bodies[0]["bore"], (0.0, torque, 0.0), name="twist"))
-    result = wf.simulate(scene, 2.0, step=0.5, kind="static", progress=False)
+    result = wf.static(scene, 2.0, step=0.5, progress=False)
     assert result.status == "no_equilibrium"
     assert "body 'lower'" in result.message
     assert result.time[-1] == pytest.approx(1.0)
@@ -211,7 +211,7 @@ def stop(push: Any) -> Scene:
 
 def test_a_load_that_nothing_carries_is_named_when_it_comes() -> None:
     """Up to 20 N the spring carries the load, 1000 N/m; what was found until then is kept."""
-    result = wf.simulate(stop(Ramp(0.0, 30.0, duration=3.0)), 3.0, step=0.1, kind="static", progress=False)
+    result = wf.static(stop(Ramp(0.0, 30.0, duration=3.0)), 3.0, step=0.1, progress=False)
     assert result.status == "no_equilibrium"
     assert "body 'block' does not come to rest" in result.message
     t = float(result.message.split("t = ")[1].split(" s")[0])
@@ -268,7 +268,7 @@ def test_a_preloaded_beam_rings_when_it_is_let_go(beam: ReducedBody) -> None:
         wf.Stage("bend", 1.0, 0.1, kind="static"),
         wf.Stage("ring", 2.0 * period, period / 400, {"forces": {"load": none}}),
     ]
-    result = wf.simulate(scene, stages=stages, progress=False)
+    result = wf.simulate(scene, stages, progress=False)
     assert result.status == "completed", result.message
     assert isinstance(result, StagedResult)
     bent, ringing = tip(result.stages["bend"])[-1, 2], tip(result.stages["ring"])[:, 2]
@@ -294,7 +294,7 @@ def test_a_run_in_time_under_the_same_loads_stays_at_rest(beam: ReducedBody) -> 
 def test_a_static_run_gives_up_the_velocities_before_it(beam: ReducedBody) -> None:
     scene = cantilever(beam, Constant(1.0))
     stages = [wf.Stage("swing", 0.03, 1e-4), wf.Stage("rest", 0.5, 0.1, kind="static")]
-    result = wf.simulate(scene, stages=stages, progress=False)
+    result = wf.simulate(scene, stages, progress=False)
     assert result.status == "completed", result.message
     assert isinstance(result, StagedResult)
     (note,) = [note for note in result.history.notes if "kinetic energy" in note]
@@ -307,9 +307,9 @@ def test_a_static_run_gives_up_the_velocities_before_it(beam: ReducedBody) -> No
 
 def test_a_static_run_goes_on_bit_for_bit(beam: ReducedBody) -> None:
     scene = cantilever(beam, cycle(BENDING / LENGTH**2), stiffening=True)
-    whole = static(scene, 2.0, 0.05, save_every=2)
-    first = static(scene, 0.7, 0.05, save_every=2)
-    rest = static(scene, 1.3, 0.05, save_every=2, start=first)
+    whole = static(scene, 2.0, 0.05, options=wf.RunOptions(save_every=2))
+    first = static(scene, 0.7, 0.05, options=wf.RunOptions(save_every=2))
+    rest = static(scene, 1.3, 0.05, options=wf.RunOptions(save_every=2), start=first)
     for name, array in whole.history.checkpoint.items():
         if name not in ("ctl", "clk"):
             assert np.array_equal(array, rest.history.checkpoint[name]), name
@@ -319,16 +319,12 @@ def test_a_static_run_goes_on_bit_for_bit(beam: ReducedBody) -> None:
 
 def test_what_says_nothing_of_equilibria_is_refused(beam: ReducedBody) -> None:
     scene = cantilever(beam, 1.0)
-    refused: list[tuple[dict[str, Any], str]] = [
-        ({"step_error": 1e-3}, "step_error"),
-        ({"accuracy": 0.01}, "accuracy"),
-        ({"integrator": wf.GeneralizedAlpha()}, "integrator"),
-    ]
-    for options, word in refused:
-        with pytest.raises(InputError, match=word):
-            wf.simulate(scene, 1.0, step=0.1, kind="static", progress=False, **options)
-    with pytest.raises(InputError, match="'dynamic', 'static'"):
-        wf.simulate(scene, 1.0, step=0.1, kind="statics", progress=False)  # pyright: ignore[reportArgumentType]
+    refused: dict[str, Any] = {
+        "step_error": 1e-3, "integrator": wf.GeneralizedAlpha(), "energy_tolerance": 1e-3, "project_start": True,
+    }  # fmt: skip
+    for name, value in refused.items():
+        with pytest.raises(InputError, match=f"static: {name} is for runs in time"):
+            wf.static(scene, 1.0, step=0.1, options=wf.RunOptions(**{name: value}), progress=False)
     with pytest.raises(InputError, match="integrator"):
         wf.Stage("press", 1.0, 0.1, {"integrator": wf.GeneralizedAlpha()}, kind="static")
     with pytest.raises(InputError, match="'dynamic' or 'static'"):
@@ -349,7 +345,7 @@ def test_an_interrupted_static_run_keeps_what_it_has(beam: ReducedBody, monkeypa
         return seconds
 
     monkeypatch.setattr(Engine, "replay", interrupted)
-    first = wf.simulate(scene, 5.0, step=1e-3, kind="static", progress=False)
+    first = wf.static(scene, 5.0, step=1e-3, progress=False)
     monkeypatch.setattr(Engine, "replay", replay)
     assert first.status == "interrupted" and 4 < len(first.time) < 5001
     rest = static(scene, 5.0 - float(first.time[-1]), 1e-3, start=first)
@@ -367,4 +363,4 @@ def test_the_budget_and_the_report_of_a_static_run(beam: ReducedBody) -> None:
 def test_films_are_refused() -> None:
     scene = bearing()
     with pytest.raises(InputError, match="carries by sliding and squeezing"):
-        wf.simulate(scene, 1.0, step=0.1, kind="static", progress=False)
+        wf.static(scene, 1.0, step=0.1, progress=False)

@@ -120,7 +120,7 @@ def test_it_is_what_a_static_run_finds(share: float) -> None:
     rest = at_rest(pulled(share))
     scene, axle = on_floor((Table([0.0, 1.0], [0.0, share * FRICTION * PRESS]), 0.0, -PRESS))
     scene.add(joints.Drive(axle, 0.0, quantity="position"))
-    run = wf.simulate(scene, 1.0, step=0.25, kind="static", progress=False)
+    run = wf.static(scene, 1.0, step=0.25, progress=False)
     assert run.status == "completed", run.history.message
     found, expected = (r.history.checkpoint["traction"] for r in (rest, run))
     assert np.abs(found - expected).max() < 1e-2 * np.abs(expected).max()
@@ -184,7 +184,7 @@ def test_a_load_cycle_of_a_pull_closes() -> None:
         (Table([0.0, 1.0, 3.0, 5.0], 0.9 * FRICTION * PRESS * np.array([0.0, 1.0, -1.0, 1.0])), 0.0, -PRESS)
     )
     scene.add(joints.Drive(axle, 0.0, quantity="position"))
-    run = wf.simulate(scene, 5.0, step=0.25, kind="static", progress=False)
+    run = wf.static(scene, 5.0, step=0.25, progress=False)
     assert run.status == "completed", run.history.message
     x = run.history.bodies["cart"].position[:, 0]
     pull = -run.history.contacts["nip"].force[:, 0]
@@ -227,7 +227,7 @@ def pushed_over(grid: Any, pull: Any = None, way: Any = None) -> wf.Result:
         scene.add(forces.PointForce(bore, (table, 0.0, 0.0)))
     else:
         scene.add(joints.Drive(guide, table, quantity="position"))
-    run = wf.simulate(scene, len(OVER) - 1.0, step=1.0, kind="static", progress=False)
+    run = wf.static(scene, len(OVER) - 1.0, step=1.0, progress=False)
     assert run.status == "completed", run.history.message
     return run
 
@@ -255,7 +255,7 @@ def test_sliding_ends_a_static_run_at_once() -> None:
     """Just beyond mu P, and named."""
     scene, axle = on_floor((Table([0.0, 1.0], [0.0, 1.1 * FRICTION * PRESS]), 0.0, -PRESS))
     scene.add(joints.Drive(axle, 0.0, quantity="position"))
-    run = wf.simulate(scene, 1.0, step=0.1, kind="static", progress=False)
+    run = wf.static(scene, 1.0, step=0.1, progress=False)
     assert run.status == "no_equilibrium" and "body 'roller' does not come to rest" in run.history.message
     assert run.time[-1] == pytest.approx(0.9)
 

@@ -48,8 +48,8 @@ def swing(
     return scene
 
 
-def apart(scene: wf.Scene, **options: Any) -> wf.Result:
-    return wf.simulate(scene, STEPS * STEP, step=STEP, progress=False, **options)
+def apart(scene: wf.Scene, kind: str = "dynamic", **options: Any) -> wf.Result:
+    return (wf.static if kind == "static" else wf.simulate)(scene, STEPS * STEP, step=STEP, progress=False, **options)
 
 
 def beside(scenes: list[wf.Scene], **options: Any) -> list[wf.Result]:
@@ -84,12 +84,19 @@ def test_each_world_has_the_bits_of_its_scene_alone() -> None:
 
 
 def test_worlds_come_to_rest_each_by_itself() -> None:
-    assert_alike([swing(friction=0.0, stiffness=c) for c in (40.0, 4e5)], **REST, local="quasi_static")
+    assert_alike(
+        [swing(friction=0.0, stiffness=c) for c in (40.0, 4e5)],
+        **REST,
+        options=wf.RunOptions(local_modes="quasi_static"),
+    )
 
 
 def test_static_runs_and_options_go_to_all_worlds() -> None:
-    assert_alike([swing(friction=0.0, stiffness=c) for c in (40.0, 4e3)], kind="static", save_every=3)
-    assert_alike(swings()[:2], step_error=1e-7, integrator=wf.integrators.HHT(alpha=-0.1), energy_tolerance=1e-3)
+    assert_alike(
+        [swing(friction=0.0, stiffness=c) for c in (40.0, 4e3)], kind="static", options=wf.RunOptions(save_every=3)
+    )
+    options = wf.RunOptions(step_error=1e-7, integrator=wf.integrators.HHT(alpha=-0.1), energy_tolerance=1e-3)
+    assert_alike(swings()[:2], options=options)
 
 
 @pytest.fixture(scope="module")
@@ -137,6 +144,9 @@ def test_a_world_that_fails_stops_alone() -> None:
     sudden = wf.signals.Table((0.0, 3e-3, 3.1e-3, 1.0), (0.0, 0.0, 1e300, 1e300))
     found = assert_alike([swing(), swing(load=sudden), swing(mass=3.0)])
     assert [result.status for result in found] == ["completed", "not_finite", "completed"]
+    with pytest.raises(wf.RunError, match="^scene 1: not_finite: .*'bob'") as caught:
+        beside([swing(), swing(load=sudden)], check=True)
+    assert [result.status for result in caught.value.result] == ["completed", "not_finite"]
     assert 1 < len(found[1].time) < len(found[0].time) == STEPS + 1 and "bob" in found[1].message
 
 
@@ -179,14 +189,11 @@ def test_wrong_input_of_one_scene_is_that_of_the_call() -> None:
     with pytest.raises(InputError, match="^simulate_worlds: scene 1: a Scene is needed first"):
         wf.simulate_worlds([swing(), "scene"], 1.0, step=0.1)  # type: ignore[list-item]
     with pytest.raises(InputError, match="RungeKutta4 steps without the graph"):
-        beside([swing()], integrator=wf.integrators.RungeKutta4())
+        beside([swing()], options=wf.RunOptions(integrator=wf.integrators.RungeKutta4()))
     with pytest.raises(InputError, match="step_error is for runs in time"):
-        beside([swing()], kind="static", step_error=1e-3)
-    for name, value in {"step_error": -1.0, "save_every": 0, "energy_tolerance": 0.0}.items():
-        with pytest.raises(InputError, match=f"^simulate_worlds: {name} must be"):
-            beside([swing()], **{name: value})
+        beside([swing()], kind="static", options=wf.RunOptions(step_error=1e-3))
     with pytest.raises(InputError, match="^device 'cuda:99' is not available here"):
-        beside([swing()], device="cuda:99")
+        beside([swing()], options=wf.RunOptions(device="cuda:99"))
 
 
 def test_results_are_written_into_a_folder(tmp_path: Path) -> None:

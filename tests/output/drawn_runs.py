@@ -53,7 +53,7 @@ def oiled() -> Result:
 def rubbing_lap() -> Result:
     """The lap of `lap_runs` through half a cycle of its push."""
     step = lap_runs.PERIOD / 10.0
-    return wf.simulate(lap_runs.scene(), 0.5 * lap_runs.PERIOD, step=step, kind="static", progress=False)
+    return wf.static(lap_runs.scene(), 0.5 * lap_runs.PERIOD, step=step, progress=False)
 
 
 def loaded_bearing() -> Result:

@@ -47,4 +47,4 @@ def scene() -> wf.Scene:
 
 def static_run() -> Result:
     """Load steps through the cycles."""
-    return wf.simulate(scene(), CYCLES * PERIOD, step=PERIOD / STEPS, kind="static", progress=False)
+    return wf.static(scene(), CYCLES * PERIOD, step=PERIOD / STEPS, progress=False)

@@ -23,9 +23,9 @@ ORDER: list[Any] = [
     wf.Material, wf.mesh.roller, wf.mesh.box, wf.mesh.sleeve, wf.mesh.read, wf.surfaces.Cylinder, wf.reduce,
     wf.ReducedBody.info, wf.Scene, wf.Scene.add_rigid_body, wf.Scene.add_body, wf.Contact, wf.joints.Fixed,
     wf.joints.Prismatic, wf.forces.JointSpringDamper, wf.forces.PointForce, wf.sensors.Position, wf.signals.Table,
-    wf.signals.SmoothStep, wf.equilibrium, wf.simulate, wf.Result.contact, wf.Result.body, wf.Result.force,
-    wf.Result.sensor,
-    wf.Result.report, wf.Result.plot, wf.Result.to_dataframe, wf.compare, wf.joints.Revolute, wf.joints.Drive,
+    wf.signals.SmoothStep, wf.equilibrium, wf.RunOptions, wf.simulate, wf.static, wf.Result.contact, wf.Result.body,
+    wf.Result.force, wf.Result.sensor, wf.Result.report,
+    wf.Result.plot, wf.Result.to_dataframe, wf.compare, wf.joints.Revolute, wf.joints.Drive,
     wf.GeneralizedAlpha, run_scene,
 ]  # fmt: skip
 MOST_USED = 20

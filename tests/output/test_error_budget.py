@@ -49,7 +49,9 @@ def run(scene: wf.Scene, duration: float, step: float, **options: Any) -> wf.Res
 def true_error(scene: wf.Scene, result: wf.Result, step: float) -> float:
     """Root mean square of the error of the motion of the bob over its size."""
     own = quantities(result.history)[MOTION]
-    finer = quantities(run(scene, float(result.time[-1]), step / FINER, save_every=FINER).history)[MOTION]
+    finer = quantities(
+        run(scene, float(result.time[-1]), step / FINER, options=wf.RunOptions(save_every=FINER)).history
+    )[MOTION]
     return float(np.sqrt(np.mean(own.apart(finer.values) ** 2))) / own.size
 
 
@@ -106,7 +108,7 @@ def test_it_falls_with_the_square_of_the_step() -> None:
 def test_a_continued_run_and_sparse_rows_have_one() -> None:
     scene = pendulum()
     first = run(scene, 1.0, 2e-3)
-    rest = run(scene, 1.0, 2e-3, start=first, save_every=5)
+    rest = run(scene, 1.0, 2e-3, start=first, options=wf.RunOptions(save_every=5))
     true = true_error_from(scene, first, rest)
     assert true / FACTOR < size(rest, "time step", MOTION) < true * FACTOR
 
@@ -114,7 +116,7 @@ def test_a_continued_run_and_sparse_rows_have_one() -> None:
 def true_error_from(scene: wf.Scene, first: wf.Result, rest: wf.Result) -> float:
     """As `true_error`, of a run that goes on: its own part alone, from the state that it begins with."""
     own = quantities(rest.history)[MOTION]
-    finer = run(scene, 1.0, 2e-3 / FINER, start=first, save_every=5 * FINER)
+    finer = run(scene, 1.0, 2e-3 / FINER, start=first, options=wf.RunOptions(save_every=5 * FINER))
     return float(np.sqrt(np.mean(own.apart(quantities(finer.history)[MOTION].values) ** 2))) / own.size
 
 
@@ -151,7 +153,7 @@ def test_a_file_keeps_it(tmp_path: Path) -> None:
 
 def test_stages_have_the_largest_of_each() -> None:
     scene = pendulum()
-    result = wf.simulate(scene, stages=[wf.Stage("a", 0.2, 1e-2), wf.Stage("b", 0.2, 2e-3)], progress=False)
+    result = wf.simulate(scene, [wf.Stage("a", 0.2, 1e-2), wf.Stage("b", 0.2, 2e-3)], progress=False)
     each = [size(part, "time step", MOTION) for part in result.stages.values()]  # type: ignore[attr-defined]
     assert size(result, "time step", MOTION) == max(each)
 

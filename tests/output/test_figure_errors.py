@@ -172,6 +172,6 @@ def test_micro_slip_is_not_rolling() -> None:
     scene.add(
         wf.Contact(lower["rim"], upper["rim"], friction=0.3, grid="contact_fixed", cells=(7, 7), name=rollers.PAIR)
     )
-    lines = wf.simulate(scene, 3.0, step=1.0, kind="static", progress=False).error_budget()
+    lines = wf.static(scene, 3.0, step=1.0, progress=False).error_budget()
     for name in ("work of friction", f"friction power of {PAIR}"):
         assert [line.source for line in lines if line.of == name and not line.found] == [UNKNOWN], name

@@ -100,7 +100,7 @@ def pressed_sheets() -> tuple[Result, np.ndarray, np.ndarray]:
         direction = sign * np.eye(3)[axis]
         scene.add(forces.PointForce(bodies[k][name], (signals.Table(times, path[:, n]), direction)))
         columns.append(model.spread(k, name, direction))
-    run = wf.simulate(scene, times[-1], step=1.0, kind="static", progress=False)
+    run = wf.static(scene, times[-1], step=1.0, progress=False)
     loads = np.stack(columns, axis=1) @ path.T
     cells = facet_cells(model, (0, "z_max"), (1, "z_min"))
     lap = run.contact("lap")

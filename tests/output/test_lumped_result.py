@@ -14,6 +14,7 @@ from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.scene import Scene
 from warpffrf.online.stages import Stage
 from warpffrf.output.files.fields import LUMPED_FIELDS
+from warpffrf.output.options import RunOptions
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
@@ -74,7 +75,7 @@ def test_report_plot_and_recording(result: Result, tmp_path: Path) -> None:
 
 def test_stages_join(result: Result) -> None:
     stages = [Stage("first", 2e-3, 1e-4), Stage("second", 2e-3, 1e-4)]
-    joined = simulate(roller_on_floor(), stages=stages, progress=False)
+    joined = simulate(roller_on_floor(), stages, progress=False)
     np.testing.assert_allclose(
         joined.lumped_contact("line").force[-1], result.lumped_contact("line").force[-1], rtol=1e-12
     )
@@ -82,7 +83,7 @@ def test_stages_join(result: Result) -> None:
 
 def test_integrators_that_lack_them_say_so() -> None:
     with pytest.raises(InputError, match="lumped_contact 'line': only scenes of free bodies"):
-        simulate(roller_on_floor(), 1e-3, step=1e-4, integrator=RungeKutta4(), progress=False)
+        simulate(roller_on_floor(), 1e-3, step=1e-4, options=RunOptions(integrator=RungeKutta4()), progress=False)
 
 
 def test_friction_is_noted_where_it_does_not_act() -> None:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import warpffrf as wf
 from warpffrf.model.errors import InputError, RunError
 from warpffrf.online.history.history import History
 from warpffrf.output import simulate as module
+from warpffrf.output.options import RunOptions
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium, simulate
 
@@ -53,7 +56,13 @@ def test_arguments_reach_the_engine_and_files_are_written(
     calls: list, scene: Any, history: History, tmp_path: Path
 ) -> None:
     result = simulate(
-        scene, 0.1, step=1e-4, save_every=3, results=tmp_path / "r.h5", record=tmp_path / "r.rrd", progress=False
+        scene,
+        0.1,
+        step=1e-4,
+        options=RunOptions(save_every=3),
+        results=tmp_path / "r.h5",
+        record=tmp_path / "r.rrd",
+        progress=False,
     )
     ((given, duration, options),) = calls
     assert given is scene and duration == 0.1
@@ -73,19 +82,14 @@ def test_files_are_told_with_their_sizes_and_seconds(
 ) -> None:
     history.notes.append("something was left out")
     with caplog.at_level("INFO", "warpffrf"):
-        result = simulate(
-            scene, 0.1, step=1e-4, results=tmp_path / "r.h5", record=tmp_path / "r.rrd", record_every=2, progress=False
-        )
+        result = simulate(scene, 0.1, step=1e-4, results=tmp_path / "r.h5", record=tmp_path / "r.rrd", progress=False)
     results, recording = result.written
     assert (results.what, recording.what) == ("results", "recording")
     for file in result.written:
         assert file.size == file.path.stat().st_size and 0.0 < file.seconds < 60.0
         assert str(file) in result.report() and str(file) in caplog.text
     assert "note: something was left out" in caplog.text
-    drawn = len(range(0, len(result.time), 2)) + (len(result.time) + 1) % 2  # and the last row
-    assert f"recording: {drawn} frames, every 2 of {len(result.time)} saved rows" in caplog.text
-    with pytest.raises(InputError, match="record_every must be a whole number of at least 1"):
-        simulate(scene, 0.1, step=1e-4, record=tmp_path / "r.rrd", record_every=0)
+    assert f"recording: {len(result.time)} frames, every 1 of {len(result.time)} saved rows" in caplog.text
 
 
 def test_a_run_that_ended_early_is_written_as_well(calls: list, scene: Any, history: History, tmp_path: Path) -> None:
@@ -141,11 +145,59 @@ def test_another_scenes_result_is_refused(calls: list, result: Result) -> None:
     assert not calls
 
 
-@pytest.mark.parametrize("option", ["start", "kind", "local"])
-def test_unknown_options_list_the_known(calls: list, scene: Any, option: str) -> None:
-    with pytest.raises(InputError, match=f"{option} (is )?'nonsense'.*; known: '"):
-        simulate(scene, 0.1, step=1e-4, **{option: "nonsense"})  # pyright: ignore[reportArgumentType]
+def test_unknown_words_list_the_known(calls: list, scene: Any) -> None:
+    with pytest.raises(InputError, match="start is 'nonsense'; known: '"):
+        simulate(scene, 0.1, step=1e-4, start="nonsense")
+    with pytest.raises(InputError, match="local_modes 'nonsense' does not exist; known: '"):
+        RunOptions(local_modes="nonsense")
     assert not calls
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"step_error": -1.0}, "step_error must be greater than zero"),
+        ({"energy_tolerance": 0.0}, "energy_tolerance must be greater than zero"),
+        ({"energy_tolerance": 1e-5, "integrator": wf.integrators.RungeKutta4()}, "energy_tolerance halves steps"),
+        ({"integrator": "hht"}, "integrator must be one of integrators.GeneralizedAlpha"),
+        ({"save_every": 0}, "save_every must be a whole number of at least 1"),
+        ({"save_every": 2.5}, "save_every must be a whole number"),
+        ({"device": 0}, "device must be 'cpu' or 'cuda:0'"),
+        ({"project_start": 1}, "project_start must be True or False"),
+    ],
+)
+def test_wrong_options_are_refused_at_construction(options: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=f"^RunOptions: {said}"):
+        RunOptions(**options)
+
+
+def test_options_are_an_object_and_show_what_was_chosen(calls: list, scene: Any) -> None:
+    assert repr(RunOptions(save_every=3, device="cpu")) == "RunOptions(save_every=3, device='cpu')"
+    with pytest.raises(InputError, match="^simulate: options must be wf.RunOptions"):
+        simulate(scene, 0.1, step=1e-4, options={"save_every": 3})  # pyright: ignore[reportArgumentType]
+    assert not calls
+
+
+@pytest.mark.parametrize(
+    ("call", "argument", "said"),
+    [
+        (simulate, "kind", "a static run is wf.static("),
+        (simulate, "local", "it belongs to options=wf.RunOptions(local_modes=...)"),
+        (simulate, "save_every", "it belongs to options=wf.RunOptions(save_every=...)"),
+        (simulate, "savevery", "it belongs to options=wf.RunOptions(save_every=...)"),
+        (simulate, "device", "it belongs to options=wf.RunOptions(device=...)"),
+        (simulate, "stages", "it is called 'duration' now"),
+        (simulate, "record_every", "write the recording with wf.record(result, path, every=...)"),
+        (simulate, "keep_every", "leave it out"),
+        (wf.simulate_worlds, "step_error", "it belongs to options=wf.RunOptions(step_error=...)"),
+        (wf.study.sweep, "equilibrium", "it is run=wf.equilibrium now"),
+        (wf.study.sweep, "client", "it is workers=... now"),
+        (wf.study.speed_error, "step", "it is run=functools.partial(wf.simulate, step=...) now"),
+    ],
+)
+def test_arguments_of_before_name_the_new_ones(call: Any, argument: str, said: str) -> None:
+    with pytest.raises(TypeError, match=f"there is no argument '{argument}'; {re.escape(said)}"):
+        call(None, None, **{argument: None})
 
 
 def test_equilibrium_is_a_result(calls: list, scene: Any, tmp_path: Path) -> None:

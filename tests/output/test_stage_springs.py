@@ -41,7 +41,7 @@ def test_a_spring_that_changes_is_booked_as_work(stiffness: float, free_length: 
         Stage("changed", 0.1, step, {"forces": {"spring": spring(scene, stiffness, free_length)}}),
         Stage("back", 0.1, step),
     ]
-    result = wf.simulate(scene, stages=stages, progress=False)
+    result = wf.simulate(scene, stages, progress=False)
     assert result.status == "completed"
     e, x = result.energy, result.body("slider").position[:, 0]
     scale = result.energy_scale
@@ -65,7 +65,7 @@ def test_a_stage_that_changes_nothing_is_the_run_in_one_go() -> None:
     whole = wf.simulate(scene, 0.02, step=1e-3, progress=False)
     same = {"forces": {"spring": spring(scene, STIFFNESS, LENGTH)}}
     stages = [Stage("one", 0.01, 1e-3), Stage("two", 0.01, 1e-3, same)]
-    parts = wf.simulate(scene, stages=stages, progress=False)
+    parts = wf.simulate(scene, stages, progress=False)
     assert np.array_equal(whole.body("slider").position, parts.body("slider").position)
     for line, values in whole.energy.items():
         assert np.array_equal(values, parts.energy[line]), line
@@ -79,6 +79,6 @@ def test_a_table_is_judged_by_the_stage_that_uses_it() -> None:
     held = forces.PointForce(port, (2.0, 0.0, 0.0), name="held")
     stages = [Stage("one", 0.01, 1e-3), Stage("two", 0.01, 1e-3)]
     with pytest.raises(wf.InputError, match="'push': its signal covers 0 to 0.015 s, but 0.01 to 0.02 s"):
-        wf.simulate(scene, stages=stages, progress=False)
+        wf.simulate(scene, stages, progress=False)
     stages[1] = Stage("two", 0.01, 1e-3, {"forces": {"push": held}})
-    assert wf.simulate(scene, stages=stages, progress=False).status == "completed"
+    assert wf.simulate(scene, stages, progress=False).status == "completed"

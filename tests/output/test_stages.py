@@ -57,16 +57,22 @@ def assert_same(a: wf.Result, b: wf.Result) -> None:
 
 @pytest.fixture(scope="module")
 def whole(rolling: wf.Scene) -> wf.Result:
-    return simulate(rolling, 20 * STEP, step=STEP, start="equilibrium", save_every=2, progress=False)
+    return simulate(
+        rolling, 20 * STEP, step=STEP, start="equilibrium", options=wf.RunOptions(save_every=2), progress=False
+    )
 
 
 def test_a_run_continued_from_its_file_is_the_run_in_one_go(
     rolling: wf.Scene, whole: wf.Result, tmp_path: Path
 ) -> None:
     for steps in (1, 7):  # 7: between two saved rows
-        first = simulate(rolling, steps * STEP, step=STEP, start="equilibrium", save_every=2, progress=False)
+        first = simulate(
+            rolling, steps * STEP, step=STEP, start="equilibrium", options=wf.RunOptions(save_every=2), progress=False
+        )
         file = first.save(tmp_path / f"first{steps}.h5")
-        rest = simulate(rolling, (20 - steps) * STEP, step=STEP, start=file, save_every=2, progress=False)
+        rest = simulate(
+            rolling, (20 - steps) * STEP, step=STEP, start=file, options=wf.RunOptions(save_every=2), progress=False
+        )
         assert_same_state(whole, rest)
         assert first.time[-1] == pytest.approx(steps * STEP, rel=1e-12)
         assert np.array_equal(np.concatenate([first.time[:-1], rest.time]), whole.time)
@@ -75,11 +81,20 @@ def test_a_run_continued_from_its_file_is_the_run_in_one_go(
 def test_stages_with_one_step_are_the_run_in_one_go(rolling: wf.Scene, whole: wf.Result, tmp_path: Path) -> None:
     stages = [Stage("press", 3 * STEP, STEP), Stage("turn", 10 * STEP, STEP), Stage("roll", 7 * STEP, STEP)]
     file = tmp_path / "run.h5"
-    result = simulate(rolling, stages=stages, start="equilibrium", save_every=2, results=file, progress=False)
+    result = simulate(
+        rolling, stages, start="equilibrium", options=wf.RunOptions(save_every=2), results=file, progress=False
+    )
     assert isinstance(result, StagedResult) and list(result.stages) == ["press", "turn", "roll"]
     assert_same(whole, result)
     assert result.history.counters["steps"] == whole.history.counters["steps"] == 20
-    again = simulate(rolling, 7 * STEP, step=STEP, start=tmp_path / "run.turn.h5", save_every=2, progress=False)
+    again = simulate(
+        rolling,
+        7 * STEP,
+        step=STEP,
+        start=tmp_path / "run.turn.h5",
+        options=wf.RunOptions(save_every=2),
+        progress=False,
+    )
     assert_same(result.stages["roll"], again)
     assert np.array_equal(wf.Result.load(file).time, result.time)
     assert np.setdiff1d(result.time, whole.time) == pytest.approx([3 * STEP, 13 * STEP])  # the ends of stages
@@ -87,12 +102,14 @@ def test_stages_with_one_step_are_the_run_in_one_go(rolling: wf.Scene, whole: wf
 
 def test_an_equilibrium_is_continued_as_a_start_in_equilibrium(rolling: wf.Scene, whole: wf.Result) -> None:
     rest = wf.equilibrium(rolling)
-    assert_same(whole, simulate(rolling, 20 * STEP, step=STEP, start=rest, save_every=2, progress=False))
+    assert_same(
+        whole, simulate(rolling, 20 * STEP, step=STEP, start=rest, options=wf.RunOptions(save_every=2), progress=False)
+    )
 
 
 def test_a_stage_has_its_own_step_and_options() -> None:
     stages = [Stage("fine", 0.01, 1e-3), Stage("coarse", 0.02, 2e-3, {"save_every": 5})]
-    result = simulate(falling(), stages=stages, progress=False)
+    result = simulate(falling(), stages, progress=False)
     assert result.time == pytest.approx([*np.linspace(0.0, 0.01, 11), 0.02, 0.03])
     z = result.body("stone").position[:, 2]  # generalized-alpha is exact for a constant force
     assert z == pytest.approx(-0.5 * 9.81 * result.time**2, abs=1e-12)
@@ -105,7 +122,7 @@ def test_loads_of_a_stage_act_in_it_alone() -> None:
     strong = wf.forces.PointForce(stone.at((0, 0, 0)), (10.0, 0, 0))
     change = {"gravity": (0, 0, 0), "forces": {"push": strong}, "integrator": GeneralizedAlpha(1.0)}
     stages = [Stage("one", 0.1, 1e-4), Stage("two", 0.1, 1e-4, change), Stage("three", 0.1, 1e-4)]
-    result = simulate(scene, stages=stages, progress=False)
+    result = simulate(scene, stages, progress=False)
     v = result.body("stone").velocity
     at = [int(np.argmin(np.abs(result.time - t))) for t in (0.1, 0.2, 0.3)]
     # a load that jumps costs one step of its acceleration at most
@@ -120,7 +137,7 @@ def test_a_stage_that_fails_ends_the_run_and_keeps_what_there_is() -> None:
     scene = falling()
     endless = wf.forces.PointForce(scene.body("stone").at((0, 0, 0)), (1e308, 0, 0))
     stages = [Stage("good", 0.01, 1e-3), Stage("bad", 0.01, 1e-3, {"forces": {"push": endless}}), Stage("no", 1, 1e-3)]
-    result = simulate(scene, stages=stages, progress=False)
+    result = simulate(scene, stages, progress=False)
     assert isinstance(result, StagedResult) and list(result.stages) == ["good", "bad"]
     assert result.status != "completed" and result.message.startswith("stage 'bad': ")
     assert result.time[:11] == pytest.approx(np.linspace(0.0, 0.01, 11))
@@ -133,16 +150,16 @@ def test_wrong_stages_are_refused() -> None:
     elsewhere = wf.forces.PointForce(stone.at((0, 0, 1)), (1, 0, 0))
     for stages, said in [
         ([], "at least one"),
-        ("one", "must be a list"),
+        ("one", "or a list of Stage"),
         ([one, one], "two stages are called 'one'"),
         ([Stage("x", 1, 1, {"forces": {"pull": spring}})], "'pull' does not exist; known: 'push'"),
         ([Stage("x", 1, 1, {"forces": {"push": spring}})], "only be replaced by one of that kind"),
         ([Stage("x", 1, 1, {"forces": {"push": elsewhere}})], "only be replaced by one of that kind"),
         ([Stage("x", 1, 1, {"gravity": (0, 0)})], "gravity must have shape"),
-        ([Stage("x", 1, 1, {"local": "guess"})], "local 'guess' does not exist"),
+        ([Stage("x", 1, 1, {"local_modes": "guess"})], "local_modes 'guess' does not exist"),
     ]:
         with pytest.raises(wf.InputError, match=said):
-            simulate(scene, stages=stages, progress=False)  # pyright: ignore[reportArgumentType]
+            simulate(scene, stages, progress=False)  # pyright: ignore[reportArgumentType]
     for arguments, said in [
         (("", 1, 1), "non-empty"),
         (("x", 0, 1), "duration must be greater"),
@@ -152,10 +169,10 @@ def test_wrong_stages_are_refused() -> None:
         with pytest.raises(wf.InputError, match=said):
             Stage(*arguments)
     for options, said in [
-        ({}, "give duration and step, or stages"),
-        ({"duration": 1.0}, "give duration and step, or stages"),
-        ({"stages": [one], "step": 1e-3}, "leave those of the run out"),
-        ({"stages": [one], "start": "there.h5"}, "does not exist"),
+        ({"duration": 1.0}, "give step, or accuracy=, or a list of Stage"),
+        ({"duration": one, "step": 1e-3}, "or a list of Stage"),
+        ({"duration": [one], "step": 1e-3}, "leave that of the run out"),
+        ({"duration": [one], "start": "there.h5"}, "does not exist"),
     ]:
         with pytest.raises(wf.InputError, match=said):
             simulate(scene, **options)
@@ -186,7 +203,7 @@ def test_gravity_that_changes_between_stages_leaves_the_ledger_closed() -> None:
     scene = falling(4.0)
     scene.body("stone").position = (0.0, 0.0, 3.0)
     stages = [Stage("one", 0.1, 1e-3), Stage("two", 0.1, 1e-3, {"gravity": (0, 0, -1.0)}), Stage("three", 0.1, 1e-3)]
-    result = simulate(scene, stages=stages, progress=False)
+    result = simulate(scene, stages, progress=False)
     assert isinstance(result, StagedResult)
     more = simulate(scene, 0.1, step=1e-3, start=result.stages["two"], progress=False)
     assert more.energy["potential"][-1] == result.energy["potential"][-1]
@@ -203,10 +220,10 @@ def test_what_is_no_scene_no_integrator_and_no_number_is_refused() -> None:
     with pytest.raises(wf.InputError, match="a Scene is needed"):
         wf.equilibrium(None)  # pyright: ignore[reportArgumentType]
     with pytest.raises(wf.InputError, match="save_every must be a whole number"):
-        simulate(falling(), 1e-2, step=1e-3, save_every=2.5, progress=False)  # type: ignore[arg-type]
+        simulate(falling(), 1e-2, step=1e-3, options=wf.RunOptions(save_every=2.5), progress=False)  # type: ignore[arg-type]
     wrong = [Stage("a", 1e-2, 1e-3, {"integrator": "alpha"})]
     with pytest.raises(wf.InputError, match="stage 'a': integrator must be"):
-        simulate(falling(), stages=wrong, progress=False)
+        simulate(falling(), wrong, progress=False)
     with pytest.raises(wf.InputError, match="rho_inf must be a number"):
         GeneralizedAlpha(rho_inf="high")  # type: ignore[arg-type]
     with pytest.raises(wf.InputError, match="duration must be a number"):
@@ -215,14 +232,17 @@ def test_what_is_no_scene_no_integrator_and_no_number_is_refused() -> None:
 
 def test_report_says_over_what_iterations_are_counted() -> None:
     assert "iterations per step" in simulate(falling(), 1e-2, step=1e-3, progress=False).report()
-    assert "iterations per saved row" in simulate(falling(), 1e-2, step=1e-3, save_every=5, progress=False).report()
+    assert (
+        "iterations per saved row"
+        in simulate(falling(), 1e-2, step=1e-3, options=wf.RunOptions(save_every=5), progress=False).report()
+    )
 
 
 def test_angles_of_joints_go_on_counting_their_turns_over_stages() -> None:
     scene = wf.Scene()
     wheel = scene.add_rigid_body(1.0, (0.1, 0.1, 0.1), name="wheel", angular_velocity=(0.0, 0.0, 20.0))
     scene.add(wf.joints.Revolute(scene.ground, wheel.at((0.0, 0.0, 0.0)), axis=(0, 0, 1), name="hinge"))
-    result = wf.simulate(scene, stages=[wf.Stage("first", 0.5, 1e-2), wf.Stage("second", 0.5, 1e-2)], progress=False)
+    result = wf.simulate(scene, [wf.Stage("first", 0.5, 1e-2), wf.Stage("second", 0.5, 1e-2)], progress=False)
     hinge = result.joint("hinge")
     assert hinge.names == ("rotation",)
     # a free wheel keeps its rate: the angle is exact but for round-off of the projection at the start

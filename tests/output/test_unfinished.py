@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import pytest
 import unfinished_runs
-from unfinished_runs import FEW, OPTIONS, STEP, pendulum
+from unfinished_runs import FEW, KEEP_EVERY, STEP, pendulum
 
 import warpffrf as wf
 from scenes.rollers import guided_pair, roller_body
@@ -54,6 +54,11 @@ def counters(history: History) -> dict[str, float]:
 
 
 simulate = functools.partial(unfinished_runs.simulate, steps=FEW)
+
+
+@pytest.fixture(autouse=True)
+def kept_often(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(outputs, "KEEP_EVERY", KEEP_EVERY)
 
 
 @functools.cache
@@ -353,7 +358,7 @@ def test_what_goes_wrong_after_a_run_loses_no_result(tmp_path: Path, monkeypatch
 def test_parts_are_kept_no_more_often_than_they_may_cost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     clock = iter([0.0, 5.0, 7.0, 7.0, 8.0])
     monkeypatch.setattr(unfinished, "time", SimpleNamespace(monotonic=lambda: next(clock)))
-    run = unfinished.UnfinishedRun(tmp_path / "run.h5", {}, OPTIONS["keep_every"])
+    run = unfinished.UnfinishedRun(tmp_path / "run.h5", {}, KEEP_EVERY)
     monkeypatch.setattr(unfinished, "write_arrays", lambda *given: None)
     run.keep(Unfinished([{"saved_time": np.zeros(3)}], {}, Plan(0, 0, ())))
     run.settle()

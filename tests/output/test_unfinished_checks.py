@@ -9,6 +9,7 @@ import pytest
 from test_unfinished import first_rows, kept, same
 from unfinished_runs import CHECKS, STEP, top
 
+import warpffrf as wf
 from warpffrf.output.simulate import simulate
 
 ARRAYS = ("time", "energy", "bodies", "joints", "contacts", "forces", "sensors", "step_size", "iterations")
@@ -31,4 +32,4 @@ def check(scene: Any, folder: Path, steps: int, step: float, **options: Any) -> 
 
 @pytest.mark.parametrize("name", CHECKS)
 def test_a_check_goes_on_bit_for_bit(name: str, tmp_path: Path) -> None:
-    check(top(), tmp_path, 40, STEP, integrator=CHECKS[name], save_every=3)
+    check(top(), tmp_path, 40, STEP, options=wf.RunOptions(integrator=CHECKS[name], save_every=3))

@@ -19,13 +19,15 @@ from typing import Any
 import warpffrf as wf
 from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
 from warpffrf.model.messages.checkpoints import Unfinished
+from warpffrf.output import outputs
 from warpffrf.output.files.unfinished import UnfinishedRun
 
 STEP, STEPS = 1e-4, 30_000
 FEW = 8_000  # steps of a run that is forked
 REST = 2.0  # s
 CHECKS = {"runge-kutta": RungeKutta4(), "energy-momentum": EnergyMomentum()}
-OPTIONS: dict[str, Any] = {"progress": False, "keep_every": 0.02}
+OPTIONS: dict[str, Any] = {"progress": False}
+KEEP_EVERY = 0.02  # s
 
 
 def pendulum() -> wf.Scene:
@@ -50,20 +52,30 @@ def simulate(case: str, results: Path | None, steps: int = STEPS, **more: Any) -
     if case == "stages":
         half = 0.5 * steps * STEP
         parts = [wf.Stage("swing", half, STEP), wf.Stage("fall", half, STEP, {"gravity": (0.0, 0.0, -3.0)})]
-        return wf.simulate(pendulum(), stages=parts, results=results, **options)
+        return wf.simulate(pendulum(), parts, results=results, **options)
     if case in CHECKS:
         return wf.simulate(
-            top(), steps / 4 * STEP, step=STEP, integrator=CHECKS[case], save_every=3, results=results, **options
+            top(),
+            steps / 4 * STEP,
+            step=STEP,
+            options=wf.RunOptions(integrator=CHECKS[case], save_every=3),
+            results=results,
+            **options,
         )
     if case == "static":
-        return wf.simulate(pendulum(), steps * STEP, step=STEP, kind="static", results=results, **options)
+        return wf.static(pendulum(), steps * STEP, step=STEP, results=results, **options)
     every = {"sparse": 7, "recorded": 100}.get(case, 1)
     if case == "recorded" and results is not None:
         options["record"] = results.with_suffix(".rrd")
     step_error = 1e-7 if case == "adaptive" else None
     return wf.simulate(
-        pendulum(), steps * STEP, step=STEP, save_every=every, step_error=step_error, results=results, **options
-    )  # fmt: skip
+        pendulum(),
+        steps * STEP,
+        step=STEP,
+        options=wf.RunOptions(save_every=every, step_error=step_error),
+        results=results,
+        **options,
+    )
 
 
 def reduced(results: Path) -> wf.ReducedBody:
@@ -105,7 +117,8 @@ def program(case: str, results: Path, steps: int, every: float) -> None:
     if case == "reduced":
         reduced(results).save(results, overwrite=True)
         return
-    result = simulate(case, results, steps, keep_every=every)
+    outputs.KEEP_EVERY = every
+    result = simulate(case, results, steps)
     say(f"status {result.status} {len(result.unwritten)}")
 
 
@@ -123,7 +136,7 @@ def serve() -> None:
         os.dup2(os.open(pipe, os.O_WRONLY), 1)
         say_what_is_kept(REST)
         try:
-            program(case, Path(results), FEW, OPTIONS["keep_every"])
+            program(case, Path(results), FEW, KEEP_EVERY)
         finally:
             os._exit(0)
 
@@ -132,7 +145,7 @@ def main() -> None:
     if sys.argv[1] == "serve":
         serve()
         return
-    every = float(sys.argv[3]) if len(sys.argv) > 3 else OPTIONS["keep_every"]
+    every = float(sys.argv[3]) if len(sys.argv) > 3 else KEEP_EVERY
     if limit := os.environ.get("FILE_LIMIT"):  # bytes: as on a full disk, writing more fails
         resource.setrlimit(resource.RLIMIT_FSIZE, (int(limit), int(limit)))
     say_what_is_kept()

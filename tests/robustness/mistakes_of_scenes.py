@@ -222,20 +222,18 @@ CONTACTS = (
 )
 
 RUNS = (
-    Mistake("savevery=", lambda w: w.run(savevery=2), ("did you mean 'save_every'?",)),
+    Mistake("savevery=", lambda w: w.run(savevery=2), ("it belongs to options=wf.RunOptions(save_every=...)",)),
     Mistake("a file for a scene", lambda w: simulate("press.toml", 1.0, step=1e-3), ("a Scene is needed",)),
-    Mistake("no step", lambda w: simulate(w.scene, 1.0), ("give duration and step",)),
+    Mistake("no step", lambda w: simulate(w.scene, 1.0), ("give step, or accuracy=",)),
     Mistake("step by place", lambda w: simulate(w.scene, 1.0, 1e-3), ("step=...",)),
     Mistake("a negative step", lambda w: w.run(step=-1e-3), ("step must be greater than zero",)),
     Mistake("start='equilibirum'", lambda w: w.run(start="equilibirum"), ("'equilibrium'",)),
-    Mistake("integrator='hht'", lambda w: w.run(integrator="hht"), ("integrators.HHT()",)),
+    Mistake("integrator='hht'", lambda w: w.run(options=wf.RunOptions(integrator="hht")), ("integrators.HHT()",)),
     Mistake("rho_inf=2", lambda w: wf.GeneralizedAlpha(rho_inf=2.0), ("rho_inf",)),
     Mistake("results as text", lambda w: w.run(results=w.folder / "x.txt"), (".h5",)),
     Mistake("a foreign file", lambda w: w.run(results=w.file("x.h5", "my notes")), ("x.h5", "another")),
     Mistake("resume without results", lambda w: w.run(resume=True), ("give results",)),
-    Mistake(
-        "stages and a duration", lambda w: w.run(stages=[wf.Stage("a", 0.1, 1e-3)]), ("leave those of the run out",)
-    ),
+    Mistake("stages and a step", lambda w: w.run(duration=[wf.Stage("a", 0.1, 1e-3)]), ("leave that of the run out",)),
     Mistake("accuracy in per cent", lambda w: w.run(accuracy=1.0), ("accuracy",)),
     Mistake(
         "velocities against a joint",
@@ -255,7 +253,7 @@ RUNS = (
     Mistake("a scene without bodies", lambda w: wf.Scene().check(), ("scene.add_body",)),
     Mistake(
         "static with an integrator",
-        lambda w: w.run(kind="static", integrator=wf.GeneralizedAlpha()),
+        lambda w: wf.static(w.scene, 0.1, step=0.1, options=wf.RunOptions(integrator=wf.GeneralizedAlpha())),
         ("integrator is for runs in time",),
     ),
 )

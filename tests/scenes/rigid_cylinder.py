@@ -24,6 +24,7 @@ from warpffrf.model.reduced.contact_surface import Recovery
 from warpffrf.model.reduced.data import DisplaySurface
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha
+from warpffrf.output.options import RunOptions
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
 
@@ -174,7 +175,8 @@ def _run(
         options |= {"variant": "low_rank", "stick_stiffness": None if stick is None else stick * unit}
         result = monolithic.simulate(scene, duration, at_nodes=True, **options)
     else:
-        result = simulate(scene, duration, **options)
+        own = RunOptions(integrator=options.pop("integrator"))
+        result = simulate(scene, duration, options=own, **options)
     if result.status != "completed":
         raise RuntimeError(f"{quadrature}: {result.status}: {result.message}")
     return result

@@ -74,4 +74,6 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
 def run(scene: wf.Scene, *, progress: bool = True) -> wf.Result:
     """Tilting, waiting and rotating, from the static state of the level roller."""
     end, integrator = TILTING + WAITING + TURNING, wf.GeneralizedAlpha(RHO_INF)
-    return wf.simulate(scene, end, step=STEP, start="equilibrium", integrator=integrator, progress=progress)
+    return wf.simulate(
+        scene, end, step=STEP, start="equilibrium", options=wf.RunOptions(integrator=integrator), progress=progress
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from warpffrf.model.messages.progress import terminated_as_interrupted
 
 GRAVITY, MASS = 9.81, 2.0  # m/s2, kg
 TIMES = {"duration": 0.01, "step": 1e-3}
+IN_TIME = partial(wf.simulate, **TIMES)
 FILE = """
 title = "bob"
 [parameters]
@@ -60,9 +62,9 @@ def named_bob(name: str) -> wf.Scene:
     return bob(1000.0, name=name)
 
 
-def timed_bob(stiffness: float, duration: float) -> tuple[wf.Scene, dict[str, Any]]:
+def timed_bob(stiffness: float, duration: float) -> tuple[wf.Scene, Any]:
     """A bob whose runs have different lengths [s]."""
-    return bob(stiffness), {"duration": duration, "step": 1e-3}
+    return bob(stiffness), partial(wf.simulate, duration=duration, step=1e-3)
 
 
 def shy_bob(stiffness: float) -> wf.Scene:

@@ -1,6 +1,7 @@
 """Studies of speed against error: times, errors, fronts, orders, going on, refusals."""
 
 import re
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,10 @@ def pendulum(arm: float = 0.5) -> wf.Scene:
     bob = scene.add_rigid_body(2.0, (0.01, 0.01, 0.01), name="bob", position=(arm, 0.0, 0.0))
     scene.add(wf.joints.Revolute(scene.ground, bob.at((-arm, 0.0, 0.0)), axis=(0, 1, 0), name="hinge"))
     return scene
+
+
+def in_time(duration: float, step: float = 2e-3) -> partial:
+    return partial(wf.simulate, duration=duration, step=step)
 
 
 def test_times_are_common_multiples_and_none_is_made_up() -> None:
@@ -90,8 +95,8 @@ def test_front_is_that_of_brute_force() -> None:
 def test_order_two_of_a_pendulum_and_going_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from warpffrf.study.speed_against_error import study as room
 
-    how = {"step": 2e-3, "choices": {"step": [8e-3, 4e-3, 2e-3]}, "rounds": 2, "progress": False}
-    whole = wf.study.speed_error(pendulum, 0.4, **how)
+    how = {"run": in_time(0.4), "choices": {"step": [8e-3, 4e-3, 2e-3]}, "rounds": 2, "progress": False}
+    whole = wf.study.speed_error(pendulum, **how)
     (order,) = whole.orders()
     assert np.all(np.abs(order.orders - 2.0) < 0.15)  # next term is of third order in the step
     steps, errors = zip(*((r.setting["step"], r.errors["displacement"]) for r in whole.rows), strict=True)
@@ -107,14 +112,14 @@ def test_order_two_of_a_pendulum_and_going_on(tmp_path: Path, monkeypatch: pytes
 
     monkeypatch.setattr(room, "run_setting", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        wf.study.speed_error(pendulum, 0.4, out=tmp_path, **how)
-    resumed = wf.study.speed_error(pendulum, 0.4, out=tmp_path, **how)
+        wf.study.speed_error(pendulum, out=tmp_path, **how)
+    resumed = wf.study.speed_error(pendulum, out=tmp_path, **how)
     assert len(calls) == 2 + 2 * 3 + 1
     assert [r.label for r in resumed.rows] == [r.label for r in whole.rows]
     assert [r.errors for r in resumed.rows] == [r.errors for r in whole.rows]
     assert all(len(r.walls) == 2 for r in resumed.rows)
     with pytest.raises(InputError, match="another scene"):
-        wf.study.speed_error(pendulum, 0.4, out=tmp_path, parameters={"arm": 0.4}, **how)
+        wf.study.speed_error(pendulum, out=tmp_path, parameters={"arm": 0.4}, **how)
     apart, least = whole.reference["apart"]["displacement"], min(errors)
     assert apart < least
     with pytest.raises(InputError, match="least reached"):
@@ -122,7 +127,7 @@ def test_order_two_of_a_pendulum_and_going_on(tmp_path: Path, monkeypatch: pytes
     with pytest.raises(InputError, match=re.escape(f"differs from twice its own step by {apart:.2g}")):
         whole.recommended(0.9 * apart)
     assert [len(found.sittings) for found in (whole, resumed)] == [1, 2]
-    again = wf.study.speed_error(pendulum, 0.4, out=tmp_path, **how)
+    again = wf.study.speed_error(pendulum, out=tmp_path, **how)
     assert again.sittings == resumed.sittings  # nothing was timed
     (facts,) = whole.sittings
     assert f"U = {facts['unit_seconds'] * 1e6:.4g} us" in whole.report()
@@ -136,7 +141,7 @@ def test_order_two_of_a_pendulum_and_going_on(tmp_path: Path, monkeypatch: pytes
 def test_tables_group_runs_and_leave_out_what_says_nothing() -> None:
     def row(grid: str, step: float, error: float) -> Row:
         return Row(
-            {"step": step, "grid": grid, "local": "quasi_static"}, "completed", errors={"force": error},
+            {"step": step, "grid": grid, "local_modes": "quasi_static"}, "completed", errors={"force": error},
             walls=[1e-4 / step], graphs=[0.9e-4 / step], set_up=[0.1], after=[0.2], offline=3.0,
         )  # fmt: skip
 
@@ -172,7 +177,7 @@ def test_a_sitting_says_what_it_was_beside() -> None:
 
 def test_pictures_hold_the_rows_and_the_reference(tmp_path: Path) -> None:
     found = wf.study.speed_error(
-        pendulum, 0.4, step=2e-3, choices={"step": [8e-3, 4e-3, 2e-3], "arm": [0.4, 0.5]},
+        pendulum, in_time(0.4), choices={"step": [8e-3, 4e-3, 2e-3], "arm": [0.4, 0.5]},
         reference={"arm": 0.5}, measures=["displacement"], rounds=1, progress=False,
     )  # fmt: skip
     files = [file.name for file in found.write(tmp_path)]
@@ -192,17 +197,21 @@ def test_pictures_hold_the_rows_and_the_reference(tmp_path: Path) -> None:
     circled = {float(x) for x in figures["fastest"].axes[0].lines[2].get_xdata()}
     assert circled == {row.fastest for row in found.front("displacement")}
     assert "quasi_static: order" in figures["step"].axes[0].get_title()
-    alone = wf.study.speed_error(pendulum, 0.1, step=2e-3, choices={"arm": [0.5, 0.4]}, rounds=1, progress=False)
+    alone = wf.study.speed_error(pendulum, in_time(0.1), choices={"arm": [0.5, 0.4]}, rounds=1, progress=False)
     assert steps_figure(alone.rows, alone.measures, alone.reference["apart"], [], "t") is None
 
 
 def test_refusals_name_the_thing_and_the_cure() -> None:
     with pytest.raises(InputError, match="no contact; add a Contact"):
-        wf.study.speed_error(pendulum, 0.1, step=1e-3, measures=["force"], progress=False)
+        wf.study.speed_error(pendulum, in_time(0.1, 1e-3), measures=["force"], progress=False)
     with pytest.raises(InputError, match="more than 200"):
-        wf.study.speed_error(pendulum, 0.1, step=1e-3, choices={"step": [1e-3] + [1e-3 / n for n in range(2, 300)]})
-    with pytest.raises(InputError, match="cannot be chosen for a Scene"):
-        wf.study.speed_error(pendulum(), 0.1, step=1e-3, choices={"arm": [0.4, 0.5]}, progress=False)
+        wf.study.speed_error(pendulum, in_time(0.1, 1e-3), choices={"step": [1e-3] + [1e-3 / n for n in range(2, 300)]})
+    with pytest.raises(InputError, match="give duration and step"):
+        wf.study.speed_error(pendulum, progress=False)
+    with pytest.raises(InputError, match="must be a run in time"):
+        wf.study.speed_error(pendulum, wf.equilibrium, progress=False)
+    with pytest.raises(InputError, match="no choice of a Scene"):
+        wf.study.speed_error(pendulum(), in_time(0.1, 1e-3), choices={"arm": [0.4, 0.5]}, progress=False)
 
 
 def test_command_runs_a_scene_file_and_refuses_in_one_line(tmp_path: Path) -> None:
@@ -240,7 +249,10 @@ def test_command_runs_a_scene_file_and_refuses_in_one_line(tmp_path: Path) -> No
 def test_choices_name_integrators_and_the_step_as_scene_files_do() -> None:
     found = choices_of(['integrator={kind="hht", alpha=-0.3}, "generalized_alpha"', "simulate.step=2e-3,1e-3"])
     assert found == {"integrator": [HHT(alpha=-0.3), GeneralizedAlpha()], "step": [2e-3, 1e-3]}
-    assert choices_of(["integrator=hht,newmark", "local=hht"]) == {"integrator": [HHT(), Newmark()], "local": ["hht"]}
+    assert choices_of(["integrator=hht,newmark", "local_modes=hht"]) == {
+        "integrator": [HHT(), Newmark()],
+        "local_modes": ["hht"],
+    }
     assert choices_of(["bodies.bob.mass=1,2"]) == {"bodies.bob.mass": [1, 2]}
     with pytest.raises(InputError, match="'hhtt'.*generalized_alpha"):
         choices_of(["integrator=hhtt"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import h5py
 import meshio
 import numpy as np
 import pytest
-from sweep_scenes import GRAVITY, TIMES, bob, fall, named_bob, rest, scene_file, shy_bob, timed_bob
+from sweep_scenes import GRAVITY, IN_TIME, TIMES, bob, fall, named_bob, rest, scene_file, shy_bob, timed_bob
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
@@ -54,7 +55,7 @@ gravity = ["= load", 0, 0]
 def run(
     store: Path, parameters: Any, outputs: Any = ("last(body_position_z[bob])",), scene: Any = bob, **options: Any
 ) -> Any:
-    times = {} if scene is timed_bob or "equilibrium" in options else {"simulate": TIMES}
+    times = {} if scene is timed_bob or "run" in options else {"run": IN_TIME}
     return wf.study.sweep(scene, parameters, outputs=outputs, store=store, progress=False, **times, **options)
 
 
@@ -139,8 +140,8 @@ def test_runs_of_other_lengths_have_their_own_times_and_nan_behind(tmp_path: Pat
     from warpffrf.study.sweeps.table import Table
 
     own = wf.study.sweep(
-        lambda step: (bob(1e3), {"duration": 0.004, "step": step}), {"step": [1e-3, 2e-3]}, progress=False,
-        store=tmp_path / "t", outputs={"height": name, "end": fall},
+        lambda step: (bob(1e3), partial(wf.simulate, duration=0.004, step=step)), {"step": [1e-3, 2e-3]},
+        progress=False, store=tmp_path / "t", outputs={"height": name, "end": fall},
     )  # fmt: skip
     assert own["time_of_run"].shape == (2, 5)
     for axis, words in (("time", "see 'time_of_run'"), ("end[0]", "did you mean 'end'")):
@@ -158,7 +159,7 @@ def test_equilibria_of_a_scene_file(tmp_path: Path) -> None:
         {"spring.stiffness": STIFFNESS},
         {"z": "last(body_position_z[bob])"},
         scene_file(tmp_path),
-        equilibrium={},
+        run=wf.equilibrium,
     )
     assert np.allclose(found["z"], [rest(k) for k in STIFFNESS], rtol=1e-9)  # equilibria are found to 1e-10
     assert found.definition["call"] == "equilibrium"
@@ -181,10 +182,10 @@ def test_a_file_that_is_edited_while_a_sweep_runs_is_the_one_that_was_read(tmp_p
         return 0.0
 
     parameters, outputs = {"spring.stiffness": STIFFNESS}, {"z": z, "edit": edited}
-    found = run(tmp_path / "s", parameters, outputs, file, equilibrium={})
+    found = run(tmp_path / "s", parameters, outputs, file, run=wf.equilibrium)
     assert np.allclose(found["z"], [rest(k) for k in STIFFNESS], rtol=1e-9)  # equilibria are found to 1e-10
     with pytest.raises(InputError, match="the scene differs"):
-        run(tmp_path / "s", parameters, outputs, file, equilibrium={}, resume=True)
+        run(tmp_path / "s", parameters, outputs, file, run=wf.equilibrium, resume=True)
 
 
 def test_rows_that_fail_are_rows_with_their_message(tmp_path: Path) -> None:
@@ -205,25 +206,39 @@ def test_a_first_row_that_fails_is_a_row_as_others_are(tmp_path: Path) -> None:
         wf.study.sweep(bob, {"stiffness": [1e3]}, outputs=["energy[kinetic]"], store=tmp_path / "t", progress=False)
 
 
-@pytest.mark.parametrize(("name", "value"), [("device", "cpu"), ("progress", False)])
-def test_options_that_a_sweep_says_are_refused_of_a_function_and_of_a_file(
-    tmp_path: Path, name: str, value: Any
-) -> None:
+def test_an_argument_that_a_sweep_sets_is_refused_of_a_function(tmp_path: Path) -> None:
     def build(stiffness: float) -> Any:
-        return bob(stiffness), {name: value}
+        return bob(stiffness), partial(wf.simulate, progress=False)
 
     for worlds in (1, 2):
-        with pytest.raises(InputError, match=f"simulate: {name} is an argument of sweep; give it there"):
+        with pytest.raises(InputError, match="simulate: progress is an argument of sweep; give it there"):
             run(tmp_path / "s", {"stiffness": STIFFNESS}, scene=build, worlds=worlds)
-    if name == "device":  # progress is none of a file
-        file = scene_file(tmp_path)
-        file.write_text(file.read_text() + 'device = "cpu"\n')
-        with pytest.raises(InputError, match="simulate: device is an argument of sweep; give it there"):
-            run(tmp_path / "t", {"spring.stiffness": STIFFNESS}, scene=file)
+
+
+def test_options_of_the_sweep_prevail_over_those_of_a_file(tmp_path: Path) -> None:
+    """Field by field: those at their default stay as the file has them."""
+    file = scene_file(tmp_path)
+    file.write_text(file.read_text() + 'save_every = 5\ndevice = "cpu"\n')
+    name, parameters = "body_position_z[bob]", {"spring.stiffness": STIFFNESS}
+    of_file = run(tmp_path / "t", parameters, [name], file, run=wf.simulate)
+    assert of_file[name].shape == (3, 3) and set(of_file["device"]) == {"cpu"}
+    given = partial(wf.simulate, options=wf.RunOptions(integrator=wf.integrators.HHT()))
+    other = run(tmp_path / "u", parameters, [name], file, run=given)
+    assert other[name].shape == (3, 3) and not np.array_equal(other[name], of_file[name])
+    assert "save_every=5" in other.definition["options"]["options"] and "HHT" in other.definition["options"]["options"]
+
+
+def test_static_runs_also_as_worlds(tmp_path: Path) -> None:
+    """Load steps of a hanging bob: its rest, in each world."""
+    static = partial(wf.static, duration=1.0, step=0.5)
+    for worlds in (1, 3):
+        found = run(tmp_path / f"s{worlds}", {"stiffness": STIFFNESS}, run=static, worlds=worlds)
+        assert np.allclose(found["last(body_position_z[bob])"], [rest(k) for k in STIFFNESS], rtol=1e-9)
+        assert found["worlds"].tolist() == [worlds] * 3
 
 
 def test_a_run_that_ends_early_keeps_its_status(tmp_path: Path) -> None:
-    found = run(tmp_path / "s", {"stiffness": [1e3]}, scene=bob, error_budget=True)
+    found = run(tmp_path / "s", {"stiffness": [1e3]}, ["energy[kinetic]", "error_budget"], bob)
     with found.to_xarray() as data:
         assert data["error_budget"].dims == ("run", "error_source") and "time step" in data["error_source"].values
 
@@ -309,9 +324,12 @@ def test_axes_of_arrays_are_called_as_nothing_else(tmp_path: Path) -> None:
 
 def test_options_that_a_sweep_says_itself_are_refused(tmp_path: Path) -> None:
     cases: Any = (
-        ({"simulate": {"results": "a.h5"}}, "files of single runs"),
-        ({"simulate": {"device": "cpu"}}, "argument of sweep"),
-        ({"simulate": TIMES, "equilibrium": {}}, "not both"),
+        ({"run": partial(wf.simulate, results="a.h5")}, "files of single runs"),
+        ({"run": partial(wf.simulate, progress=True)}, "argument of sweep"),
+        ({"run": partial(wf.simulate, bob(1.0))}, "all arguments by name"),
+        ({"run": wf.eigenmodes}, "run must be wf.simulate, wf.static or wf.equilibrium"),
+        ({"workers": ["cpu", 0]}, "workers must be devices"),
+        ({"workers": None}, "workers must be a number of processes"),
         ({}, "has no run options"),
     )
     for options, words in cases:

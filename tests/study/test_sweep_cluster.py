@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sweep_scenes import TIMES, bob, deadly_bob
+from sweep_scenes import IN_TIME, bob, deadly_bob
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
@@ -24,7 +24,7 @@ FOLDER = Path(__file__).resolve().parent
 
 
 def run(store: Path, scene: Any = bob, **options: Any) -> Any:
-    return wf.study.sweep(scene, STIFFNESS, outputs=[NAME], store=store, simulate=TIMES, progress=False, **options)
+    return wf.study.sweep(scene, STIFFNESS, outputs=[NAME], store=store, run=IN_TIME, progress=False, **options)
 
 
 @pytest.fixture
@@ -60,11 +60,11 @@ def test_a_cluster_gives_the_same_bits_also_where_a_worker_is_killed(scheduler: 
     with Client(scheduler_file=scheduler, set_as_default=False) as client:
         client.wait_for_workers(2)
         scene = partial(deadly_bob, folder=str(tmp_path), times=2)
-        found = run(tmp_path / "killed", scene, client=client)
+        found = run(tmp_path / "killed", scene, workers=client)
         assert (tmp_path / "death 1").exists()
         assert found.counts == {"completed": 6} and np.array_equal(found[NAME], alone)
         address = client.scheduler_info()["address"]
-        found = run(tmp_path / "address", client=address)
+        found = run(tmp_path / "address", workers=address)
         assert np.array_equal(found[NAME], alone)
 
 
@@ -73,6 +73,6 @@ def test_a_scheduler_that_does_not_answer_is_named(tmp_path: Path, monkeypatch: 
 
     monkeypatch.setattr(cluster, "ANSWERS_IN", 1)
     with pytest.raises(InputError, match="no scheduler answers at 'tcp://127.0.0.1:1'.*dask scheduler"):
-        run(tmp_path / "s", client="tcp://127.0.0.1:1")
+        run(tmp_path / "s", workers="tcp://127.0.0.1:1")
     with pytest.raises(InputError, match="no scheduler answers at 'nonsense"):
-        run(tmp_path / "t", client="nonsense://x")
+        run(tmp_path / "t", workers="nonsense://x")

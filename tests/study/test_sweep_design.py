@@ -14,8 +14,8 @@ from warpffrf.study.sweeps.design import design_of
 ROUND_OFF = 1e-12
 
 
-def column(given: Any, sample: str | None = None, seed: int = 0) -> list[Any]:
-    return [row["x"] for row in design_of({"x": given}, sample, seed).rows]
+def column(given: Any, sample: str | None = None) -> list[Any]:
+    return [row["x"] for row in design_of({"x": given}, sample).rows]
 
 
 @pytest.mark.parametrize(
@@ -43,7 +43,7 @@ def test_values_of_a_grid(given: Any, values: list[Any]) -> None:
 def test_a_latin_hypercube_has_one_point_in_each_stratum_of_every_parameter() -> None:
     """Of distributions too: their cumulative probabilities are spread, F(x) = 1 - exp(-x) and 1 - (1 - x)^2."""
     given = {"a": "10:20", "b": scipy.stats.expon(), "c": "triangular(0, 0, 1)", "d": ["p", "q"]}
-    rows = design_of(given, "latin:16", 3).rows
+    rows = design_of(given, "latin:16:3").rows
     probabilities = [
         [(row["a"] - 10.0) / 10.0 for row in rows],
         [1.0 - np.exp(-row["b"]) for row in rows],
@@ -52,7 +52,7 @@ def test_a_latin_hypercube_has_one_point_in_each_stratum_of_every_parameter() ->
     for found in probabilities:
         assert sorted(np.floor(16.0 * np.array(found)).astype(int)) == list(range(16))
     assert sorted(row["d"] for row in rows) == ["p"] * 8 + ["q"] * 8
-    assert rows == design_of(given, "latin:16", 3).rows != design_of(given, "latin:16", 4).rows
+    assert rows == design_of(given, "latin:16:3").rows != design_of(given, "latin:16:4").rows
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_distributions_have_their_moments(text: str, mean: float, deviation: flo
 
 
 def test_saltelli_rows_are_a_b_and_a_with_each_column_of_b() -> None:
-    design = design_of({"x": "0.0:1.0", "y": "0.0:1.0", "z": "0.0:1.0"}, "saltelli:8", 0)
+    design = design_of({"x": "0.0:1.0", "y": "0.0:1.0", "z": "0.0:1.0"}, "saltelli:8")
     points = np.array([[row[name] for name in design.names] for row in design.rows]).reshape(5, 8, 3)
     A, B, *mixed = points
     for n, AB in enumerate(mixed):
@@ -82,15 +82,17 @@ def test_saltelli_rows_are_a_b_and_a_with_each_column_of_b() -> None:
 def test_rows_as_given() -> None:
     pandas = pytest.importorskip("pandas")
     rows = [{"a": 1, "b": "x"}, {"a": 2, "b": "y"}]
-    assert design_of(rows, None, 0).rows == rows == design_of(pandas.DataFrame(rows), None, 0).rows
+    assert design_of(rows, None).rows == rows == design_of(pandas.DataFrame(rows), None).rows
     for wrong, words in (
         ([{"a": 1}, {"b": 1}], "row 1 must have"), ([], "rows"), ([{"a": [1]}], "finite number"),
         ([{"a": np.nan}], "finite"),
     ):  # fmt: skip
         with pytest.raises(InputError, match=words):
-            design_of(wrong, None, 0)
+            design_of(wrong, None)
     with pytest.raises(InputError, match="run as they are"):
-        design_of(rows, "latin:4", 0)
+        design_of(rows, "latin:4")
+    with pytest.raises(InputError, match="the seed must be a whole number; write latin:4:7"):
+        design_of({"x": "0:1"}, "latin:4:x")
 
 
 @pytest.mark.parametrize(
@@ -137,4 +139,4 @@ def test_what_is_no_parameter_is_refused(given: Any, sample: str | None, words: 
 
 def test_too_many_combinations_are_refused() -> None:
     with pytest.raises(InputError, match="1001 x 1001 combinations"):
-        design_of({"x": "0:1:1001", "y": "0:1:1001"}, None, 0)
+        design_of({"x": "0:1:1001", "y": "0:1:1001"}, None)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sweep_scenes import TIMES, bob, rest, shy_bob
+from sweep_scenes import IN_TIME, bob, rest, shy_bob
 
 import warpffrf as wf
 from warpffrf import cli
@@ -322,7 +322,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Any:
     """Bobs at rest, of which the stiffest does not want to be."""
     return wf.study.sweep(
         shy_bob, {"stiffness": [1000.0, 2000.0, 3000.0, 4000.0]}, outputs={"rest": "last(body_position_z[bob])"},
-        equilibrium={}, store=tmp_path_factory.mktemp("reading") / "bob.sweep", progress=False,
+        run=wf.equilibrium, store=tmp_path_factory.mktemp("reading") / "bob.sweep", progress=False,
     )  # fmt: skip
 
 
@@ -362,7 +362,7 @@ def test_a_sweep_is_read_from_the_command_line(swept: Any, tmp_path: Path, capsy
 
 def test_histories_and_vectors_of_a_sweep_are_known_as_such(tmp_path: Path) -> None:
     swept = wf.study.sweep(
-        bob, {"stiffness": [1000.0, 2000.0]}, outputs={"velocity": "body_velocity[bob]"}, simulate=TIMES,
+        bob, {"stiffness": [1000.0, 2000.0]}, outputs={"velocity": "body_velocity[bob]"}, run=IN_TIME,
         store=tmp_path / "bob.sweep", progress=False,
     )  # fmt: skip
     assert swept.about("velocity") == (("time", "axis"), "m/s") and swept.about("stiffness") == ((), "")

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sweep_scenes import TIMES, bob, deadly_bob
+from sweep_scenes import IN_TIME, bob, deadly_bob
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
@@ -35,7 +35,7 @@ PARCEL = Parcel(b"", "", "", {})  # of workers that run nothing
 
 def run(store: Path, parameters: Any = STIFFNESS, scene: Any = bob, **options: Any) -> Any:
     return wf.study.sweep(
-        scene, parameters, outputs=[NAME], store=store, simulate=TIMES, progress=False, **options
+        scene, parameters, outputs=[NAME], store=store, run=IN_TIME, progress=False, **options
     )  # fmt: skip
 
 
@@ -91,7 +91,7 @@ def dispatched(tmp_path: Path, crew: Any, worlds: int) -> dict[str, int]:
     """The statuses of six rows."""
     from warpffrf.study.sweeps.design import design_of
 
-    design, folder = design_of({"x": "1:6:6"}, None, 0), Folder(tmp_path / "s")
+    design, folder = design_of({"x": "1:6:6"}, None), Folder(tmp_path / "s")
     about = {"kind": "warpffrf sweep", "count": 6, "parameters": {"x": ""}, "outputs": {}}
     folder.begin(about, design, overwrite=True, resume=False)
     try:
@@ -123,7 +123,7 @@ class Ended:
 
 
 def test_a_worker_whose_answer_cannot_be_read_is_ended_too() -> None:
-    crew, worker, future = crews.Processes(PARCEL, 0, [None]), Ended(), Future()
+    crew, worker, future = crews.Processes(PARCEL, []), Ended(), Future()
     crew.busy[future] = worker  # type: ignore[assignment]
     future.set_exception(pickle.UnpicklingError("no answer"))
     with pytest.raises(pickle.UnpicklingError):
@@ -148,11 +148,11 @@ def test_workers_start_again_where_what_forks_them_was_killed(monkeypatch: Any) 
     monkeypatch.setattr(crews, "_Worker", Begun)
     monkeypatch.setattr(crews, "DYING", 0.0)
     with pytest.raises(ConnectionRefusedError):
-        crews.Processes(PARCEL, 2, [None])
+        crews.Processes(PARCEL, [None, None])
     assert [worker.ended for worker in begun] == [True]
     begun.clear()
     refused[0] = 1
-    assert crews.Processes(PARCEL, 2, [None]).free == begun and len(begun) == 2
+    assert crews.Processes(PARCEL, [None, None]).free == begun and len(begun) == 2
 
 
 def test_runs_of_an_executor_that_have_not_begun_are_taken_back_at_the_end(tmp_path: Path, monkeypatch: Any) -> None:
@@ -174,7 +174,7 @@ def test_runs_of_an_executor_that_have_not_begun_are_taken_back_at_the_end(tmp_p
         raise KeyboardInterrupt
 
     monkeypatch.setattr(crews.Elsewhere, "collect", interrupted)
-    assert run(tmp_path / "s", client=Slow()).status == "unfinished"
+    assert run(tmp_path / "s", workers=Slow()).status == "unfinished"
     assert [future.cancelled() for future in sent] == [False, False, True, True, True, True]
 
 
@@ -191,17 +191,15 @@ def test_a_worker_of_an_executor_that_is_asked_to_end_does_not_end_the_sweep(tmp
             return asked[0]
 
     with Asked(1) as pool:
-        assert run(tmp_path / "s", client=pool).counts == {"completed": 6} and asked
+        assert run(tmp_path / "s", workers=pool).counts == {"completed": 6} and asked
 
 
 def test_any_executor_will_do(tmp_path: Path, alone: np.ndarray) -> None:
     """Threads of one process: they take turns."""
     with ThreadPoolExecutor(2) as pool:
-        assert np.array_equal(run(tmp_path / "s", client=pool)[NAME], alone)
-    with pytest.raises(InputError, match="an executor, got 7"):
-        run(tmp_path / "t", client=7)
-    with pytest.raises(InputError, match="workers or a client"):
-        run(tmp_path / "u", client=pool, workers=2)
+        assert np.array_equal(run(tmp_path / "s", workers=pool)[NAME], alone)
+    with pytest.raises(InputError, match="an executor, got None"):
+        run(tmp_path / "t", workers=None)
 
 
 def test_reduced_bodies_travel_by_their_hash(tmp_path: Path) -> None:
@@ -247,7 +245,7 @@ def test_workers_with_other_versions_are_named(tmp_path: Path, monkeypatch: Any)
             return future
 
     with pytest.raises(InputError, match="worker on blade7 has other versions .warp 1.18.*install the same"):
-        run(tmp_path / "s", client=Foreign())
+        run(tmp_path / "s", workers=Foreign())
 
 
 @pytest.mark.slow  # three processes that each load the package
@@ -258,9 +256,9 @@ def test_a_script_without_its_line_is_told_of_it(tmp_path: Path) -> None:
             import sys
             sys.path.insert(0, {str(FOLDER)!r})
             import warpffrf as wf
-            from sweep_scenes import bob, TIMES
+            from sweep_scenes import bob, IN_TIME
             wf.study.sweep(bob, {{"stiffness": [1e3, 2e3]}}, outputs=[{NAME!r}], store={str(tmp_path / "s")!r},
-                           simulate=TIMES, workers=2)
+                           run=IN_TIME, workers=2)
         """)
     )
     told = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
@@ -279,8 +277,8 @@ def test_a_sweep_that_is_ended_keeps_what_is_done_and_leaves_no_process(
         import sys
         sys.path.insert(0, {str(FOLDER)!r})
         import warpffrf as wf
-        from sweep_scenes import bob, TIMES
-        found = wf.study.sweep(bob, {STIFFNESS!r}, outputs=[{NAME!r}], store={str(store)!r}, simulate=TIMES, workers=2)
+        from sweep_scenes import bob, IN_TIME
+        found = wf.study.sweep(bob, {STIFFNESS!r}, outputs=[{NAME!r}], store={str(store)!r}, run=IN_TIME, workers=2)
         print(found.status)
     """)
     process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -340,5 +338,5 @@ def test_a_job_that_cannot_be_sent_asks_for_no_client(tmp_path: Path, monkeypatc
     monkeypatch.setattr(sweep, "client_at", asked.append)
     lock = threading.Lock()
     with pytest.raises(InputError, match="cannot be sent to other processes"):
-        run(tmp_path / "s", scene=lambda stiffness: (lock, bob(stiffness))[1], client="tcp://127.0.0.1:1")
+        run(tmp_path / "s", scene=lambda stiffness: (lock, bob(stiffness))[1], workers="tcp://127.0.0.1:1")
     assert not asked

@@ -14,6 +14,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.contact_grid import cell_edges
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha
+from warpffrf.output.options import RunOptions
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
 
@@ -26,7 +27,14 @@ ACROSS = (0.0, 1.0, 0.0)
 
 def simulated(scene: Scene, duration: float, step: float, *, start: str = "equilibrium") -> Result:
     """A run whose integrator damps what the run does not resolve."""
-    result = simulate(scene, duration, step=step, start=start, progress=False, integrator=GeneralizedAlpha(rho_inf=0.0))
+    result = simulate(
+        scene,
+        duration,
+        step=step,
+        start=start,
+        progress=False,
+        options=RunOptions(integrator=GeneralizedAlpha(rho_inf=0.0)),
+    )
     assert result.status == "completed", result.message
     return result
 

@@ -16,6 +16,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.output.bearings.bearing_result import BearingResult
 from warpffrf.output.contact.hertz import hertz_point
+from warpffrf.output.options import RunOptions
 from warpffrf.output.simulate import simulate
 
 MM, SIDES = 1e-3, ("inner", "outer")
@@ -153,7 +154,7 @@ def test_raceway_control_is_found(osculation: tuple[float, float], speed: float,
     )  # fmt: skip
     turned(scene, bearing, speed, (0.0, 15e-6, 0.0))
     bearing.roll(speed, control=begin)
-    result = simulate(scene, 8e-4, step=1e-5, start="equilibrium", save_every=4, progress=False)
+    result = simulate(scene, 8e-4, step=1e-5, start="equilibrium", options=RunOptions(save_every=4), progress=False)
     assert result.status == "completed", result.message
     found = result.bearing("b")
     exact = pivoting(found, bearing, creep)

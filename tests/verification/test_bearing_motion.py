@@ -13,6 +13,7 @@ from warpffrf.model.bearings import BallGeometry, Bearing, PocketCage, Prescribe
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
+from warpffrf.output.options import RunOptions
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium, simulate
 
@@ -48,7 +49,7 @@ def fast() -> Result:
     """Until the balls have found their speeds, 1.5 ms."""
     scene, bearing = preloaded(PocketCage(0.1 * MM))
     bearing.roll(SPEED)
-    result = simulate(scene, 1.5e-3, step=1e-5, start="equilibrium", save_every=5, progress=False)
+    result = simulate(scene, 1.5e-3, step=1e-5, start="equilibrium", options=RunOptions(save_every=5), progress=False)
     assert result.status == "completed", result.message
     return result
 
@@ -166,7 +167,14 @@ def test_vibration_as_balls_pass(sweep: np.ndarray) -> None:
     scene.add(joints.Drive(plane, VC_SPEED, name="drive"))
     rolled = bearing.roll(VC_SPEED, angle=0.0)
     passage = 2.0 * np.pi / (VC["elements"] * rolled.orbit)
-    result = simulate(scene, 2.25 * passage, step=passage / VC_STEPS, start="equilibrium", save_every=5, progress=False)
+    result = simulate(
+        scene,
+        2.25 * passage,
+        step=passage / VC_STEPS,
+        start="equilibrium",
+        options=RunOptions(save_every=5),
+        progress=False,
+    )
     assert result.status == "completed", result.message
     z, t = result.body(bearing.inner.name).position[:, 2], result.time
     shares = np.fft.rfft(sweep) / len(sweep)

@@ -24,7 +24,8 @@ from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online import GeneralizedAlpha, Settings, find_equilibrium, run
 from warpffrf.online.stages import Stage
 from warpffrf.output.modes_result import eigenmodes
-from warpffrf.output.simulate import equilibrium, simulate
+from warpffrf.output.options import RunOptions
+from warpffrf.output.simulate import equilibrium, simulate, static
 
 E, LENGTH = 210e9, 20e-3
 MATERIAL = Material(E, 0.0, 7800.0)
@@ -240,7 +241,7 @@ def test_a_locked_section_stays_locked_through_checkpoints_and_stages(cut: Reduc
     """Tightened, locked and loaded in one run, in two, and in stages with a force that differs: the same in the end."""
     load = signals.SmoothStep(0.0, LOAD, duration=1e-4, delay=1.2e-4)
     scene = tightened(cut, load, signals.SmoothStep(0.0, TIGHT, duration=5e-5), lock_at=1e-4)
-    options: dict[str, Any] = dict(integrator=GeneralizedAlpha(0.8), progress=False)
+    options: dict[str, Any] = dict(options=RunOptions(integrator=GeneralizedAlpha(0.8)), progress=False)
     whole = simulate(scene, 4e-4, step=2e-6, **options)
     first = simulate(scene, 1.4e-4, step=2e-6, **options)
     second = simulate(scene, 2.6e-4, step=2e-6, start=first, **options)
@@ -250,7 +251,7 @@ def test_a_locked_section_stays_locked_through_checkpoints_and_stages(cut: Reduc
         Stage("tighten", 1.4e-4, 2e-6),
         Stage("load", 2.6e-4, 2e-6, {"forces": {"bolt": forces.Pretension(section, 0.0)}}),
     ]
-    staged = simulate(scene, stages=stages, **options)
+    staged = simulate(scene, stages, **options)
     np.testing.assert_allclose(staged.force("bolt").force[-1], whole.force("bolt").force[-1], rtol=1e-9)
     locked = whole.force("bolt").deformation[whole.time > 1e-4, 0]
     assert np.ptp(locked) < 1e-12 * LENGTH
@@ -317,11 +318,11 @@ def pressed(column: str, force: Any = PULL, lock_at: float | None = None) -> Sce
 
 
 STATIC_WAYS = {
-    "run": {"duration": 1.0, "step": 0.125, "kind": "static"},
-    "stages": {"stages": [Stage("tighten", 0.5, 0.125, kind="static"), Stage("pull", 0.5, 0.125, kind="static")]},
-    "static, then in time": {"stages": [Stage("tighten", 0.5, 0.125, kind="static"), Stage("pull", 0.5, 1e-3)]},
-    "in time, then static": {"stages": [Stage("tighten", 0.5, 1e-3), Stage("pull", 0.5, 0.125, kind="static")]},
-    "from an equilibrium": {"duration": 1.0, "step": 0.125, "kind": "static", "start": True},
+    "run": {"duration": 1.0, "step": 0.125},
+    "stages": {"duration": [Stage("tighten", 0.5, 0.125, kind="static"), Stage("pull", 0.5, 0.125, kind="static")]},
+    "static, then in time": {"duration": [Stage("tighten", 0.5, 0.125, kind="static"), Stage("pull", 0.5, 1e-3)]},
+    "in time, then static": {"duration": [Stage("tighten", 0.5, 1e-3), Stage("pull", 0.5, 0.125, kind="static")]},
+    "from an equilibrium": {"duration": 1.0, "step": 0.125, "start": True},
 }
 
 
@@ -332,7 +333,7 @@ def test_a_bolt_locks_in_static_runs(way: str, column: str) -> None:
     options = dict(STATIC_WAYS[way])
     if "start" in options:
         options["start"] = equilibrium(scene, friction=True, progress=False)
-    result = simulate(scene, progress=False, **options)
+    result = (static if "step" in options else simulate)(scene, progress=False, **options)
     assert result.status == "completed", result.message
     assert not any("halved" in note for note in result.history.notes)
     after = result.time >= 0.5 - 1e-9
@@ -345,7 +346,7 @@ def test_a_bolt_locks_in_static_runs(way: str, column: str) -> None:
 def test_a_tension_that_grows_is_followed_in_static_runs() -> None:
     """The bolt pulls with F(t), and the work of the last force is what an equilibrium may rise by."""
     scene = pressed("spring", signals.Table([0.0, 0.5], [0.0, PULL], hold=True), lock_at=0.5)
-    result = simulate(scene, 1.0, step=0.125, kind="static", progress=False)
+    result = static(scene, 1.0, step=0.125, progress=False)
     assert result.status == "completed", result.message
     expected = np.interp(result.time, [0.0, 0.5, 1.0], [0.0, PULL, PULL + 600.0])
     np.testing.assert_allclose(-result.force("bolt").force[:, 2], expected, rtol=EXACT, atol=EXACT * PULL)

@@ -38,7 +38,9 @@ def test_a_drilling_ball() -> None:
     scene.add(wf.joints.Drive(turn, wf.signals.Ramp(0.0, SPEED, duration=RISE), quantity="velocity"))
     scene.add(wf.forces.PointForce(lift.at((0, 0, 0)), (0, 0, -LOAD)))
     integrator = wf.GeneralizedAlpha(0.0)
-    result = wf.simulate(scene, DURATION, step=STEP, start="equilibrium", integrator=integrator, progress=False)
+    result = wf.simulate(
+        scene, DURATION, step=STEP, start="equilibrium", options=wf.RunOptions(integrator=integrator), progress=False
+    )
     friction = result.contact("pair").friction
     assert friction.spin_velocity[-1] == pytest.approx(-SPEED, rel=BALANCE)  # outwards is down
     assert friction.spin_moment[-1] == pytest.approx(3.0 * np.pi / 16.0 * FRICTION * LOAD * HALF_WIDTH, rel=MOMENT)

@@ -42,7 +42,7 @@ def cycle(ball: wf.ReducedBody, quantity: str, reach: float) -> tuple[wf.Result,
         scene.add(wf.forces.PointForce(upper["bore"], (0, table, 0)))
     else:
         scene.add(wf.joints.Drive(guide, table, quantity="position"))
-    result = wf.simulate(scene, len(path) - 1.0, step=1.0, kind="static", progress=False)
+    result = wf.static(scene, len(path) - 1.0, step=1.0, progress=False)
     assert result.status == "completed", result.message
     contact = result.contact("pair")
     load, Q = contact.normal_load[-1], 0.5 * np.ptp(contact.friction.tangential_force[STEPS:, 1])

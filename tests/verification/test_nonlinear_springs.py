@@ -308,7 +308,7 @@ def test_stage_with_another_characteristic_books_the_jump() -> None:
     guide = scene.joints[0]
     other = forces.JointSpringDamper(guide, new, reference=-AMPLITUDE, name="element")
     stages = [Stage("old", 0.05, 2e-4), Stage("new", 0.05, 2e-4, {"forces": {"element": other}})]
-    result = simulate(scene, stages=stages, progress=False)
+    result = simulate(scene, stages, progress=False)
     x = motion(result.history)[0][250] + AMPLITUDE
     jump = float(new.energy(x) - old.energy(x))
     booked = result.energy["force_work"][251] - result.energy["force_work"][250]

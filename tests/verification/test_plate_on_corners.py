@@ -17,6 +17,7 @@ from warpffrf.model.mesh import Mesh, box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import ReductionOptions, reduce
+from warpffrf.output.options import RunOptions
 from warpffrf.output.simulate import equilibrium, simulate
 
 SIDE, THICK, CELLS = 0.4, 4e-3, 4  # m, cells a side
@@ -107,9 +108,12 @@ def test_after_a_sudden_load(mesh, full) -> None:
     expected = np.array([u[3 * node + 2] for u in full.released(load, step, steps)])
     body = reduced(mesh, "membrane")
     result = simulate(
-        scene_of(body, SUDDEN), steps * step, step=step / FINER, save_every=FINER, integrator=GeneralizedAlpha(0.95),
+        scene_of(body, SUDDEN),
+        steps * step,
+        step=step / FINER,
+        options=RunOptions(save_every=FINER, integrator=GeneralizedAlpha(0.95)),
         progress=False,
-    )  # fmt: skip
+    )
     found = deflections(result, body, mesh.points[[node]])[1:, 0]
     largest = np.abs(expected).max()
     print("w/t", largest / THICK, "error", np.abs(found - expected).max() / largest)

@@ -73,7 +73,11 @@ def spun() -> wf.Result:
     scene.add(wf.sensors.Position(body["x_min"], name="root"))
     step = 5e-3
     return wf.simulate(
-        scene, END, step=step, save_every=round(SAVED / step), integrator=wf.GeneralizedAlpha(0.9), progress=False
+        scene,
+        END,
+        step=step,
+        options=wf.RunOptions(save_every=round(SAVED / step), integrator=wf.GeneralizedAlpha(0.9)),
+        progress=False,
     )
 
 

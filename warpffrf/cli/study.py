@@ -90,7 +90,8 @@ def study_app() -> typer.Typer:
 
             folder = Path("out") / f"{scene_file.stem}_speed_error" if out is None else out
             found = run(
-                scene_file, settings=settings or (), choices=choices_of(choice) if choice else None,
+                scene_file, parameters=named(settings or (), "--set", "upper.load=2000"),
+                choices=choices_of(choice) if choice else None,
                 measures=measure or None, rounds=rounds, out=folder, overwrite=overwrite, progress=not Asked.quiet,
             )  # fmt: skip
             found.write(folder, overwrite=True)
@@ -117,6 +118,20 @@ def named(texts: Sequence[str], option: str, example: str) -> dict[str, str]:
 def outputs_of(texts: Sequence[str]) -> dict[str, str]:
     """Outputs by name: `NAME=WHAT`, or WHAT alone, which is also the name. Raises `InputError`."""
     return named([text if "=" in text else f"{text}={text}" for text in texts], "--output", "peak=max(energy[kinetic])")
+
+
+def workers_of(count: int, scheduler: str | None, devices: Sequence[str]) -> Any:
+    """`workers` of a sweep: a scheduler, a number of processes, or the device of each. Raises `InputError`."""
+    from warpffrf.model.errors import InputError
+
+    if scheduler is not None and (count != 1 or devices):
+        raise InputError(
+            "--scheduler has its own workers; leave --workers out, and set the device of runs, "
+            "--set simulate.device=cuda:0"
+        )
+    if count < len(devices):
+        raise InputError(f"{len(devices)} --device need as many workers; give --workers {len(devices)}")
+    return scheduler or ([devices[n % len(devices)] for n in range(count)] if devices else count)
 
 
 def add_sweep_command(app: typer.Typer) -> None:
@@ -178,14 +193,18 @@ def add_sweep_command(app: typer.Typer) -> None:
         Example: warpffrf sweep pendulum.toml --vary arm=0.2:0.4:5 --output "min(body_position_z[bob])"
         """
         with one_line_errors():
+            import warpffrf
             from warpffrf.study import sweep as run
+            from warpffrf.study.sweeps.job import ERROR_BUDGET
 
+            outputs = outputs_of(output) | ({ERROR_BUDGET: ERROR_BUDGET} if error_budget else {})
             found = run(
-                scene_file, named(vary, "--vary", "upper.load=1000:5000:5"), outputs=outputs_of(output),
-                store=Path("out") / f"{scene_file.stem}.sweep" if out is None else out, sample=sample, seed=seed,
-                settings=settings or (), equilibrium={} if only_equilibrium else None, workers=workers,
-                client=scheduler, device=device[0] if device and len(device) == 1 else device or None,
-                worlds=worlds, error_budget=error_budget, overwrite=overwrite, resume=resume, progress=not Asked.quiet,
+                scene_file, named(vary, "--vary", "upper.load=1000:5000:5"), outputs=outputs,
+                store=Path("out") / f"{scene_file.stem}.sweep" if out is None else out,
+                sample=f"{sample}:{seed}" if sample and ":" in sample else sample, settings=settings or (),
+                run=warpffrf.equilibrium if only_equilibrium else None,
+                workers=workers_of(workers, scheduler, device or ()), worlds=worlds, overwrite=overwrite, resume=resume,
+                progress=not Asked.quiet,
             )  # fmt: skip
             if not Asked.quiet:
                 print(found.report())

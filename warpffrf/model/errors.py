@@ -20,10 +20,16 @@ class InputError(ValueError):
 
 class RunError(RuntimeError):
     """A run that did not complete, raised with `check=True`. The message has its status, the reason and the cure;
-    `result` has the data computed so far."""
+    `result` has the data computed so far: a Result, or the list of them from `simulate_worlds`."""
 
     def __init__(self, result: Any) -> None:
-        super().__init__(f"{result.status}: {result.message}")
+        if isinstance(result, list):
+            failed = [
+                f"scene {i}: {one.status}: {one.message}" for i, one in enumerate(result) if one.status != "completed"
+            ]
+            super().__init__("\n".join(failed))
+        else:
+            super().__init__(f"{result.status}: {result.message}")
         self.result = result
 
 

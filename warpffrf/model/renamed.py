@@ -14,6 +14,14 @@ RENAMED: dict[str, tuple[str, ...]] = {
     "Lap": ("Contact",), "LapCells": ("surfaces.Matched",), "laps": ("contact", "contacts"), "lap": ("contact",),
     "lap_cells": ("matched",), "lap_names": ("small_sliding_names",), "lap_page": ("small_sliding_page",),
     "interference": ("sliding",), "tangential_stiffness": ("sliding",),
+    # runs and studies of runs
+    "local": ("local_modes",), "LocalDynamics": ("LocalModes",),
+    "local_dynamics": ("local_modes", "options=wf.ReductionOptions(local_dynamics=...)"),
+    "stages": ("duration",), "device": ("workers=['cuda:0', ...]",),
+    "simulate": ("run=functools.partial(wf.simulate, ...)",), "equilibrium": ("run=wf.equilibrium",),
+    **{name: (f"run=functools.partial(wf.simulate, {name}=...)",) for name in ("duration", "step", "start")},
+    "seed": ("sample='latin:64:SEED'",), "client": ("workers=...",), "error_budget": ("outputs=['error_budget', ...]",),
+    "settings": ("parameters=...",),
     # oil films
     "Groove": ("AxialGroove",), "Ring": ("CircumferentialGroove",), "Hole": ("SupplyHole",),
     "oil_groove": ("axial_groove",), "oil_ring": ("circumferential_groove",), "oil_hole": ("supply_hole",),
@@ -40,7 +48,7 @@ RENAMED: dict[str, tuple[str, ...]] = {
     **{name: (f"grid=wf.ContactGrid({name}=...)",)
        for name in ("expected_half_width", "traction", "tangential", "contact_fixed", "sampling_error")},
     **{name: (f"options=wf.ReductionOptions({name}=...)",)
-       for name in ("local_dynamics", "inertia_modes", "stiffening", "membrane_modes", "centrifugal", "periodic",
+       for name in ("inertia_modes", "stiffening", "membrane_modes", "centrifugal", "periodic",
                     "solver", "memory_limit")},
     # laws, forces, cages
     "StribeckCoulomb": ("Stribeck",), "TableCoulomb": ("TabulatedFriction",), "TableLayer": ("TabulatedLayer",),
@@ -62,4 +70,12 @@ RENAMED: dict[str, tuple[str, ...]] = {
        for name in ("roller_diameter", "roller_length", "profile")},
     **{name: (f"materials=wf.bearings.Materials({name}=...)",) for name in ("element_material", "element_body")},
     **{name: (f"contact=wf.bearings.RollingContact({name}=...)",) for name in ("rolling_resistance", "spin")},
+}  # fmt: skip
+
+STATIC = "; a static run is wf.static(scene, duration, step=...), in a scene file the table [static]"
+# (call, old argument) -> what does the same now
+REPLACED: dict[tuple[str, str], str] = {
+    ("simulate", "kind"): STATIC,
+    ("simulate", "record_every"): "; write the recording with wf.record(result, path, every=...), or warpffrf view",
+    ("simulate", "keep_every"): "; leave it out, unfinished runs are kept every 20 s",
 }  # fmt: skip

@@ -3,7 +3,7 @@
 from warpffrf.model.integrators import HHT, INTEGRATORS, EnergyMomentum, GeneralizedAlpha, Newmark, RungeKutta4
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
-from warpffrf.online.local_dynamics import LocalDynamics
+from warpffrf.online.local_modes import LocalModes
 from warpffrf.online.run import find_equilibrium, run
 from warpffrf.online.settings import Settings
 from warpffrf.online.turn import TURN
@@ -16,7 +16,7 @@ __all__ = [
     "EnergyMomentum",
     "GeneralizedAlpha",
     "History",
-    "LocalDynamics",
+    "LocalModes",
     "Newmark",
     "RungeKutta4",
     "Settings",

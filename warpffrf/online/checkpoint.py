@@ -74,7 +74,7 @@ def check_checkpoint(present: Mapping[str, np.ndarray], checkpoint: Mapping[str,
     if modes[0] != modes[1] and np.shape(checkpoint["r"]) == present["r"].shape:
         raise InputError(
             f"{label}: the checkpoint has {modes[0]} modal coordinates, here are {modes[1]}: the local modes were "
-            "treated in another way; use the same local= for both, or start from 'initial' or 'equilibrium'"
+            "treated in another way; use the same local_modes= for both, or start from 'initial' or 'equilibrium'"
         )
     for name, array in present.items():
         given = np.asarray(checkpoint[name])

@@ -17,7 +17,7 @@ from warpffrf.online.compile.outer_pattern import pattern_of
 from warpffrf.online.compile.patches.plan import PatchPlan
 from warpffrf.online.compile.scene import CompiledScene, compile_scene, enlarge
 from warpffrf.online.device import chosen_device
-from warpffrf.online.local_dynamics import LocalDynamics
+from warpffrf.online.local_modes import LocalModes
 from warpffrf.online.settings import Settings
 from warpffrf.online.step import kernel_cache
 from warpffrf.online.step.graph import Parts, StepGraph
@@ -61,7 +61,7 @@ class Engine:
         settings: Settings | None = None,
         integrator: Integrator | None = None,
         step_error: float | None = None,
-        local: LocalDynamics | None = None,
+        local_modes: LocalModes | None = None,
         patches: Mapping[int, PatchPlan] | None = None,
         turned: Sequence[float] | np.ndarray = (),
         off_end: bool = False,
@@ -73,7 +73,9 @@ class Engine:
         `device`: None for the default (`chosen_device`). `progress`: a bar during kernel compilation; the other options
         as `online.run`."""
         settings = settings or Settings()
-        compiled = compile_scene(scene, settings, ready_device(device), local, patches, turned=turned, off_end=off_end)
+        compiled = compile_scene(
+            scene, settings, ready_device(device), local_modes, patches, turned=turned, off_end=off_end
+        )
         self._begin([compiled] * worlds, settings, integrator, step_error, progress)
 
     def _begin(

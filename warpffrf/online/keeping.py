@@ -14,7 +14,7 @@ from warpffrf.online.compile.scene import compile_scene
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
 from warpffrf.online.history.record import history_from_rows
-from warpffrf.online.local_dynamics import LocalDynamics
+from warpffrf.online.local_modes import LocalModes
 from warpffrf.online.settings import Settings
 from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import start_warp
@@ -33,7 +33,7 @@ class Keeping:
             return
         if not engine.chunks[0]:
             engine.chunks[0].append(taken(engine.ring.on_host(), 0, range(0)))  # describes the rows
-        options = {"local": engine.compiled.local.options, "settings": engine.settings, "off_end": engine.off_end}
+        options = {"local_modes": engine.compiled.local.options, "settings": engine.settings, "off_end": engine.off_end}
         keeper.begin(Source(KIND, engine.scene, options))
 
     def look(self) -> None:
@@ -77,7 +77,9 @@ def go_on(engine: Engine, unfinished: Unfinished, step: float) -> int:
 
 
 @TURN
-def history_of(scene: Scene, rows: Rows, *, local: LocalDynamics, settings: Settings, off_end: bool = False) -> History:
+def history_of(
+    scene: Scene, rows: Rows, *, local_modes: LocalModes, settings: Settings, off_end: bool = False
+) -> History:
     """The History of rows that a run of `scene` has given out; options as its `Source` has them."""
     start_warp()
-    return history_from_rows(compile_scene(scene, settings, "cpu", local, off_end=off_end), rows)
+    return history_from_rows(compile_scene(scene, settings, "cpu", local_modes, off_end=off_end), rows)

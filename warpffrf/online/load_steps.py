@@ -1,6 +1,6 @@
 """Static runs: consecutive equilibria under varying loads and prescribed motions, with the history of friction.
 
-    simulate(scene, 1.0, step=0.01, kind="static")        Stage("press", 1.0, 0.01, kind="static")
+    static(scene, 1.0, step=0.01)        Stage("press", 1.0, 0.01, kind="static")
 
 At every time t_k = t_begin + k step the scene is at rest under the forces, drives and gravity of that time. Time is
 only a load parameter: if nothing depends on rates, another duration with equally stretched signals gives the same
@@ -43,6 +43,7 @@ from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
 from warpffrf.model.friction import RUBBED_REST, friction_notes, rolling_notes
 from warpffrf.model.messages.checkpoints import Keeper, Plan, Unfinished
 from warpffrf.model.messages.progress import Progress, deferred_interrupts
+from warpffrf.model.messages.status import Status
 from warpffrf.model.scene import Scene
 from warpffrf.model.step_count import step_count
 from warpffrf.online.checkpoint import is_dynamic, is_loaded, off_end_of, restore, time_of
@@ -50,9 +51,9 @@ from warpffrf.online.diagnosis.off_end import EndWatch, OffEnd
 from warpffrf.online.engine import Engine, EngineOf
 from warpffrf.online.history.history import ENERGY_LINES, History
 from warpffrf.online.keeping import Keeping, go_on
-from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
+from warpffrf.online.local_modes import LocalModes, as_local_modes
 from warpffrf.online.marks import Marks
-from warpffrf.online.run import INTERRUPTED, check_load_paths, finish
+from warpffrf.online.run import check_load_paths, finish
 from warpffrf.online.settings import Settings
 from warpffrf.online.snap_through import snap_through
 from warpffrf.online.start.free_motions import FreeMotions
@@ -73,7 +74,7 @@ def run_static(
     *,
     step: float,
     start: str | History | Unfinished = "initial",
-    local: str | LocalDynamics = "quasi_static",
+    local_modes: str | LocalModes = "quasi_static",
     save_every: int = 1,
     device: str | None = None,
     progress: bool = True,
@@ -88,7 +89,7 @@ def run_static(
     scenes with films. A run in which a patch of a crown runs off an end restarts (`online.diagnosis.off_end`).
     """
     options: dict[str, Any] = {
-        "step": step, "local": local, "save_every": save_every, "device": device, "progress": progress,
+        "step": step, "local_modes": local_modes, "save_every": save_every, "device": device, "progress": progress,
         "settings": settings, "keeper": keeper, "engine_of": engine_of,
     }  # fmt: skip
     try:
@@ -104,7 +105,7 @@ def _run_static(
     *,
     step: float,
     start: str | History | Unfinished,
-    local: str | LocalDynamics,
+    local_modes: str | LocalModes,
     save_every: int,
     device: str | None,
     progress: bool,
@@ -116,20 +117,20 @@ def _run_static(
     """`run_static`, with cells for crowns that run `off_end`; raises `OffEnd`."""
     if scene.films:
         raise InputError(
-            f"simulate: film {scene.films[0].name!r} carries by sliding and squeezing, which a static run has not; use "
+            f"static: film {scene.films[0].name!r} carries by sliding and squeezing, which a static run has not; use "
             "a stage in time, or equilibrium(), in which films slide as the scene begins"
         )
     steps, uneven = step_count(duration, step)
-    save_every = require_count(save_every, "simulate: save_every", 1, most=MOST_COUNTED)
+    save_every = require_count(save_every, "static: save_every", 1, most=MOST_COUNTED)
     refuse_singular_mass(scene)
     if not isinstance(start, Unfinished):
         began = time_of(start.checkpoint) if isinstance(start, History) else 0.0
         refuse_short_signals(scene, began, began + steps * step)
-    if isinstance(start, History) and start.status != "completed" and not len(start.time):
-        raise InputError(f"simulate: start has no row to go on from ({start.status}: {start.message})")
+    if isinstance(start, History) and start.status != Status.COMPLETED and not len(start.time):
+        raise InputError(f"static: start has no row to go on from ({start.status}: {start.message})")
     begin = time.perf_counter()
     made_with = {
-        "device": device, "settings": settings, "local": as_local_dynamics(local), "progress": progress,
+        "device": device, "settings": settings, "local_modes": as_local_modes(local_modes), "progress": progress,
         "off_end": off_end or isinstance(start, History | Unfinished) and off_end_of(start.checkpoint),
     }  # fmt: skip
     engine = engine_of(scene, **made_with)
@@ -216,8 +217,8 @@ def _run_static(
     history.marks = Marks(engine, made_with, step, first_step, last_step, static=True)
     history.counters["loop_seconds"] = ended - loop
     history.counters["finish_seconds"] = time.perf_counter() - ended
-    if interrupted and history.status == "completed":
-        history.status, history.message = INTERRUPTED, "interrupted by the user; results up to there are kept"
+    if interrupted and history.status == Status.COMPLETED:
+        history.status, history.message = Status.INTERRUPTED, "interrupted by the user; results up to there are kept"
     return history
 
 

@@ -29,6 +29,7 @@ from warpffrf.model.laps.sliding import refuse_pushed_apart
 from warpffrf.model.lumped_contact import refuse_lumped_overlap
 from warpffrf.model.messages.checkpoints import Keeper, Plan, Unfinished
 from warpffrf.model.messages.progress import Progress, deferred_interrupts
+from warpffrf.model.messages.status import Status
 from warpffrf.model.scene import Scene
 from warpffrf.model.step_count import step_count
 from warpffrf.online.checkpoint import is_dynamic, is_loaded, off_end_of, restore, time_of, turned_of
@@ -53,7 +54,7 @@ from warpffrf.online.free_flight.check_run import run_check
 from warpffrf.online.history.history import History
 from warpffrf.online.history.record import history_from_rows
 from warpffrf.online.keeping import Keeping, go_on
-from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
+from warpffrf.online.local_modes import LocalModes, as_local_modes
 from warpffrf.online.marks import Marks
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import RUB_IN, start_consistently, start_from_loads
@@ -67,7 +68,6 @@ from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 log = logging.getLogger("warpffrf")
 
-INTERRUPTED = "interrupted"
 START_REST = "the equilibrium that the run starts from"
 MOST_UNDAMPED = 0.95  # spectral radius at infinity up to which an alternation of reactions grows less than tenfold
 OTHER_LEVELS = "a body has more inertia terms from here on than in the run that this one continues"
@@ -81,44 +81,50 @@ RUNS_AWAY = int(
     k.NOT_CONVERGED | k.SINGULAR | k.NOT_FINITE | k.ENERGY | k.RESTLESS | k.UNDERFLOW
 )  # failure bits of an unconstrained body
 MESSAGES = {
-    k.NOT_CONVERGED: ("not_converged", "the Newton iteration did not converge; reduce step"),
+    k.NOT_CONVERGED: (Status.NOT_CONVERGED, "the Newton iteration did not converge; reduce step"),
     k.CYCLING: (
-        "cycling",
+        Status.CYCLING,
         "the active set of contact cycles; reduce step, or {coarsen}",
     ),
-    k.CAPACITY: ("capacity", "window overflow, raise capacity of the contact to >= {capacity}"),
+    k.CAPACITY: (Status.CAPACITY, "window overflow, raise capacity of the contact to >= {capacity}"),
     k.ROOM: (
-        "memory",
+        Status.MEMORY,
         "the memory does not suffice for {capacity} active nodes or cells; {coarsen}, "
         "give the contacts a capacity, or run fewer worlds",
     ),
-    k.NOT_FINITE: ("not_finite", "a NaN or infinite number occurred; check for extreme loads, masses or stiffnesses"),
+    k.NOT_FINITE: (
+        Status.NOT_FINITE,
+        "a NaN or infinite number occurred; check for extreme loads, masses or stiffnesses",
+    ),
     k.SINGULAR: (
-        "singular",
+        Status.SINGULAR,
         "the joint equations are singular: redundant constraints, or a mechanism with no load path",
     ),
     k.INDEFINITE: (
-        "indefinite",
+        Status.INDEFINITE,
         "the contact compliance is not positive definite; {coarsen}",
     ),
     k.STENCIL: (
-        "stencil",
+        Status.STENCIL,
         "a node of the first contact surface overlaps more of the second grid than its stencil allows (the bodies are "
         "rotated or tilted too far for the window); lower the capacity of the contact, or swap its surfaces",
     ),
     k.PASSED: (
-        "passed",
+        Status.PASSED,
         "a patch with friction advances by more than its own length in a step, so that none of its material was in it "
         "before; reduce step, to a tenth of that length over the rolling speed",
     ),
     k.LEAPT: (
-        "leapt",
+        Status.LEAPT,
         "two surfaces change sides in a step without contact, so that they may pass through each other; reduce step",
     ),
-    k.GAIN: ("energy", "energy was created; reduce step"),
-    k.RESTLESS: ("no_equilibrium", "the bodies do not come to rest"),
-    k.ENERGY: ("energy", "the energy ledger does not close at an impact; reduce step"),
-    k.STEP_ERROR: ("step error", "the local error of a step exceeds step_error; reduce step, or increase step_error"),
+    k.GAIN: (Status.ENERGY, "energy was created; reduce step"),
+    k.RESTLESS: (Status.NO_EQUILIBRIUM, "the bodies do not come to rest"),
+    k.ENERGY: (Status.ENERGY, "the energy ledger does not close at an impact; reduce step"),
+    k.STEP_ERROR: (
+        Status.STEP_ERROR,
+        "the local error of a step exceeds step_error; reduce step, or increase step_error",
+    ),
 }
 
 
@@ -130,7 +136,7 @@ def run(
     step: float,
     start: str | History | Unfinished = "initial",
     integrator: Integrator | RungeKutta4 | EnergyMomentum | None = None,
-    local: str | LocalDynamics = "quasi_static",
+    local_modes: str | LocalModes = "quasi_static",
     step_error: float | None = None,
     save_every: int = 1,
     device: str | None = None,
@@ -153,9 +159,9 @@ def run(
     (`online.diagnosis.off_end`). Raises InputError for wrong input.
     """
     options = {
-        "step": step, "integrator": integrator, "local": local, "step_error": step_error, "save_every": save_every,
-        "device": device, "progress": progress, "settings": settings, "project_start": project_start, "keeper": keeper,
-        "engine_of": engine_of,
+        "step": step, "integrator": integrator, "local_modes": local_modes, "step_error": step_error,
+        "save_every": save_every, "device": device, "progress": progress, "settings": settings,
+        "project_start": project_start, "keeper": keeper, "engine_of": engine_of,
     }  # fmt: skip
     turned: np.ndarray = np.zeros(0)
     off_end = False
@@ -188,7 +194,7 @@ def _run(
     step: float,
     start: str | History | Unfinished,
     integrator: Integrator | RungeKutta4 | EnergyMomentum | None,
-    local: str | LocalDynamics,
+    local_modes: str | LocalModes,
     step_error: float | None,
     save_every: int,
     device: str | None,
@@ -203,8 +209,10 @@ def _run(
     """`run`, with inertia levels for the angular speeds `turned` [rad/s] of the bodies, and cells for crowns that run
     `off_end`; raises `_Outrun` if a body rotates faster than its level is valid for, and `OffEnd`."""
     if isinstance(integrator, CHECK_INTEGRATORS):
-        if step_error is not None or as_local_dynamics(local).treatment != "quasi_static":
-            raise InputError(f"simulate: {type(integrator).__name__} uses a constant step; remove step_error and local")
+        if step_error is not None or as_local_modes(local_modes).treatment != "quasi_static":
+            raise InputError(
+                f"simulate: {type(integrator).__name__} uses a constant step; remove step_error and local_modes"
+            )
         return run_check(
             scene, duration, step=step, integrator=integrator, save_every=save_every, progress=progress, start=start,
             keeper=keeper,
@@ -236,7 +244,7 @@ def _run(
     integrator = integrator or GeneralizedAlpha()
     made_with = {
         "device": device, "settings": settings, "integrator": integrator, "step_error": step_error,
-        "local": as_local_dynamics(local), "progress": progress,
+        "local_modes": as_local_modes(local_modes), "progress": progress,
     }  # fmt: skip
     before = turned_of(start.checkpoint, scene) if isinstance(start, History | Unfinished) else turned[:0]
     anew = len(turned) > 0
@@ -248,7 +256,7 @@ def _run(
     built = time.perf_counter()
     first_step, rejected = 0, 0
     notes = [*engine.compiled.notes, *_reaction_notes(integrator, engine), *uneven, *untested_warp_note()]
-    if isinstance(start, History) and at_rest and start.status != "completed":
+    if isinstance(start, History) and at_rest and start.status != Status.COMPLETED:
         raise InputError(
             f"simulate: start ended before its first step ({start.status}: {start.message}); repair that first"
         )
@@ -351,8 +359,8 @@ def _run(
     history.message = gain or history.message
     history.counters["loop_seconds"] = ended - loop
     history.counters["finish_seconds"] = time.perf_counter() - ended  # notes and checks of the cells
-    if interrupted and history.status == "completed":
-        history.status, history.message = INTERRUPTED, "interrupted by the user; results up to there are kept"
+    if interrupted and history.status == Status.COMPLETED:
+        history.status, history.message = Status.INTERRUPTED, "interrupted by the user; results up to there are kept"
     return history
 
 
@@ -421,14 +429,14 @@ def finish(
     nowhere = at_rest and not bits and not engine.chunks[0]
     still = [film for film in engine.scene.films if at_rest and slide_time(film) is None]
     if (bits or nowhere) and (squeezed := squeezed_out(engine, still)):
-        status, message = ("no_equilibrium", squeezed) if at_rest else (status, f"{message}; {squeezed}")
+        status, message = (Status.NO_EQUILIBRIUM, squeezed) if at_rest else (status, f"{message}; {squeezed}")
     elif at_rest and engine.not_at_rest and not bits & ~RUNS_AWAY:
         status, message = (
-            "no_equilibrium",
+            Status.NO_EQUILIBRIUM,
             f"{engine.not_at_rest}: {without_cage(engine.scene.bearings) or NO_LOAD_PATH}",
         )
     elif nowhere:
-        status, message = "no_equilibrium", _no_load_path(engine)
+        status, message = Status.NO_EQUILIBRIUM, _no_load_path(engine)
     history = history_from_rows(engine.compiled, engine.saved())
     history.status, history.message = status, (prefix + message if message else "")
     steps = int(engine.word("steps")[0])
@@ -458,7 +466,7 @@ def finish(
         )
     notes.extend(steep_notes(engine.scene, engine.scratch.steep.numpy()[0]))
     notes.extend(film_notes(engine.scene, history))
-    if history.status == "completed" and engine.worlds == 1:
+    if history.status == Status.COMPLETED and engine.worlds == 1:
         history.film_grids = film_grid_errors(engine)
         notes.extend(film_grid_notes(engine, history.film_grids))
     if films is not None:
@@ -553,15 +561,15 @@ def coarser(engine: Engine) -> str:
     return " or ".join([cells] * (on_cells > 0) + [COARSEN] * (on_cells < len(engine.scene.finite_sliding)))
 
 
-def describe(bits: int, capacity: int, coarsen: str = COARSEN) -> tuple[str, str]:
-    """Status word and message of the failure bits of a world; `coarsen`: the cure of `coarser`."""
+def describe(bits: int, capacity: int, coarsen: str = COARSEN) -> tuple[Status, str]:
+    """Status and message of the failure bits of a world; `coarsen`: the cure of `coarser`."""
     if bits == 0:
-        return "completed", ""
+        return Status.COMPLETED, ""
     for bit, (status, message) in MESSAGES.items():
         if bits & int(bit):
             text = message.format(capacity=capacity, coarsen=coarsen)
             return status, text + (" (the step was halved as often as allowed)" if bits & int(k.UNDERFLOW) else "")
-    return "step_underflow", "the step became too small"
+    return Status.STEP_UNDERFLOW, "the step became too small"
 
 
 def _no_load_path(engine: Engine) -> str:

@@ -1,16 +1,16 @@
 """A run in stages: parts of one run, each with its own step, options and loads.
 
-    simulate(scene, stages=[Stage("press", 0.02, 1e-3), Stage("roll", 0.1, 1e-4, {"save_every": 10})])
-    simulate(scene, stages=[Stage("tighten", 1.0, 0.1, kind="static"), Stage("ring", 0.1, 1e-5)])
+    simulate(scene, [Stage("press", 0.02, 1e-3), Stage("roll", 0.1, 1e-4, {"save_every": 10})])
+    simulate(scene, [Stage("tighten", 1.0, 0.1, kind="static"), Stage("ring", 0.1, 1e-5)])
 
 A stage starts from the checkpoint of the previous one; time continues. A stage of kind "static" computes consecutive
 equilibria (`warpffrf.online.load_steps`); a dynamic stage after it starts from rest, and a static stage after a dynamic
 one drops the velocities, with a note. Overrides apply to
 their stage only; the next stage uses the scene and the options of the run:
 
-    save_every, integrator, local, step_error options of `simulate`
-    gravity                                   (3,) m/s2
-    forces                                    {name: force}: replaces the scene's force of that name
+    save_every, integrator, local_modes, step_error     as of `RunOptions`
+    gravity                                             (3,) m/s2
+    forces                                              {name: force}: replaces the scene's force of that name
 
 A force may be replaced only by one of the same kind: size of the equations and meaning of the state then stay the same.
 Loads that jump between stages cause accelerations to jump; a jump of the potential energy
@@ -34,7 +34,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.checkpoint import is_dynamic, is_loaded
 from warpffrf.online.history.history import ENERGY_LINES, History, JointHistory
 
-RUN_OPTIONS = ("save_every", "integrator", "local", "step_error")
+RUN_OPTIONS = ("save_every", "integrator", "local_modes", "step_error")
 OF_TIME = ("integrator", "step_error")
 KINDS = ("dynamic", "static")
 SCENE_VALUES = ("gravity", "forces")
@@ -47,7 +47,7 @@ SUMMED = ("build_seconds", "seconds_in_graph", "loop_seconds", "finish_seconds")
 class Stage:
     """Part of a run: `duration` [s] in steps of `step` [s]; `overrides` as in the module. name: of the stage,
     unique.
-    kind: "dynamic", or "static" for consecutive equilibria; static stages override only save_every, local
+    kind: "dynamic", or "static" for consecutive equilibria; static stages override only save_every, local_modes
     and loads.
 
     Raises `InputError` for wrong numbers and for what cannot be overridden.
@@ -115,7 +115,8 @@ def check_stages(scene: Scene, stages: Any) -> list[Stage]:
     """`stages` as a list, checked against each other and the scene; raises `InputError`."""
     if not isinstance(stages, Sequence) or not stages or not all(isinstance(stage, Stage) for stage in stages):
         raise InputError(
-            f"simulate: stages must be a list of Stage(name, duration, step), at least one, got {stages!r}"
+            f"simulate: duration must be a number [s], or a list of Stage(name, duration, step), at least "
+            f"one, got {stages!r}"
         )
     names = [stage.name for stage in stages]
     for name in names:

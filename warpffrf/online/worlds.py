@@ -52,7 +52,7 @@ from warpffrf.online.compile.outer_pattern import couplings, pattern_of
 from warpffrf.online.compile.scene import CompiledScene, compile_scene
 from warpffrf.online.engine import NO_ATTEMPT, Engine, EngineOf, ready_device
 from warpffrf.online.history.history import History
-from warpffrf.online.local_dynamics import LocalDynamics
+from warpffrf.online.local_modes import LocalModes
 from warpffrf.online.settings import Settings
 from warpffrf.online.step.graph import Parts
 from warpffrf.online.step.launches import DECLARED
@@ -193,7 +193,7 @@ class Company:
             settings: Settings | None = None,
             integrator: Integrator | None = None,
             step_error: float | None = None,
-            local: LocalDynamics | None = None,
+            local_modes: LocalModes | None = None,
             turned: Sequence[float] | np.ndarray = (),
             off_end: bool = False,
             progress: bool = False,
@@ -203,10 +203,12 @@ class Company:
             if self._tables is None:
                 self.meeting.leave(world)
                 return Engine(
-                    scene, device=device, settings=used, integrator=integrator, step_error=step_error, local=local,
-                    turned=turned, off_end=off_end,
+                    scene, device=device, settings=used, integrator=integrator, step_error=step_error,
+                    local_modes=local_modes, turned=turned, off_end=off_end,
                 )  # fmt: skip
-            compiled = compile_scene(scene, used, ready_device(device), local, shared=self._tables, off_end=off_end)
+            compiled = compile_scene(
+                scene, used, ready_device(device), local_modes, shared=self._tables, off_end=off_end
+            )
 
             def build(scenes: dict[int, CompiledScene]) -> None:
                 in_order = [scenes[w] for w in sorted(scenes)]

@@ -22,9 +22,9 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.files.paths import check_ending, checked_output_path
 from warpffrf.model.messages.progress import deferred_interrupts, notes, what_follows
+from warpffrf.model.messages.status import Status
 from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history.history import History
-from warpffrf.online.run import INTERRUPTED
 from warpffrf.output.files.results import SUFFIXES
 from warpffrf.output.files.unfinished import UnfinishedRun, different
 from warpffrf.output.result import Result
@@ -56,7 +56,7 @@ class Whole:
         result.history.notes.extend(self.run.troubles)
         with deferred_interrupts() as asked:
             self.done = _tried(result, "results", self.path, lambda: result.save(self.path, overwrite=True))
-        self.done = self.done and result.status != INTERRUPTED
+        self.done = self.done and result.status != Status.INTERRUPTED
         result.history.stopping |= bool(asked)
         return result
 
@@ -75,8 +75,8 @@ class NoFile(Whole):
 class Outputs:
     """File options of a call; see `simulate`."""
 
-    def __init__(self, overwrite: bool, resume: bool = False, keep_every: float = KEEP_EVERY) -> None:
-        self.overwrite, self.resume, self.keep_every = overwrite, resume, keep_every
+    def __init__(self, overwrite: bool, resume: bool = False) -> None:
+        self.overwrite, self.resume = overwrite, resume
 
     def check(self, results: Any, record: Any) -> None:
         """Raises `InputError` for files that cannot be written or must not be replaced."""
@@ -92,7 +92,7 @@ class Outputs:
             yield NoFile()
             return
         path = Path(results).expanduser()
-        run = UnfinishedRun(path, options or {}, self.keep_every)
+        run = UnfinishedRun(path, options or {}, KEEP_EVERY)
         run.open()
         whole = Whole(path, run)
         try:
@@ -105,7 +105,7 @@ class Outputs:
         options: dict[str, Any], results: Any,
     ) -> Result:  # fmt: skip
         """One run, or the remainder of an unfinished one, and its results."""
-        named = run_options(scene, start, duration, step, options)
+        named = saved_options(scene, start, duration, step, options)
         with self.locked(results, named) as whole:
             keeper = None
             if whole.path is not None:
@@ -129,7 +129,7 @@ class Outputs:
                 f"results: '{path}' is of another run ({other}); go on with what it was run with, or begin anew with "
                 "overwrite=True (--overwrite)"
             )
-        if found.status == INTERRUPTED:
+        if found.status == Status.INTERRUPTED:
             return None
         log.info("results: '%s' is finished: %s", path, found.status)
         return found
@@ -149,32 +149,29 @@ class Outputs:
         run.clear()
         return start
 
-    def record(self, result: Kind, path: Any, every: int | None, progress: bool) -> Kind:
-        """Write the recording if there are rows to draw; if that fails, the result gets a note.
-
-        every: number of saved rows per frame; None: limits the number of frames.
-        """
+    def record(self, result: Kind, path: Any, progress: bool) -> Kind:
+        """Write the recording where there are rows to draw; the result goes with a note where that is not possible."""
         if path is not None and len(result.time):
-            _tried(result, "recording", Path(path), lambda: _record(result, path, every, progress))
+            _tried(result, "recording", Path(path), lambda: _record(result, path, progress))
         return result
 
 
 def _tell_end(result: Result) -> None:
     """Log the status and the notes of a finished run; stages have each logged their own notes."""
-    if result.status != "completed":
-        after = f"; {what_follows()}" if result.status == INTERRUPTED else ""
+    if result.status != Status.COMPLETED:
+        after = f"; {what_follows()}" if result.status == Status.INTERRUPTED else ""
         log.warning("run ended early: %s: %s%s", result.status, result.message, after)
     if not hasattr(result, "stages"):
         for note in result.history.notes:
             notes.info("note: %s", note)
 
 
-def _record(result: Result, path: Any, every: int | None, progress: bool) -> Path:
+def _record(result: Result, path: Any, progress: bool) -> Path:
     if result.history.stopping:
         raise KeyboardInterrupt
     from warpffrf.output.recording.recorder import record
 
-    info = record(result, path, every=every, overwrite=True, progress=progress)
+    info = record(result, path, overwrite=True, progress=progress)
     log.info("recording: %d frames, every %d of %d saved rows", info.frames, info.stride, len(result.time))
     return info.path
 
@@ -198,7 +195,7 @@ def _tried(result: Result, what: str, path: Path, write: Callable[[], Path]) -> 
     return False
 
 
-def run_options(scene: Any, start: Any, duration: float, step: float, options: dict[str, Any]) -> dict[str, str]:
+def saved_options(scene: Any, start: Any, duration: float, step: float, options: dict[str, Any]) -> dict[str, str]:
     """What identifies a run, as text: the scene, its start, and its options."""
     found = {"scene": scene.content_hash(), "start": _start_name(start), "duration": repr(float(duration))}
     found["step"] = repr(float(step))

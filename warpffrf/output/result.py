@@ -15,6 +15,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.progress import speaking
+from warpffrf.model.messages.status import Status
 from warpffrf.online.history.history import (
     BodyHistory,
     BudgetLine,
@@ -71,9 +72,9 @@ class Result(reprs.Shown):
         return self.history.time
 
     @property
-    def status(self) -> str:
+    def status(self) -> Status:
         """completed, interrupted, or what stopped the run (not_converged, cycling, capacity, not_finite, ...)."""
-        return self.history.status
+        return Status(self.history.status)
 
     @property
     def message(self) -> str:

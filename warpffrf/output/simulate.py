@@ -1,4 +1,4 @@
-"""Public functions `simulate` and `equilibrium`: check the outputs, run, wrap the result, write the files."""
+"""Public functions `simulate`, `static` and `equilibrium`: check the outputs, run, wrap the result, write the files."""
 
 from __future__ import annotations
 
@@ -7,32 +7,32 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from warpffrf.model.checks.scene import refuse_short_signals
-from warpffrf.model.errors import MOST_COUNTED, InputError, RunError, require_count, require_number
-from warpffrf.model.integrators import CHECK_INTEGRATORS, INTEGRATORS, EnergyMomentum, Integrator, RungeKutta4
+from warpffrf.model.errors import InputError, RunError, require_number
+from warpffrf.model.integrators import CHECK_INTEGRATORS
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.progress import speaking, terminated_as_interrupted
+from warpffrf.model.messages.status import Status
 from warpffrf.model.scene import Scene
-from warpffrf.online import GeneralizedAlpha, Settings, find_equilibrium, run
+from warpffrf.online import Settings, find_equilibrium, run
 from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history.history import BudgetLine, History
 from warpffrf.online.load_steps import run_static
-from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics, refuse_other_modes
-from warpffrf.online.run import INTERRUPTED
-from warpffrf.online.stages import KINDS, Stage, check_stages, joined, with_potential
+from warpffrf.online.local_modes import as_local_modes, refuse_other_modes
+from warpffrf.online.stages import Stage, check_stages, joined, with_potential
 from warpffrf.output.accuracy.choose import refuse_other_options, run_to_accuracy
 from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.accuracy.setting import Setting
 from warpffrf.output.budget.budget import largest_of_each
 from warpffrf.output.files.results import SUFFIXES
 from warpffrf.output.files.unfinished import ENDING
-from warpffrf.output.outputs import KEEP_EVERY, Kind, Outputs
+from warpffrf.output.options import DEFAULT_INTEGRATOR, RunOptions, require_integrator, require_options
+from warpffrf.output.outputs import Kind, Outputs
 from warpffrf.output.result import Result
 
 STARTS = ("initial", "equilibrium")
-DEFAULT_INTEGRATOR = GeneralizedAlpha(rho_inf=0.8)
 
 log = logging.getLogger("warpffrf")
 
@@ -55,134 +55,153 @@ class StagedResult(Result):
 @named_arguments
 def simulate(
     scene: Scene,
-    duration: float | None = None,
+    duration: float | Sequence[Stage],
     *,
     step: float | None = None,
-    stages: Sequence[Stage] | None = None,
     start: str | os.PathLike[str] | Result = "initial",
-    local: str | LocalDynamics = "quasi_static",
-    integrator: Integrator | RungeKutta4 | EnergyMomentum | None = None,
     accuracy: float | None = None,
-    step_error: float | None = None,
-    energy_tolerance: float | None = None,
-    save_every: int = 1,
     results: str | os.PathLike[str] | None = None,
     record: str | os.PathLike[str] | None = None,
-    record_every: int | None = None,
-    device: str | None = None,
-    progress: bool = True,
-    check: bool = False,
-    project_start: bool = False,
     overwrite: bool = False,
     resume: bool = False,
-    keep_every: float = KEEP_EVERY,
-    kind: Literal["dynamic", "static"] = "dynamic",
+    check: bool = False,
+    progress: bool = True,
+    options: RunOptions = RunOptions(),  # noqa: B008 (frozen)
 ) -> Result:
-    """Simulate `scene` for `duration` [s] with steps of `step` [s], or simulate the `stages`.
+    """Simulate `scene` for `duration` [s] with steps of `step` [s], or in a list of `Stage` without `step`.
 
-    start: "initial" (positions and velocities of the scene), "equilibrium" (static equilibrium under load first), or
-    the Result or results file of an earlier run or equilibrium of the same scene, which is continued bit for bit (to
-    round-off, about 1e-9, with small-sliding contacts). Every `save_every`th step and the last step are saved.
-    project_start: change initial velocities that violate the joints as little as possible and add a note, instead of
-    refusing them; velocities prescribed by a drive are always imposed. stages: see `warpffrf.online.stages`; the
-    function then returns a StagedResult. integrator: GeneralizedAlpha, HHT or Newmark; RungeKutta4 and EnergyMomentum
-    for checks on free bodies; None: GeneralizedAlpha(rho_inf=0.8). accuracy: required relative error of forces, motions
-    and deformations (0.01 for 1 %; pressures may err by twice as much). Step, inertia levels, stiffening, contact grids
-    and cells are chosen from the error budgets of coarse runs (`warpffrf.output.accuracy`); the notes state the
-    choices, their reasons, and what only another reduction could improve. `step` may be omitted; if given it is the
-    largest step. Settings made in the scene are kept, and the scene is not modified: continue with `result.scene`.
-    step_error: halve steps whose local error exceeds this value (positions relative to the radius of gyration,
-    rotations in rad; stiff local modes are excluded); `step` is then the largest step. energy_tolerance: relative
-    energy gain [-] of an impact step above which the step is halved; default 2.5e-4. local: treatment of the local
-    modes, "quasi_static", "hht", "exponential", "auto" or a LocalDynamics, for bodies reduced with local_dynamics=True.
-    results, record: files to write (.h5, .rrd); both are also written, with the data computed so far, if the run is
-    interrupted (Ctrl-C, SIGTERM) or fails; files that cannot be written are listed in `unwritten` of the Result and in
-    its notes. A script continues with an interrupted result: after Ctrl-C it may start further runs, after SIGTERM it
-    exits (exit code 143) when it would start another run. record_every: number of saved steps per frame of the
-    recording; None: at most 300 frames. device: "cpu" or "cuda:0"; None: the environment variable WARPFFRF_DEVICE, else
-    the CPU. progress: report the progress and the notes of the run on stderr, as bars on a terminal and as lines
-    elsewhere; only through `logging` if the application has configured it. With stages, results "run.h5" also writes
-    "run.NAME.h5" at the end of each stage, a checkpoint to start from. A failing solver does not raise, see `status`
-    and `message` of the Result; with check, a run that does not complete raises `RunError`, whose `result` has the data
-    computed, after its files were written. Wrong input raises InputError before the run. Threads may call this function
-    concurrently and obtain the same bits: steps run in parallel, everything else one after the other
+    start: "initial" (positions and velocities of the scene), "equilibrium" (static state under load first), or the
+    Result, or results file, of an earlier run or equilibrium of the same scene, which is continued bit for bit (to
+    round-off with laps, some 1e-9). A list of stages (`warpffrf.online.stages`) gives a StagedResult.
+    accuracy: the error wanted of forces, motions and deformations (0.01 for one per cent;
+    pressures may err by twice): chooses step, inertia levels, stiffening, contact grids and cells from the error
+    budgets of coarse runs (`warpffrf.output.accuracy`), says in the notes what and why, and what only another
+    reduction could give; `step` may be left out, or is the longest. What the scene sets itself is kept, and the
+    scene is not changed: go on with `result.scene`. options: local modes, integrator, saved steps, device, ..., see
+    `RunOptions`. results, record: files to write (.h5, .rrd); both
+    are also written when the run is interrupted (Ctrl-C, SIGTERM) or fails, with what there is; what cannot be
+    written is in `unwritten` of the Result and in its notes. A script goes on with an interrupted result: after Ctrl-C
+    it may run more, after SIGTERM it ends (exit code 143) where it would begin another run. The recording shows at most
+    300 of the saved steps; `warpffrf.record` writes others. progress: what is being done, and the notes of the run, on
+    stderr: bars on a terminal, lines elsewhere; through `logging` alone where the application has set that up. With
+    stages, results "run.h5" also means "run.NAME.h5" at the end of each stage: a checkpoint to start from. A solver
+    that fails does not raise, see `status` and `message` of the Result; with check a run that does not complete raises
+    `RunError`, whose `result` has what was computed, after its files were written. Wrong input raises InputError before
+    the run. Threads may call it at once, and get the same bits: steps go on side by side, all else one after the other
     (`warpffrf.online.turn`).
 
-    overwrite: replace files of an earlier run; otherwise existing files are refused. Files that warpffrf did not write
-    are always refused. During the run, completed parts are saved to the folder `run.h5.unfinished` every `keep_every`
-    [s] of wall time by a separate thread (less often if a checkpoint takes more than 2 % of that time). resume:
-    continue from this folder, or from an interrupted run, with the same options, bit for bit as if it had not been
-    stopped (to round-off with small-sliding contacts), with every integrator; a finished run is read, and a run without
-    a folder is started.
-
-    kind: "dynamic", or "static" for equilibria at the end of every step, under the forces and prescribed motions of
-    that time, with the friction history (`warpffrf.online.load_steps`); stages have their own kind.
+    overwrite: replace files of an earlier run; without it existing ones are refused, and files that warpffrf did not
+    write always. While it runs, what it has done is put into the folder `run.h5.unfinished` every 20 s of
+    wall time (less often if a checkpoint takes more than 2 % of that). resume: go on from
+    there, or from an interrupted run, with the same options, bit for bit as if it had not been stopped (with laps to
+    round-off), with every integrator; a finished run is read, and one that never began is begun.
 
     >>> result = wf.simulate(scene, 2e-3, step=2e-4, start="equilibrium", results="press.h5", progress=False)
     >>> result.status
     'completed'
     """
     known_scene(scene, "simulate")
-    as_local_dynamics(local)
-    known_integrator(integrator, "simulate")
-    known("kind", kind, KINDS)
-    if kind == "static":
-        refuse_in_statics(
-            "simulate", integrator=integrator, step_error=step_error, accuracy=accuracy,
-            energy_tolerance=energy_tolerance, project_start=project_start or None, stages=stages,
-        )  # fmt: skip
-    if resume and results is None:
-        raise InputError("simulate: resume continues from the files of a run; give results")
-    require_number(keep_every, "simulate: keep_every", positive=True)
-    if record_every is not None:
-        require_count(record_every, "simulate: record_every", 1, most=MOST_COUNTED)
-    beginning = _start(scene, start)
-    outputs = Outputs(overwrite, resume, keep_every)
-    outputs.check(results, record)
+    require_options(options, "simulate")
+    beginning, outputs = _prepared("simulate", scene, start, results, record, overwrite, resume)
+    stages: Any = duration if isinstance(duration, Sequence | Stage) else None
+    whole: Any = duration  # s, where there are no stages
     limits = None
     if accuracy is not None:
         limits = Limits.of(accuracy)
         refuse_other_options(
-            stages=stages, step_error=step_error, fixed=isinstance(integrator, CHECK_INTEGRATORS), resume=resume
+            stages=stages, step_error=options.step_error, fixed=isinstance(options.integrator, CHECK_INTEGRATORS),
+            resume=resume,
         )  # fmt: skip
-    options = {"integrator": integrator, "save_every": save_every, "device": device, "progress": progress}
-    options |= {"project_start": project_start, "local": local, "step_error": step_error}
-    if kind == "static":
-        options["kind"] = kind
-    if energy_tolerance is not None:
-        options["energy_tolerance"] = require_number(energy_tolerance, "simulate: energy_tolerance", positive=True)
+    chosen = run_arguments(options) | {"progress": progress}
     with terminated_as_interrupted(), speaking(progress):
-        if stages is None:
-            if limits is not None and duration is not None:
-                found = _accurate(scene, beginning, duration, step, limits, options, outputs, results)
-                return checked(outputs.record(found, record, record_every, progress), check)
-            if duration is None or step is None:
-                raise InputError(
-                    "simulate: give duration and step, or stages=[Stage(name, duration, step), ...], or duration and "
-                    "accuracy="
-                )
-            found = outputs.run(scene, _run, beginning, duration, step, options, results)
-            return checked(outputs.record(found, record, record_every, progress), check)
-        if duration is not None or step is not None:
-            raise InputError("simulate: stages have their own duration and step; leave those of the run out")
-        found = _staged(scene, check_stages(scene, stages), beginning, results, options, outputs)
-        return checked(outputs.record(found, record, record_every, progress), check)
+        if stages is not None:
+            parts = check_stages(scene, stages)
+            if step is not None:
+                raise InputError("simulate: stages have their own step; leave that of the run out")
+            found = _staged(scene, parts, beginning, results, chosen, outputs)
+        elif limits is not None:
+            found = _accurate(scene, beginning, whole, step, limits, chosen, outputs, results)
+        elif step is None:
+            raise InputError("simulate: give step, or accuracy=, or a list of Stage(name, duration, step) as duration")
+        else:
+            found = outputs.run(scene, _run, beginning, whole, step, chosen, results)
+        return checked(outputs.record(found, record, progress), check)
 
 
-def _run(
+@named_arguments
+def static(
+    scene: Scene,
+    duration: float,
+    *,
+    step: float,
+    start: str | os.PathLike[str] | Result = "initial",
+    results: str | os.PathLike[str] | None = None,
+    record: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
+    resume: bool = False,
+    check: bool = False,
+    progress: bool = True,
+    options: RunOptions = RunOptions(),  # noqa: B008 (frozen)
+) -> Result:
+    """Equilibria of `scene` at the end of every load step of `step` [s], for `duration` [s].
+
+    Loads and prescribed motions are those of the time of each step; friction keeps its history. Time is only a load
+    parameter (`warpffrf.online.load_steps`). start: "initial", or the Result, or results file, of an earlier run or
+    equilibrium of the same scene. options: local_modes, save_every and device of `RunOptions`. The other arguments are
+    those of `simulate`. A path of loads with motion in between is a list of `Stage` for `simulate`.
+
+    A load step that finds no equilibrium does not raise, see `status` and `message` of the Result; with check it raises
+    `RunError`. Wrong input, and films, which carry by sliding and squeezing, raise InputError before the run.
+
+    >>> loaded = wf.static(scene, 1.0, step=0.5, progress=False)
+    >>> loaded.status
+    'completed'
+    """
+    known_scene(scene, "static")
+    require_options(options, "static", static=True)
+    beginning, outputs = _prepared("static", scene, start, results, record, overwrite, resume)
+    chosen = run_arguments(options) | {"progress": progress, "kind": "static"}
+    with terminated_as_interrupted(), speaking(progress):
+        found = outputs.run(scene, _run, beginning, duration, step, chosen, results)
+        return checked(outputs.record(found, record, progress), check)
+
+
+def _prepared(
+    caller: str, scene: Scene, start: Any, results: Any, record: Any, overwrite: bool, resume: bool
+) -> tuple[Any, Outputs]:
+    """Where a run begins, and its files, both checked."""
+    if resume and results is None:
+        raise InputError(f"{caller}: resume goes on from what stands beside the results; give results")
+    beginning, outputs = _start(caller, scene, start), Outputs(overwrite, resume)
+    outputs.check(results, record)
+    return beginning, outputs
+
+
+def run_arguments(options: RunOptions) -> dict[str, Any]:
+    """The options as arguments of `run_of_kind`; an energy_tolerance only where one is given."""
+    found = vars(options).copy()
+    if options.energy_tolerance is None:
+        del found["energy_tolerance"]
+    return found
+
+
+def run_of_kind(
     scene: Any, duration: float, *, integrator: Any, energy_tolerance: float | None = None, kind: str = "dynamic",
     **options: Any,
 ) -> History:  # fmt: skip
     """Run `scene` by its kind, dynamic or static."""
-    log.info("%s", _what_is_run(scene, duration, options["step"], options["start"], kind))
     if kind == "static":
         own = {name: value for name, value in options.items() if name not in ("step_error", "project_start")}
         return run_static(scene, duration, **own)
     if energy_tolerance is not None:
-        if isinstance(integrator, CHECK_INTEGRATORS):
-            raise InputError("simulate: energy_tolerance halves steps, which this integrator cannot; leave it out")
         options["settings"] = Settings(energy_tolerance=energy_tolerance)
     return run(scene, duration, integrator=DEFAULT_INTEGRATOR if integrator is None else integrator, **options)
+
+
+def _run(scene: Any, duration: float, *, kind: str = "dynamic", **options: Any) -> History:
+    """`run_of_kind`, with a line in the log."""
+    log.info("%s", _what_is_run(scene, duration, options["step"], options["start"], kind))
+    return run_of_kind(scene, duration, kind=kind, **options)
 
 
 def _what_is_run(scene: Any, duration: Any, step: Any, start: Any, kind: str) -> str:
@@ -190,7 +209,8 @@ def _what_is_run(scene: Any, duration: Any, step: Any, start: Any, kind: str) ->
     holds = _holds(scene)
     first = "the equilibrium, then " if start == "equilibrium" and kind != "static" else ""
     what = "load steps" if kind == "static" else "steps"
-    return f"simulate: {holds}; {first}{duration} s in {what} of {step} s"
+    caller = "static" if kind == "static" else "simulate"
+    return f"{caller}: {holds}; {first}{duration} s in {what} of {step} s"
 
 
 def _holds(scene: Any) -> str:
@@ -199,13 +219,6 @@ def _holds(scene: Any) -> str:
     counts = [(len(items), kind) for kind, items in kinds.items() if len(items)]
     named = (f"{n} {kind if n == 1 else kind.replace('y', 'ie') + 's'}" for n, kind in counts)
     return ", ".join(named) or "an empty scene"
-
-
-def refuse_in_statics(where: str, **options: Any) -> None:
-    """Raises `InputError` for an option that does not apply to static runs."""
-    for name, value in options.items():
-        if value is not None:
-            raise InputError(f"{where}: {name} is for runs in time, not for kind='static'; leave one of them out")
 
 
 def _accurate(
@@ -218,7 +231,7 @@ def _accurate(
         require_number(step, "simulate: step", positive=True)
 
     def one(setting: Setting) -> History:
-        own = {**options, "local": setting.local, "energy_tolerance": setting.energy_tolerance}
+        own = {**options, "local_modes": setting.local_modes, "energy_tolerance": setting.energy_tolerance}
         return _run(setting.scene(scene), duration, step=duration / setting.steps, start=beginning, **own)
 
     with outputs.locked(results) as whole:
@@ -229,7 +242,7 @@ def _accurate(
                 limits,
                 step,
                 one,
-                local=options["local"],
+                local_modes=options["local_modes"],
                 energy_tolerance=options.get("energy_tolerance"),
                 start=beginning,
                 progress=options["progress"],
@@ -242,11 +255,11 @@ def _staged(
 ) -> StagedResult:
     """The stages in sequence, each from the checkpoint of the previous stage."""
     for stage in stages:
-        as_local_dynamics(stage.options.get("local", options["local"]))
-        known_integrator(stage.options.get("integrator"), f"stage {stage.name!r}")
+        as_local_modes(stage.options.get("local_modes", options["local_modes"]))
+        require_integrator(stage.options.get("integrator"), f"stage {stage.name!r}")
         if results is not None:
             outputs.check(stage_file(results, stage.name), None)
-    refuse_other_modes(scene, stages, options["local"])
+    refuse_other_modes(scene, stages, options["local_modes"])
     end = time_of(beginning.checkpoint) if isinstance(beginning, History) else 0.0
     for stage in stages:
         begin, end = end, end + stage.duration
@@ -272,11 +285,11 @@ def _staged(
                 break
             part.history.scene = scene  # a stage read from a file has only the scene data of the file
             parts[stage.name], beginning = part, part.history
-            if part.status != "completed":
+            if part.status != Status.COMPLETED:
                 break
         found = StagedResult(joined([part.history for part in parts.values()], list(parts)), parts)
         if interrupted:
-            found.history.status, found.history.message, found.history.stopping = INTERRUPTED, interrupted, True
+            found.history.status, found.history.message, found.history.stopping = Status.INTERRUPTED, interrupted, True
         return whole.written(found)
 
 
@@ -333,19 +346,14 @@ def equilibrium(
     with terminated_as_interrupted(), speaking(progress), outputs.locked(results) as whole:
         log.info("equilibrium: %s", _holds(scene))
         found = whole.written(Result(find_equilibrium(scene, friction=friction, device=device, progress=progress)))
-        return checked(outputs.record(found, record, None, progress), check)
+        return checked(outputs.record(found, record, progress), check)
 
 
 def checked(result: Kind, check: bool) -> Kind:
     """Returns `result`; raises `RunError` if `check` and the run did not complete."""
-    if check and result.status != "completed":
+    if check and result.status != Status.COMPLETED:
         raise RunError(result)
     return result
-
-
-def known(option: str, value: str, values: tuple[str, ...]) -> None:
-    if not isinstance(value, str) or value not in values:
-        raise InputError(f"simulate: {option} is {value!r}; known: {', '.join(repr(v) for v in values)}")
 
 
 def known_scene(scene: Any, caller: str) -> None:
@@ -353,28 +361,19 @@ def known_scene(scene: Any, caller: str) -> None:
         raise InputError(f"{caller}: a Scene is needed first, got {scene!r}")
 
 
-def known_integrator(integrator: Any, where: str) -> None:
-    if integrator is not None and not isinstance(integrator, (Integrator, *CHECK_INTEGRATORS)):
-        names = ", ".join(f"integrators.{kind.__name__}()" for kind in INTEGRATORS.values())
-        raise InputError(
-            f"{where}: integrator must be one of {names}, or an integrators.Integrator of your own, got "
-            f"{integrator!r}; names are for scene files"
-        )
-
-
-def _start(scene: Any, start: str | os.PathLike[str] | Result) -> Any:
+def _start(caller: str, scene: Any, start: str | os.PathLike[str] | Result) -> Any:
     if not isinstance(start, Result):
         if start in STARTS:
             return start
         if not isinstance(start, str | os.PathLike) or Path(start).suffix.lower() not in (*SUFFIXES, ENDING):
             known = ", ".join(repr(v) for v in STARTS)
-            raise InputError(f"simulate: start is {start!r}; known: {known}, a Result, or a results file (.h5)")
+            raise InputError(f"{caller}: start is {start!r}; known: {known}, a Result, or a results file (.h5)")
         start = Result.load(start)
     if start.view.content_hash != scene.content_hash():
         raise InputError(
-            "simulate: start is the result of another scene (their content differs); continue with the scene that it "
+            f"{caller}: start is the result of another scene (their content differs); continue with the scene that it "
             "came from, or start from 'initial'"
         )
     if not start.history.checkpoint:
-        raise InputError("simulate: start has no checkpoint to continue from; run it again")
+        raise InputError(f"{caller}: start has no checkpoint to continue from; run it again")
     return start.history

@@ -10,31 +10,22 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Literal
 
-from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
-from warpffrf.model.integrators import CHECK_INTEGRATORS, Integrator
+from warpffrf.model.errors import InputError, RunError
+from warpffrf.model.integrators import CHECK_INTEGRATORS
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.progress import notes, speaking, terminated_as_interrupted, what_follows
+from warpffrf.model.messages.status import Status
 from warpffrf.model.scene import Scene
 from warpffrf.model.step_count import step_count
-from warpffrf.online import Settings, run
 from warpffrf.online.engine import EngineOf, ready_device
 from warpffrf.online.history.history import History
-from warpffrf.online.load_steps import run_static
-from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
-from warpffrf.online.run import INTERRUPTED
 from warpffrf.online.stages import KINDS
 from warpffrf.online.turn import TURN
 from warpffrf.online.worlds import side_by_side
-from warpffrf.output.outputs import Outputs, run_options
+from warpffrf.output.options import RunOptions, require_options
+from warpffrf.output.outputs import Outputs, saved_options
 from warpffrf.output.result import Result
-from warpffrf.output.simulate import (
-    DEFAULT_INTEGRATOR,
-    STARTS,
-    known,
-    known_integrator,
-    known_scene,
-    refuse_in_statics,
-)
+from warpffrf.output.simulate import STARTS, known_scene, run_arguments, run_of_kind
 
 OF_A_WORLD = re.compile(r"world_\d+\.h5")
 
@@ -49,84 +40,59 @@ def simulate_worlds(
     step: float,
     start: Literal["initial", "equilibrium"] = "initial",
     kind: Literal["dynamic", "static"] = "dynamic",
-    local: str | LocalDynamics = "quasi_static",
-    integrator: Integrator | None = None,
-    step_error: float | None = None,
-    energy_tolerance: float | None = None,
-    save_every: int = 1,
     results: str | os.PathLike[str] | None = None,
-    device: str | None = None,
-    progress: bool = True,
-    project_start: bool = False,
     overwrite: bool = False,
+    check: bool = False,
+    progress: bool = True,
+    options: RunOptions = RunOptions(),  # noqa: B008 (frozen)
 ) -> list[Result]:
     """Simulate many scenes at once, for `duration` [s] with steps of `step` [s], as worlds of one graph.
 
-    Returns the Result of each scene, in their order, identical to that of `simulate`: bit for bit on the CPU. On the
-    CPU the set-up is shared, which saves time for short runs; a GPU steps all worlds in parallel. A world whose solver
-    fails ends alone, with its `status` and `message`, and the others continue; slow equilibria and halved steps also
-    affect only their own world. Seconds in `counters` are wall times, which include the work on other worlds.
+    Returns the Result of each, in their order, the same as `simulate` gives it, or `static`: bit for bit on the CPU.
+    There the set-up is done once for all, which pays where runs are short; a GPU steps all worlds side by side. A world
+    whose solver fails ends by itself, with its `status` and `message`, and the others go on; one that takes longer to
+    its equilibrium, or halves steps, does so by itself, too. Seconds in `counters` are wall times, in which the others
+    were at work as well.
 
-    scenes: scenes of the same structure, which differ only in numbers: loads, speeds, prescribed motions, stiffnesses,
-    coefficients of friction, masses, positions, initial velocities, profiles. They must have the same bodies, joints,
-    contacts and so on, with the same modes and grids, in the same order, and contact windows of the same size. A scene
-    may be listed several times. Reduced bodies should be shared objects.
+    scenes: of one kind, so that they differ in numbers only: loads, speeds, prescribed motions, stiffnesses,
+    coefficients of friction, masses, places, initial velocities, profiles, as long as there are the same bodies,
+    joints, contacts and so on, of the same modes and grids, in the same order, and contact windows of the same size.
+    One scene may stand there several times. Their reduced bodies are best the same objects.
 
-    results: a folder with one file per scene, world_000.h5 and so on, written when all have ended; overwrite: replace
-    those of an earlier call, and remove surplus ones. Other options: as of `simulate`, for all scenes alike. start:
-    "initial", or "equilibrium" of each. kind: "dynamic", or "static" for load steps. local: treatment of the local
-    modes. integrator: None for GeneralizedAlpha(rho_inf=0.8). step_error: local error of a step [m, rad] above which it
-    is halved. energy_tolerance: relative energy gain of an impact step [J/J] above which it is halved. save_every:
-    number of steps between saved ones; the last is also saved. device: "cpu" or "cuda:0", None: the environment
-    variable WARPFFRF_DEVICE. progress: bar and notes on stderr; notes of several scenes are shown once. project_start:
-    change initial velocities that violate the joints. Stages, accuracy, continuation from a Result, resume, recordings
-    and check integrators are for single runs.
+    start: "initial", or "equilibrium" of each. kind: "dynamic", or "static" for load steps. results: a folder, with a
+    file for each scene, world_000.h5 and so on, written when all have ended; overwrite: replace those
+    of an earlier call, and remove those it has left of more scenes. check: worlds that do not complete raise
+    `RunError`, which names them, and whose `result` is the list of all results, after their files were written.
+    progress: bar and notes on stderr, notes that several scenes share once. options: see `RunOptions`, for all scenes
+    alike.
+    Stages, accuracy, going on from a Result, resume, recordings and check integrators are for single runs.
 
-    Raises InputError before the run for wrong input, with the index of the scene, from 0, in front; and if a scene has
-    a different structure from the first, with the difference.
+    Raises InputError before the run for wrong input, with the number of the scene, counted from 0, in front; and where
+    scenes are of another kind than the first, with what differs.
 
     >>> results = wf.simulate_worlds([scene, scene], 2e-3, step=2e-4, start="equilibrium", progress=False)
     >>> [result.status for result in results]
     ['completed', 'completed']
     """
     scenes = _known_scenes(scenes)
-    known("start", start, STARTS)
-    known("kind", kind, KINDS)
-    as_local_dynamics(local)
-    known_integrator(integrator, "simulate_worlds")
-    if isinstance(integrator, CHECK_INTEGRATORS):
+    _known("start", start, STARTS)
+    _known("kind", kind, KINDS)
+    require_options(options, "simulate_worlds", static=kind == "static")
+    if isinstance(options.integrator, CHECK_INTEGRATORS):
         raise InputError(
-            f"simulate_worlds: {type(integrator).__name__} steps without the graph; run the scenes one by one, with "
-            "simulate"
+            f"simulate_worlds: {type(options.integrator).__name__} steps without the graph; run the scenes one by one, "
+            "with simulate"
         )
-    if kind == "static":
-        refuse_in_statics(
-            "simulate_worlds", integrator=integrator, step_error=step_error, energy_tolerance=energy_tolerance,
-            project_start=project_start or None,
-        )  # fmt: skip
     steps, _ = step_count(duration, step)
     with TURN:
-        ready_device(device)
-    save_every = require_count(save_every, "simulate_worlds: save_every", 1, most=MOST_COUNTED)
-    options: dict[str, Any] = {"save_every": save_every, "device": device, "local": local}
-    if energy_tolerance is not None:
-        energy_tolerance = require_number(energy_tolerance, "simulate_worlds: energy_tolerance", positive=True)
-        options["settings"] = Settings(energy_tolerance=energy_tolerance)
-    if step_error is not None:
-        require_number(step_error, "simulate_worlds: step_error", positive=True)
-    if kind == "dynamic":
-        options |= {"integrator": DEFAULT_INTEGRATOR if integrator is None else integrator}
-        options |= {"step_error": step_error, "project_start": project_start}
+        ready_device(options.device)
+    chosen: dict[str, Any] = run_arguments(options) | ({"kind": kind} if kind == "static" else {})
 
     def run_of(scene: Scene) -> Callable[[EngineOf], History]:
-        one = run_static if kind == "static" else run
-        return lambda engine_of: one(
-            scene, duration, step=step, start=start, progress=False, engine_of=engine_of, **options
+        return lambda engine_of: run_of_kind(
+            scene, duration, step=step, start=start, progress=False, engine_of=engine_of, **chosen
         )
 
-    named = {"integrator": integrator, "save_every": save_every, "project_start": project_start, "local": local}
-    named |= {"step_error": step_error} | ({"kind": kind} if kind == "static" else {})
-    named |= {} if energy_tolerance is None else {"energy_tolerance": energy_tolerance}
     outputs = Outputs(overwrite)
     files, left_over = _files(results, len(scenes), outputs)
     with terminated_as_interrupted(), speaking(progress), ExitStack() as locks:
@@ -134,12 +100,20 @@ def simulate_worlds(
         wholes = [locks.enter_context(outputs.locked(file)) for file in files]
         histories = side_by_side([run_of(scene) for scene in scenes], steps, progress=progress)
         for scene, history in zip(scenes, histories, strict=True):
-            history.options = run_options(scene, start, duration, step, named)
+            history.options = saved_options(scene, start, duration, step, chosen)
         found = [Result(history) for history in histories]
         _tell_ends(found)
         found = [whole.kept(result) for whole, result in zip(wholes, found, strict=True)]
         _remove(left_over)
+        if check and any(result.status != Status.COMPLETED for result in found):
+            raise RunError(found)
         return found
+
+
+def _known(name: str, value: Any, values: tuple[str, ...]) -> None:
+    """Raises `InputError` for a `value` of the argument `name` that is none of `values`."""
+    if not isinstance(value, str) or value not in values:
+        raise InputError(f"simulate_worlds: {name} is {value!r}; known: {', '.join(repr(v) for v in values)}")
 
 
 def _known_scenes(scenes: Any) -> list[Scene]:
@@ -183,8 +157,8 @@ def _tell_ends(found: Sequence[Result]) -> None:
     """Log the ends of all runs; messages shared by several runs are logged once."""
     said: dict[str, int] = {}
     for i, result in enumerate(found):
-        if result.status != "completed":
-            after = f"; {what_follows()}" if result.status == INTERRUPTED else ""
+        if result.status != Status.COMPLETED:
+            after = f"; {what_follows()}" if result.status == Status.INTERRUPTED else ""
             log.warning("scene %d: run ended early: %s: %s%s", i, result.status, result.message, after)
         for note in result.history.notes:
             said[note] = said.get(note, 0) + 1

@@ -33,6 +33,7 @@ from warpffrf.scene_file.numbers import read_numbers
 from warpffrf.scene_file.source import Path, Source
 
 TITLE = "title"
+RUNS = ("equilibrium", "static", "simulate")  # calls that run the scene, each a table
 FITTED = "fitted"  # a contact surface whose shape is fitted
 FILE_KEYS = {"file", "column"}
 FIRST_ITEMS = ("joints", "contacts")  # other items refer to them
@@ -59,7 +60,7 @@ class Builder:
         sections = {**{s: self.fixed[s] for s in ("materials", "meshes", "reduced_bodies")}, "signals": signal_kinds()}
         sections["ground"] = shape_kinds()  # its surfaces
         self.sections = {**sections, **{s: self.fixed[s] for s in ("bodies", "bearings")}, **self.items}
-        known = (TITLE, "include", "parameters", "scene", *self.sections, "arrange", "equilibrium", "simulate")
+        known = (TITLE, "include", "parameters", "scene", *self.sections, "arrange", *RUNS)
         for key, table in values.items():
             if key not in known:
                 raise InputError(f"{self.source.place((key,))}: unknown key {key!r}{suggestion(key, known)}")
@@ -72,7 +73,7 @@ class Builder:
         for section in self.sections:
             for name, table in values.get(section, {}).items():
                 self._check_table((section, name), table, self._form((section, name), table))
-        for section in ("scene", "equilibrium", "simulate"):
+        for section in ("scene", *RUNS):
             if section in values:
                 self._check_table((section,), values[section], self.fixed[section][""])
         for index, table in enumerate(values.get("arrange", [])):
@@ -264,12 +265,13 @@ class Builder:
         return form.call(**self._arguments(path, table, form), name=name)
 
     def run_arguments(self, section: str) -> dict[str, Any] | None:
-        """Arguments of `simulate` or `equilibrium`, None if the document has no such table; paths as written."""
+        """Arguments of `simulate`, `static` or `equilibrium`, None without such a table; paths as written."""
         if section not in self.source.values:
             return None
         table = self.source.values[section]
         with self._blamed((section,), table):
-            arguments = self._arguments((section,), table, self.fixed[section][""])
+            form = self.fixed[section][""]
+            arguments = form.call(**self._arguments((section,), table, form))
         start = arguments.get("start")
         if isinstance(start, str) and FilePath(start).suffix:
             arguments["start"] = self._file((section, "start"), start)
@@ -401,7 +403,7 @@ class Builder:
 
     @contextmanager
     def running(self, section: str) -> Iterator[None]:
-        """Prefix errors of `simulate` or `equilibrium` with the line in the file."""
+        """Prefix errors of `simulate`, `static` or `equilibrium` with the line in the file."""
         try:
             yield
         except InputError as error:

@@ -19,6 +19,7 @@ from types import ModuleType
 from typing import Any, NotRequired
 
 from warpffrf.model.errors import InputError, suggestion
+from warpffrf.model.renamed import REPLACED
 from warpffrf.scene_file.source import Path, Source
 
 PORTS = ("a", "b", "port", "onto", "first", "second")  # arguments that are ports of bodies
@@ -68,7 +69,8 @@ class Form:
         here = (*path, *error["loc"])
         what = f"{source.place(here if error['type'] != 'missing' else path)}: {shown(path)}"
         if error["type"] == "extra_forbidden":
-            return f"{what}: unknown key {key!r}{suggestion(key, tuple(self.roles))}"
+            hint = REPLACED.get((self.title, key)) or suggestion(key, tuple(self.roles))
+            return f"{what}: unknown key {key!r}{hint}"
         if error["type"] == "missing":
             return f"{what}: the key {key!r} is missing"
         words = WORDS.get(error["type"], error["msg"][:1].lower() + error["msg"][1:])
@@ -125,6 +127,35 @@ def flat(call: Callable[..., Any], **objects: type) -> Callable[..., Any]:
     parameters = [*(p for name, p in kept.items() if name not in objects), *added]
     setattr(flattened, "__signature__", inspect.Signature(parameters))  # noqa: B010 (functions have no such attribute)
     return flattened
+
+
+def arguments_of(call: Callable[..., Any]) -> Callable[..., dict[str, Any]]:
+    """Takes the arguments of `call` and returns them."""
+
+    @wraps(call)
+    def arguments(**given: Any) -> dict[str, Any]:
+        return given
+
+    return arguments
+
+
+def staged(call: Callable[..., Any]) -> Callable[..., Any]:
+    """`call` whose duration may be given as `stages`."""
+
+    @wraps(call)
+    def with_stages(*, stages: Any = None, **given: Any) -> Any:
+        if stages is None:
+            return call(**given)
+        for name in ("duration", "step"):
+            if name in given:
+                raise InputError(f"stages have their own {name}; leave that of the run out")
+        return call(duration=stages, **given)
+
+    parameters = inspect.signature(call).parameters
+    own = inspect.Parameter("stages", inspect.Parameter.KEYWORD_ONLY, default=None)
+    both = {**parameters, "duration": own.replace(name="duration", annotation="float | None"), "stages": own}
+    setattr(with_stages, "__signature__", inspect.Signature([p.replace(kind=own.kind) for p in both.values()]))  # noqa: B010
+    return with_stages
 
 
 def _type_of(annotation: str) -> Any:
@@ -239,7 +270,7 @@ def value_kinds() -> dict[str, Form]:
 
     online = importlib.import_module("warpffrf.online")
     others = [StressPoints, Matched, SmallSliding, DowsonHigginson, iso_vg]
-    others += [online.LocalDynamics, *online.INTEGRATORS.values()]
+    others += [online.LocalModes, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
     registered = {
         **SHAPES, **BASES, **DAMPINGS, **LAWS, **LUMPED_LAWS, **FRICTION_LAWS, **CHARACTERISTICS, **OILS, **FEEDS,
@@ -318,9 +349,11 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     from warpffrf.model.scene import Scene
     from warpffrf.offline import ContactGrid, ReductionOptions, reduce
     from warpffrf.online.stages import Stage
-    from warpffrf.output.simulate import equilibrium, simulate
+    from warpffrf.output.options import OF_TIME, RunOptions
+    from warpffrf.output.simulate import equilibrium, simulate, static
 
     paths: dict[str, str] = dict.fromkeys(PATHS, "path")
+    of_program = ("scene", "progress", "overwrite", "resume", "check")
     rings: dict[str, str] = {"inner": "port", "outer": "port", "element_body": "reduced_bodies"}
     options: dict[str, type] = {"contact": RollingContact, "materials": Materials}
     balls = flat(add_ball_bearing, geometry=BallGeometry, **options)
@@ -357,10 +390,11 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
             "place": form_of("place", Scene.place, {"port": "port", "onto": "port"}, ("self",)),
             "close_gap": form_of("close_gap", Scene.close_gap, {"contact": "contacts"}, ("self", "with_bodies")),
         },
-        "equilibrium": {"": form_of("equilibrium", equilibrium, {}, ("scene", "progress", "overwrite", "check"))},
+        "equilibrium": {"": form_of("equilibrium", arguments_of(equilibrium), {}, of_program)},
+        "static": {"": form_of("static", flat(arguments_of(static), options=RunOptions), {}, (*of_program, *OF_TIME))},
         "simulate": {
             "": form_of(
-                "simulate", simulate, {"stages": "stages"}, ("scene", "progress", "overwrite", "resume", "check")
+                "simulate", staged(flat(arguments_of(simulate), options=RunOptions)), {"stages": "stages"}, of_program
             )
         },
         "stages": {"": form_of("stage", Stage, {"overrides": "overrides"})},

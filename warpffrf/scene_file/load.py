@@ -12,7 +12,7 @@ from typing import Any
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.messages.named_arguments import named_arguments
-from warpffrf.scene_file.build import TITLE, Builder
+from warpffrf.scene_file.build import RUNS, TITLE, Builder
 from warpffrf.scene_file.document import document_of, read_document, to_toml
 from warpffrf.scene_file.kept import Kept
 from warpffrf.scene_file.source import Source
@@ -26,13 +26,14 @@ DOCUMENT_SIGN = "# the scene as warpffrf ran it\n"
 class LoadedScene:
     """The contents of a scene file.
 
-    scene: the `Scene`. equilibrium, simulate: the arguments of these calls in the file, None without such a table.
-    title: of the file, or its name. made: section -> name -> object ("reduced_bodies", "bodies", "joints", ...).
-    document: all values of the file, with parameters, settings and includes substituted.
+    scene: the `Scene`. equilibrium, static, simulate: the arguments of these calls, None without such a
+    table. title: of the file, or its name. made: section -> name -> object ("reduced_bodies", "bodies", "joints", ...).
+    document: all values of the file, parameters, settings and includes put in.
     """
 
     scene: Any
     equilibrium: dict[str, Any] | None
+    static: dict[str, Any] | None
     simulate: dict[str, Any] | None
     title: str
     made: Mapping[str, Mapping[str, Any]]
@@ -64,7 +65,7 @@ def scene_of_document(source: Source, name: str, kept: Kept | None = None) -> Lo
     reused where they are unchanged. name: the title if the document has none."""
     builder = Builder(source, kept)
     scene = builder.build()
-    runs = {section: builder.run_arguments(section) for section in ("equilibrium", "simulate")}
+    runs = {section: builder.run_arguments(section) for section in RUNS}
     return LoadedScene(
         scene,
         **runs,
@@ -86,13 +87,15 @@ def run_scene(
     overwrite: bool = False,
     resume: bool = False,
 ) -> dict[str, Any]:
-    """Run the scene file at `path`: its `equilibrium`, its `simulate`, or both; returns {call: Result}.
+    """Run the scene file at `path`: its `equilibrium`, `static` and `simulate`; returns {call: Result}.
 
-    Files are written to the folder `out`, by default out/NAME for the file NAME.toml: the files that `results` and
-    `record` name, the results of a call without `results` as NAME.h5 (NAME_equilibrium.h5), and the document as run,
-    NAME.toml. A path outside the folder raises `InputError`, unless `anywhere`.
-    settings: "name=value" as of `--set`. progress: print progress to stderr. overwrite: replace the files of an earlier
-    run. resume: continue an interrupted run, or read it if it is complete, see `simulate`.
+    Files go into the folder `out`, by default out/NAME of the file NAME.toml: what `results` and `record` name, the
+    results of a call without `results` as NAME.h5 (NAME_equilibrium.h5, NAME_static.h5), and the document as it
+    was run, NAME.toml.
+    A name that leads out of the folder is refused, with InputError, unless `anywhere`.
+    settings: "name=value" as of `--set`. progress: what is being done, on stderr. overwrite: replace the files of an
+    earlier run; resume: go on where it was stopped, or read it if it ended, see
+    `simulate`.
 
     With the file pendulum.toml of docs/scene_file.md:
 
@@ -100,12 +103,14 @@ def run_scene(
     >>> runs["simulate"].status
     'completed'
     """
-    from warpffrf.output.simulate import equilibrium, simulate
+    from warpffrf.output.simulate import equilibrium, simulate, static
 
     name = Path(path).stem
     loaded = load_scene(path, settings=settings)
-    if loaded.equilibrium is None and loaded.simulate is None:
-        raise InputError(f"{Path(path).name}: contains nothing to run; add the table [simulate] or [equilibrium]")
+    if all(getattr(loaded, section) is None for section in RUNS):
+        raise InputError(
+            f"{Path(path).name}: contains nothing to run; add the table [simulate], [static] or [equilibrium]"
+        )
     folder = Path("out") / name if out is None else Path(out).expanduser()
     text = folder / f"{name}.toml"
     document = DOCUMENT_SIGN + loaded.to_toml()
@@ -116,7 +121,7 @@ def run_scene(
     found: dict[str, Any] = {}
     again = {"progress": progress, "overwrite": overwrite or resume}  # an equilibrium is cheap and is recomputed
     further = {"progress": progress, "overwrite": overwrite, "resume": resume}
-    calls: Any = (("equilibrium", equilibrium, again), ("simulate", simulate, further))
+    calls: Any = (("equilibrium", equilibrium, again), ("static", static, further), ("simulate", simulate, further))
     for section, call, options in calls:
         arguments = getattr(loaded, section)
         if arguments is not None:

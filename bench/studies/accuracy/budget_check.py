@@ -23,6 +23,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.output.budget.budget import FLOOR
 from warpffrf.output.budget.quantities import quantities
 from warpffrf.output.budget.time_step import SOURCE
+from warpffrf.output.options import RunOptions
 from warpffrf.output.simulate import simulate
 from warpffrf.study.markdown import table
 
@@ -93,7 +94,9 @@ def compare(machine: str) -> list[Compared]:
     for steps in counts:
         step = duration / steps
         result = simulate(scene, duration, step=step, start=start, progress=False)
-        exact = simulate(scene, duration, step=step / FINER, start=start, save_every=FINER, progress=False)
+        exact = simulate(
+            scene, duration, step=step / FINER, start=start, options=RunOptions(save_every=FINER), progress=False
+        )
         own, other = quantities(result.history), quantities(exact.history)
         for line in result.error_budget():
             if line.source != SOURCE or line.of not in own:

@@ -32,6 +32,7 @@ from warpffrf.output.budget.budget import FLOOR
 from warpffrf.output.budget.figures import UNKNOWN, figures, total
 from warpffrf.output.budget.quantities import quantities
 from warpffrf.output.budget.stresses import below
+from warpffrf.output.options import RunOptions
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium, simulate
 
@@ -227,7 +228,14 @@ def rolling() -> Iterator[Stated]:
         scene = carter.braked_pair(body, 0.5)
         scene.contact(carter.PAIR).cells = (strips, 9)
         every = steps // LOOKED_AT
-        return simulate(scene, 6 * steps * step, step=step, start="equilibrium", save_every=every, progress=False)
+        return simulate(
+            scene,
+            6 * steps * step,
+            step=step,
+            start="equilibrium",
+            options=RunOptions(save_every=every),
+            progress=False,
+        )
 
     exact = run(*ROLLS[1])
     for strips, steps in ROLLS[0]:

@@ -20,7 +20,7 @@ import warpffrf as wf
 from studies.accuracy.machines import FINER, MACHINES, Machine
 from warpffrf.model.contact import CELL_ERRORS
 from warpffrf.model.errors import unknown_name
-from warpffrf.online.run import INTERRUPTED
+from warpffrf.model.messages.status import Status
 from warpffrf.study.markdown import table
 from warpffrf.study.speed_against_error.choices import can_stiffen
 from warpffrf.study.speed_against_error.errors import errors_of, measures_of
@@ -139,7 +139,7 @@ def _run(machine: Machine, scene: wf.Scene, setting: dict[str, Any], steps: int)
 
 def _whole(result: wf.Result) -> wf.Result:
     """The result of a run that nobody has interrupted."""
-    if result.status == INTERRUPTED:
+    if result.status == Status.INTERRUPTED:
         raise KeyboardInterrupt
     return result
 

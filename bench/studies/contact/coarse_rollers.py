@@ -34,6 +34,7 @@ from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
+from warpffrf.output.options import RunOptions
 from warpffrf.output.simulate import equilibrium, simulate
 from warpffrf.study.markdown import table
 
@@ -199,8 +200,13 @@ def spurious(body: ReducedBody, approach: float) -> float:
     angle, step = 2.0 * np.pi * REVOLUTIONS, 1e-3
     scene = held(body, body, approach, turning=STRIDE / step)
     result = simulate(
-        scene, step * round(angle / STRIDE), step=step, start="equilibrium", save_every=10, progress=False
-    )  # fmt: skip
+        scene,
+        step * round(angle / STRIDE),
+        step=step,
+        start="equilibrium",
+        options=RunOptions(save_every=10),
+        progress=False,
+    )
     if result.status != "completed":
         raise RuntimeError(result.message)
     force = float(result.contact(PAIR).force_magnitude.mean())

@@ -35,7 +35,8 @@ from warpffrf.model.reduced.data import DisplaySurface
 from warpffrf.model.reduced.local_mass import LocalMass
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Plane
-from warpffrf.online.local_dynamics import EXACT_DAMPING, LocalDynamics
+from warpffrf.online.local_modes import EXACT_DAMPING, LocalModes
+from warpffrf.output.options import RunOptions
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
 from warpffrf.study.markdown import table
@@ -114,7 +115,7 @@ def collide(modes: int, *, damping: Any = None, local: Any = "quasi_static", pha
     h = 1.0 / (STEPS * body.frequencies[-1])
     scene = meeting(body, gap=GAP + phase * SPEED * h, damping=damping)
     steps = int(np.ceil(AFTER * EXACT.duration / h))
-    return simulate(scene, steps * h, step=h, local=local, progress=False)
+    return simulate(scene, steps * h, step=h, options=RunOptions(local_modes=local), progress=False)
 
 
 def measured(result: Result) -> Collision:
@@ -141,10 +142,10 @@ def measured(result: Result) -> Collision:
 TREATMENTS: dict[str, dict[str, Any]] = {
     "quasi_static, 10 % above half the highest frequency": {},
     "quasi_static, no damping": {"damping": 0.0},
-    "hht, 10 % above half the highest frequency": {"local": LocalDynamics("hht")},
-    "hht, no damping": {"local": LocalDynamics("hht"), "damping": 0.0},
-    "exponential, 10 % above half the highest frequency": {"local": LocalDynamics("exponential")},
-    "exponential, no damping": {"local": LocalDynamics("exponential"), "damping": 0.0},
+    "hht, 10 % above half the highest frequency": {"local": LocalModes("hht")},
+    "hht, no damping": {"local": LocalModes("hht"), "damping": 0.0},
+    "exponential, 10 % above half the highest frequency": {"local": LocalModes("exponential")},
+    "exponential, no damping": {"local": LocalModes("exponential"), "damping": 0.0},
 }
 
 

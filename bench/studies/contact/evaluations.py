@@ -37,6 +37,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online import GeneralizedAlpha
+from warpffrf.output.options import RunOptions
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
 
@@ -46,7 +47,8 @@ ACROSS, DEEP = 21, 6  # stress points around and in depth
 SHALLOWEST, DEEPEST = 0.3, 2.0  # half-widths: the largest shear stress of a line contact lies at 0.78
 RHO = 0.8  # of the integrator, the same for all
 STEP = 1e-4  # s
-OPTIONS: dict[str, Any] = {"step": STEP, "integrator": GeneralizedAlpha(RHO), "progress": False}
+INTEGRATOR = GeneralizedAlpha(RHO)
+OPTIONS: dict[str, Any] = {"step": STEP, "progress": False}
 SEPARATED = ("full", "reduced")
 STIFFER = 3.0  # layer over a hat: it yields by some per cent of the approach, as penalties are chosen
 
@@ -124,12 +126,15 @@ def scene_of(
 
 def run_quadrature(scene: Scene, steps: int) -> Result:
     """`steps` steps of the scene by the engine."""
-    return _completed(simulate(scene, steps * STEP, start="equilibrium", **OPTIONS), scene.contacts[0].quadrature)
+    return _completed(
+        simulate(scene, steps * STEP, start="equilibrium", options=RunOptions(integrator=INTEGRATOR), **OPTIONS),
+        scene.contacts[0].quadrature,
+    )
 
 
 def run_at_nodes(scene: Scene, steps: int, *, start: Any = "equilibrium", variant: str = "low_rank") -> Result:
     """`steps` steps of the scene by the monolithic reference, with the law at the nodes."""
-    options = {**OPTIONS, "start": start, "variant": variant, "at_nodes": True}
+    options = {**OPTIONS, "integrator": INTEGRATOR, "start": start, "variant": variant, "at_nodes": True}
     return _completed(monolithic.simulate(scene, steps * STEP, **options), "at nodes")
 
 

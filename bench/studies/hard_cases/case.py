@@ -85,7 +85,8 @@ class Case:
 
     tests: what it tests, in a sentence or two. build: makes the scene anew for every run. duration [s], steps [s] and
     middle [s], the step at which tolerances are varied. check: comparisons of a Result with what is known from
-    elsewhere. options: of the run (start, integrator, local). said: words of notes that warn of what the check finds.
+    elsewhere. options: of `online.run` (start, integrator, local_modes). said: words of notes that warn of
+    what the check finds.
     twin, alike: another scene that has to do the same, run with the same setting, and comparisons of the two results.
     memory: limits [MB] of what a run may grow by (`memory`). quick: whether `--quick` runs it, at its middle and its
     longest step. slow: run only where it is named. Raises `InputError` for a middle that is none of the steps.

@@ -13,8 +13,9 @@ from studies.hard_cases.case import Case, Finding, Setting
 from studies.hard_cases.classes import FAIL, REFUSED, Verdict, judge
 from studies.hard_cases.memory import MemoryWatch
 from warpffrf.model.errors import InputError
+from warpffrf.model.messages.status import Status
 from warpffrf.online import Settings
-from warpffrf.online.run import INTERRUPTED, run
+from warpffrf.online.run import run
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
 
@@ -102,8 +103,9 @@ def _alike(build: Callable[[], Any], result: Result) -> Callable[[], Any]:
 
 def _run(case: Case, setting: Setting, build: Callable[[], Any]) -> Result:
     if setting.accuracy is not None:
-        result = simulate(build(), case.duration, accuracy=setting.accuracy, progress=False, **case.options)
-        if result.status == INTERRUPTED:
+        result = simulate(build(), case.duration, accuracy=setting.accuracy, progress=False,
+                          start=case.options.get("start", "initial"))  # fmt: skip
+        if result.status == Status.INTERRUPTED:
             raise KeyboardInterrupt
         return result
     steps = case.step_count(setting.step)
@@ -112,7 +114,7 @@ def _run(case: Case, setting: Setting, build: Callable[[], Any]) -> Result:
         settings=Settings(residual_tolerance=setting.tolerance, energy_tolerance=setting.energy), progress=False,
         **case.options,
     )  # fmt: skip
-    if history.status == INTERRUPTED:
+    if history.status == Status.INTERRUPTED:
         raise KeyboardInterrupt
     return Result(history)
 

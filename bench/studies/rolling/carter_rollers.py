@@ -34,6 +34,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online import GeneralizedAlpha
+from warpffrf.output.options import RunOptions
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
 from warpffrf.study.markdown import table
@@ -123,7 +124,7 @@ def roll(body: ReducedBody, share: float, per_cell: float, *, crossings: int = C
     h = 2.0 * HALF_WIDTH / steps / SPEED
     result = simulate(
         braked_pair(body, share), crossings * steps * h, step=h, start="equilibrium", progress=False,
-        integrator=GeneralizedAlpha(rho_inf=0.5),
+        options=RunOptions(integrator=GeneralizedAlpha(rho_inf=0.5)),
     )  # fmt: skip
     return settled(result, steps), result
 

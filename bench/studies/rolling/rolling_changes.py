@@ -63,6 +63,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.signals import Table
 from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online.compile.patches.plan import span_of
+from warpffrf.output.options import RunOptions
 from warpffrf.output.result import Result
 from warpffrf.study.markdown import table
 
@@ -210,7 +211,7 @@ def driven(strips: int, advance: float, revolutions: float) -> dict[str, float]:
     body = straight()
     scene = pair(body, body, DEEP, Drives(creepage=DRIVEN), cells=(strips, 5))
     steps = int(np.ceil(2.0 * np.pi * R * revolutions / SPEED / step))
-    energy = run(scene, steps, step, save_every=10).history.energy
+    energy = run(scene, steps, step, options=RunOptions(save_every=10)).history.energy
     return {line: float(values[-1] - values[0]) for line, values in energy.items()}
 
 

@@ -29,7 +29,7 @@ def page(found: list[Row]) -> str:
     head = ["case", "cells", "compared", "exact", "found", "error", "target", ""]
     return f"""# Small-sliding contact of the engine compared with closed forms
 
-Closed forms compared with scenes that `simulate` solves, in load steps (`kind="static"`) and in time. Poisson's ratio
+Closed forms compared with scenes that `simulate` solves, in load steps (`wf.static`) and in time. Poisson's ratio
 is zero but in the press of two blocks; cells are facets of the mesh unless stated otherwise.
 
 {len(found) - len(missed)} of {len(found)} targets are reached.

@@ -144,7 +144,7 @@ def ring_down_rows(cycles: int = 3, steps: int = 150) -> list[Row]:
     stages = [
         Stage("pull", 1.0, 0.25, kind="static"), Stage("swing", (cycles + 0.5) * period, period / steps)
     ]  # fmt: skip
-    found = completed(simulate(scene, stages=stages, progress=False))
+    found = completed(simulate(scene, stages, progress=False))
     stretch = (found.sensor("place").values - found.sensor("end").values)[:, 0]
     tops = summits(SPRING * (stretch - stretch[0])[found.time >= 1.0])
     rows = []

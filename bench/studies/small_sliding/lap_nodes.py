@@ -33,7 +33,8 @@ from studies.small_sliding.lap_stacks import (
 from warpffrf.model import signals
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.online import Settings
-from warpffrf.output.simulate import simulate
+from warpffrf.output.options import RunOptions
+from warpffrf.output.simulate import simulate, static
 from warpffrf.study.markdown import table
 
 PRELOAD = 4e3  # N, of each bolt
@@ -231,9 +232,14 @@ def motion(stacked: Sheets, modes: int, scale: float, steps: int, shake: float =
         for i, late in enumerate((np.full(steps, pre), np.array([force(t) for t in after])))
     )
     scene = stacked.scene([body], bolt if stacked.shank is None else pre, pull)
-    held = simulate(scene, rest, step=1.0, kind="static", progress=False)
+    held = static(scene, rest, step=1.0, progress=False)
     found = simulate(
-        scene, steps * STEP, step=STEP, start=held, integrator=GeneralizedAlpha(rho_inf=RHO), progress=False
+        scene,
+        steps * STEP,
+        step=STEP,
+        start=held,
+        options=RunOptions(integrator=GeneralizedAlpha(rho_inf=RHO)),
+        progress=False,
     ).history
     if found.status != "completed":
         raise RuntimeError(f"sheets: {found.status}: {found.message}")
@@ -334,7 +340,8 @@ with 160 along both; partial slip, {APART:g} of the loads.
 
 A strip of {SQUARES} square facets, {NARROW * 1e3:.3g} mm wide, loads in proportion to the width. Compared with full
 finite elements with every facet, and with every node (two along a facet, three across). *Graded*: cells grow away from
-the edges of the bolts' heads through the sheet, `surfaces.Matched(growth=, fine=heads)`. Targets: pressure 5 % (L2), loss
+the edges of the bolts' heads through the sheet, `surfaces.Matched(growth=, fine=heads)`. Targets: pressure 5 % (L2),
+    loss
 15 % in partial slip and 1 % near macro slip, amplitude 0.5 %.
 
 {table(["cells", "count", "load", "pressure", "loss", "amplitude", "pressure, nodes", "loss, nodes",

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+import warpffrf as wf
 from warpffrf.model import signals
 from warpffrf.model.scene import Scene
 from warpffrf.output.result import Result
-from warpffrf.output.simulate import simulate
 
 Array = np.ndarray
 
@@ -63,7 +63,7 @@ def cycle(steps: int) -> Array:
 
 def static(scene: Scene, steps: int) -> Result:
     """Load steps of a second each."""
-    return completed(simulate(scene, float(steps), step=1.0, kind="static", progress=False))
+    return completed(wf.static(scene, float(steps), step=1.0, progress=False))
 
 
 def completed(found: Result) -> Result:

@@ -25,7 +25,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import ContactGrid, ReductionOptions, reduce
-from warpffrf.online import History, LocalDynamics, Settings, run
+from warpffrf.online import History, LocalModes, Settings, run
 
 RADIUS, BORE, WIDTH = 0.05, 0.015, 0.02  # m
 SAMPLES_PER_SWING = 12  # of the sine table: its spline is right to 1e-3, and a short table costs the step nothing
@@ -141,7 +141,7 @@ def time_swing(
     step: float = 1e-4,
     columns_per_step: float = 0.25,
     settings: Settings | None = None,
-    local: LocalDynamics | str = "quasi_static",
+    local: LocalModes | str = "quasi_static",
 ) -> StepTime:
     """Time of a step while two such rollers swing over all of their tread (a whole rim: a sixth of the turn each way),
     with the treatment `local` of the local modes."""
@@ -152,5 +152,7 @@ def time_swing(
     swing = np.pi / 3.0 if grid.periodic else max(reach, 1.0) * grid.pitch
     rate = columns_per_step * grid.pitch / step
     scene = swinging_pair(body, approach, swing, rate, steps * step)
-    history = run(scene, steps * step, step=step, start="equilibrium", progress=False, settings=settings, local=local)
+    history = run(
+        scene, steps * step, step=step, start="equilibrium", progress=False, settings=settings, local_modes=local
+    )
     return measured(history, body.local_modes)

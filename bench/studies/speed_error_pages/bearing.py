@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 
 import warpffrf as wf
 from scenes import bearing as scenes
@@ -56,10 +56,14 @@ def make(quick: bool, *, progress: bool = True) -> SpeedError:
         return scene
 
     return wf.study.speed_error(
-        bearing, QUICK_RUN if quick else RUN, step=STEPS[0], start="equilibrium", progress=progress, rounds=1,
-        parameters={"cells": finest}, reference={"cells": finest},
+        bearing,
+        partial(wf.simulate, duration=QUICK_RUN if quick else RUN, step=STEPS[0], start="equilibrium"),
+        progress=progress,
+        rounds=1,
+        parameters={"cells": finest},
+        reference={"cells": finest},
         choices={"cells": list(QUICK_CELLS if quick else CELLS), "step": STEPS[:2] if quick else STEPS},
-    )  # fmt: skip
+    )
 
 
 BEARING = Study(

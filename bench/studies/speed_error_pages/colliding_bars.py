@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 
 import warpffrf as wf
 from studies.contact import colliding_bars as bars
@@ -27,11 +27,15 @@ def make(quick: bool, *, progress: bool = True) -> SpeedError:
 
     numbers = QUICK_MODES if quick else MODES
     return wf.study.speed_error(
-        colliding_bars, RUN, step=STEPS[0], progress=progress, rounds=ROUNDS, parameters={"modes": numbers[-1]},
-        choices={"local": TREATMENTS, "modes": numbers, "step": steps(STEPS, quick)},
+        colliding_bars,
+        partial(wf.simulate, duration=RUN, step=STEPS[0]),
+        progress=progress,
+        rounds=ROUNDS,
+        parameters={"modes": numbers[-1]},
+        choices={"local_modes": TREATMENTS, "modes": numbers, "step": steps(STEPS, quick)},
         reference={"modes": 2 * numbers[-1] if quick else REFERENCE_MODES},
         measures=["force", "force_max", "displacement", "energy"],
-    )  # fmt: skip
+    )
 
 
 COLLIDING_BARS = Study(
@@ -40,7 +44,7 @@ COLLIDING_BARS = Study(
     f"[St Venant's impact](../studies/colliding_bars.md): two equal bars of {bars.LENGTH:g} m meet end to end at "
     f"{bars.SPEED:g} m/s, touch for {bars.EXACT.duration * 1e6:.0f} us under the constant force "
     f"{bars.EXACT.force:.0f} N, and exchange their velocities. Bodies are of the closed form of a rod, so that nothing "
-    f"but `modes`, their number, and `local`, what becomes of the rest, differs from the reference with "
+    f"but `modes`, their number, and `local_modes`, what becomes of the rest, differs from the reference with "
     f"{REFERENCE_MODES} modes, whose local ones step by HHT. Damping is the default of a body, 10 % above half its "
     "highest frequency. The force is a rectangle in time: where it rises and falls no method has an error smaller than "
     "the step, the largest error `force_max` stays near the whole force where flanks fall into different steps, and "

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 
 import warpffrf as wf
 from demos import two_rollers as rollers
 from scenes.rollers import guided_pair
 from studies.speed_error_pages.study import Study
-from warpffrf.online.local_dynamics import EXACT_DAMPING, LocalDynamics
+from warpffrf.online.local_modes import EXACT_DAMPING, LocalModes
 from warpffrf.study.speed_against_error.outcome import SpeedError
 
 STEPS = [2e-4, 1e-4, 5e-5, 2.5e-5]  # s, half a period of 20 kHz and more: `exponential` steps all local modes exactly
@@ -18,7 +18,7 @@ CARRIAGE_MASS = 500.0  # kg: it swings on the contact with a period of 3 ms, whi
 HIGHEST = 60e3  # Hz, of the local modes that have inertia; the global ones reach rollers.MAX_FREQUENCY
 SIZE, QUICK_SIZE = rollers.Size(1200, layers=12, axial=2), rollers.Size(240, layers=5, axial=1)
 TREATMENTS = [
-    "quasi_static", LocalDynamics("exponential", max_frequency=HIGHEST), LocalDynamics("hht", max_frequency=HIGHEST),
+    "quasi_static", LocalModes("exponential", max_frequency=HIGHEST), LocalModes("hht", max_frequency=HIGHEST),
 ]  # fmt: skip
 
 
@@ -36,10 +36,13 @@ def make(quick: bool, *, progress: bool = True) -> SpeedError:
         return guided_pair(body, body, load=load, speed=0.0, carriage_mass=CARRIAGE_MASS)
 
     return wf.study.speed_error(
-        local_treatments, RUN, step=STEPS[0], start="equilibrium", progress=progress, rounds=1,
-        choices={"local": TREATMENTS, "step": STEPS[1:] if quick else STEPS},
+        local_treatments,
+        partial(wf.simulate, duration=RUN, step=STEPS[0], start="equilibrium"),
+        progress=progress,
+        rounds=1,
+        choices={"local_modes": TREATMENTS, "step": STEPS[1:] if quick else STEPS},
         measures=["force", "displacement", "deformation", "energy"],
-    )  # fmt: skip
+    )
 
 
 LOCAL_TREATMENTS = Study(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import warpffrf as wf
 from demos import two_rollers as rollers
 from studies.speed_error_pages.reduced import roller
@@ -20,10 +22,13 @@ def make(quick: bool, *, progress: bool = True) -> SpeedError:
         return rollers.machine(body, load_step_at=LOAD_STEP, speed=0.0)
 
     return wf.study.speed_error(
-        pressed_rollers, RUN, step=STEPS[0], start="equilibrium", progress=progress, rounds=1,
+        pressed_rollers,
+        partial(wf.simulate, duration=RUN, step=STEPS[0], start="equilibrium"),
+        progress=progress,
+        rounds=1,
         choices={"grid": ["body_fixed"], "step": STEPS[:-1] if quick else STEPS},
         measures=["force", "displacement", "energy"],
-    )  # fmt: skip
+    )
 
 
 PRESSED_ROLLERS = Study(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import warpffrf as wf
 from demos import two_rollers as rollers
 from studies.speed_error_pages.pressed_rollers import STEPS
@@ -20,9 +22,12 @@ def make(quick: bool, *, progress: bool = True) -> SpeedError:
         return rollers.machine(body, load_step_at=LOAD_STEP)
 
     return wf.study.speed_error(
-        rolling_cells, RUN, step=STEPS[0], start="equilibrium", progress=progress, rounds=1,
+        rolling_cells,
+        partial(wf.simulate, duration=RUN, step=STEPS[0], start="equilibrium"),
+        progress=progress,
+        rounds=1,
         choices={"grid": ["contact_fixed"], "step": STEPS[:-1] if quick else STEPS},
-    )  # fmt: skip
+    )
 
 
 ROLLING_CELLS = Study(

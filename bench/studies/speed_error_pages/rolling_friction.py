@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 
 import warpffrf as wf
 from demos import rolling_friction as demo
@@ -43,10 +43,15 @@ def make(quick: bool, *, progress: bool = True) -> SpeedError:
     grids = list(QUICK_GRIDS if quick else GRIDS)
     finest = QUICK_REFERENCE if quick else REFERENCE
     return wf.study.speed_error(
-        rolling_friction, QUICK_RUN if quick else RUN, step=STEPS[0], start="equilibrium", progress=progress,
-        rounds=1, parameters={"cells": finest}, points=AT_RIM,
-        choices={"cells": grids, "step": steps(STEPS, quick)}, reference={"cells": finest},
-    )  # fmt: skip
+        rolling_friction,
+        partial(wf.simulate, duration=QUICK_RUN if quick else RUN, step=STEPS[0], start="equilibrium"),
+        progress=progress,
+        rounds=1,
+        parameters={"cells": finest},
+        points=AT_RIM,
+        choices={"cells": grids, "step": steps(STEPS, quick)},
+        reference={"cells": finest},
+    )
 
 
 ROLLING_FRICTION = Study(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import warpffrf as wf
 from demos import slider_crank as crank
 from studies.speed_error_pages.study import Study, steps
@@ -22,7 +24,7 @@ def make(quick: bool, *, progress: bool = True) -> SpeedError:
         return crank.machine(rod)
 
     return wf.study.speed_error(
-        slider_crank, RUN, step=crank.STEP, progress=progress, rounds=ROUNDS,
+        slider_crank, partial(wf.simulate, duration=RUN, step=crank.STEP), progress=progress, rounds=ROUNDS,
         points={"rod": [(0.0, 0.0, 0.5 * crank.SECTION)]},
         choices={"integrator": INTEGRATORS, "inertia": ["constant", "full"], "step": steps(STEPS, quick)},
     )  # fmt: skip

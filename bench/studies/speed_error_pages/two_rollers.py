@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -56,10 +57,14 @@ def make(quick: bool, *, progress: bool = True) -> SpeedError:
         return scene
 
     return wf.study.speed_error(
-        two_rollers, RUN, step=rollers.STEP, start="equilibrium", progress=progress, rounds=ROUNDS,
-        parameters={"cells": REFERENCE}, reference={"cells": REFERENCE},
+        two_rollers,
+        partial(wf.simulate, duration=RUN, step=rollers.STEP, start="equilibrium"),
+        progress=progress,
+        rounds=ROUNDS,
+        parameters={"cells": REFERENCE},
+        reference={"cells": REFERENCE},
         choices={"cells": QUICK_GRIDS if quick else list(GRIDS), "step": steps(STEPS, quick)},
-    )  # fmt: skip
+    )
 
 
 TWO_ROLLERS = Study(

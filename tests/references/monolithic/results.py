@@ -41,7 +41,7 @@ from warpffrf.online.history.history import (
 )
 from warpffrf.online.history.record import coordinates, half_turn_notes, left_out_notes, with_pulls
 from warpffrf.online.history.sensors import force_histories, sensor_histories
-from warpffrf.online.local_dynamics import LocalDynamics, LocalPlan, as_local_dynamics
+from warpffrf.online.local_modes import LocalModes, LocalPlan, as_local_modes
 from warpffrf.output.result import Result
 
 CONTACT_FIELDS = (
@@ -61,13 +61,13 @@ def simulate(
     step: float,
     start: Any = "initial",
     integrator: Any = DEFAULT_INTEGRATOR,
-    local: str | LocalDynamics = "quasi_static",
+    local: str | LocalModes = "quasi_static",
     project_start: bool = False,
     **choices: Any,
 ) -> Result:
     """The Result of `scene` by the monolithic reference; local, project_start and the initial checks as for
     `warpffrf.simulate`, all other arguments as for `references.monolithic.run`. Raises `InputError`."""
-    treatment = as_local_dynamics(local)
+    treatment = as_local_modes(local)
     if treatment.treatment not in ("quasi_static", "hht", "auto"):
         raise InputError(
             f"the monolithic reference: local modes are 'quasi_static', 'hht' or 'auto' there, got "

@@ -13,8 +13,6 @@ from typing import Any, Protocol
 
 import numpy as np
 
-UNFINISHED = "unfinished"  # status of the result of a run in progress
-
 Rows = dict[str, np.ndarray]
 """Saved rows by name. Those of later chunks follow along the first axis, in which arrays need not be alike."""
 

@@ -10,11 +10,14 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import fields, is_dataclass
+from difflib import get_close_matches
 from inspect import Parameter
 from typing import Any, TypeVar
 
 from warpffrf.model.errors import suggestion
+from warpffrf.model.renamed import RENAMED, REPLACED
 
 BY_PLACE = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
 Named = TypeVar("Named", bound=Callable[..., Any])
@@ -70,7 +73,8 @@ def misfit(label: str, signature: inspect.Signature, args: Sequence[Any], option
     known = [p.name for p in parameters if p.kind is not Parameter.VAR_POSITIONAL]
     for name in options:
         if name not in known:
-            return f"{label}: there is no argument {name!r}{suggestion(name, known)}"
+            hint = REPLACED.get((label, name)) or _of_options(name, known, parameters) or suggestion(name, known)
+            return f"{label}: there is no argument {name!r}{hint}"
     by_place = [p.name for p in parameters if p.kind in BY_PLACE]
     free = any(p.kind is Parameter.VAR_POSITIONAL for p in parameters)
     if len(args) > len(by_place) and not free:
@@ -83,6 +87,16 @@ def misfit(label: str, signature: inspect.Signature, args: Sequence[Any], option
         return f"{label}: {' and '.join(missing)} must be given; it takes {_listed(known)}"
     twice = [name for name in by_place[: len(args)] if name in options]
     return f"{label}: {twice[0]} is given twice, by position and by name" if twice else ""
+
+
+def _of_options(name: str, known: Sequence[str], parameters: Iterable[Parameter]) -> str:
+    """ "; it belongs to options=..." for a field, or nearly one, of an argument that is an object of options."""
+    objects = [(p.name, p.default) for p in parameters if is_dataclass(p.default)]
+    inner = {f.name: f"{at}=wf.{type(one).__name__}({f.name}=...)" for at, one in objects for f in fields(one)}
+    for meant in (name, *RENAMED.get(name, ()), *get_close_matches(name, [*known, *inner], n=1)):
+        if meant in inner:
+            return f"; it belongs to {inner[meant]}"
+    return ""
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -22,7 +22,7 @@ from warpffrf.online.compile.patches.plan import PatchPlan
 from warpffrf.online.compile.patches.sides import PatchSide
 from warpffrf.online.compile.patches.tables import patch_plans
 from warpffrf.online.compile.room import CellRoom
-from warpffrf.online.local_dynamics import LocalDynamics, LocalPlan
+from warpffrf.online.local_modes import LocalModes, LocalPlan
 from warpffrf.online.settings import Settings
 from warpffrf_kernels.core.model import Elements, External, Films, Laps
 
@@ -93,7 +93,7 @@ class Collector:
         scene: Scene,
         settings: Settings,
         device: str,
-        local: LocalDynamics,
+        local_modes: LocalModes,
         patches: Mapping[int, PatchPlan] | None = None,
         shared: Shared | None = None,
         turned: Sequence[float] | np.ndarray = (),
@@ -118,7 +118,7 @@ class Collector:
         self.lumped_sides: list[int] = []  # the same of lumped contacts
         self.film_sides: list[int] = []  # the same of films
         self.inertia = InertiaPlan.of(scene, turned)
-        self.local = LocalPlan.of(scene, local)
+        self.local = LocalPlan.of(scene, local_modes)
         dynamic = {body.index for body in scene.bodies if self.local.count(body.index)}
         if patches is None:
             self.patches, chosen = patch_plans(scene.finite_sliding, dynamic, off_end=off_end)

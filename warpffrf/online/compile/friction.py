@@ -38,7 +38,7 @@ def fill_friction(collector: Collector, m: Model, z_start: np.ndarray) -> None:
         rubbing_pair = next(c for c in contacts if c.friction.acts)
         raise InputError(
             f"contact {rubbing_pair.name!r}: friction needs quasi-static local modes in the whole scene, and "
-            f"{m.modes.dynamic_count} of it have inertia; use local='quasi_static'"
+            f"{m.modes.dynamic_count} of it have inertia; use local_modes='quasi_static'"
         )
     if present:
         collector.cell_room = _cell_room(collector, m)

@@ -38,7 +38,7 @@ from warpffrf.online.compile.responses import fill_responses
 from warpffrf.online.compile.rolling import fill_rolling
 from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.compile.surfaces import fill_surfaces
-from warpffrf.online.local_dynamics import FOLLOWS, LocalDynamics, LocalPlan
+from warpffrf.online.local_modes import FOLLOWS, LocalModes, LocalPlan
 from warpffrf.online.settings import Settings
 from warpffrf_kernels.core.model import Elements, External, Films, Laps, Model
 
@@ -236,7 +236,7 @@ def compile_scene(
     scene: Scene,
     settings: Settings,
     device: str,
-    local: LocalDynamics | None = None,
+    local_modes: LocalModes | None = None,
     patches: Mapping[int, PatchPlan] | None = None,
     shared: Shared | None = None,
     turned: Sequence[float] | np.ndarray = (),
@@ -250,4 +250,4 @@ def compile_scene(
     if not scene.bodies:
         raise InputError("scene: there are no bodies; add one with scene.add_body or scene.add_rigid_body")
     refuse_claims_of(scene)
-    return _compiled(Collector(scene, settings, device, local or LocalDynamics(), patches, shared, turned, off_end))
+    return _compiled(Collector(scene, settings, device, local_modes or LocalModes(), patches, shared, turned, off_end))

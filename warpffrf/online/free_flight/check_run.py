@@ -21,6 +21,7 @@ from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
 from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
 from warpffrf.model.messages.checkpoints import Keeper, Plan, Rows, Source, Unfinished
 from warpffrf.model.messages.progress import Progress, deferred_interrupts
+from warpffrf.model.messages.status import Status
 from warpffrf.model.scene import Scene
 from warpffrf.model.step_count import step_count
 from warpffrf.online.arrays.declaration import host_structs
@@ -181,7 +182,7 @@ def run_check(
         keeper.keep(Unfinished(tuple(rows.chunks()), checkpoint, Plan(steps, 0, ())))
 
     loop = time.perf_counter()
-    status, message = "completed", ""
+    status, message = Status.COMPLETED, ""
     bar = Progress("simulate", steps, enabled=progress)
     try:
         with np.errstate(over="ignore", invalid="ignore"), deferred_interrupts() as asked:
@@ -190,7 +191,7 @@ def run_check(
                 moved = [ADVANCE[kind](b, s, t, step) for b, s in zip(bodies, states, strict=True)]
                 energy = ledger.book(bodies, [m[0] for m in moved], sum(m[1] for m in moved), sum(m[2] for m in moved))
                 if not np.all(np.isfinite(energy)):
-                    status, message = "not_finite", "a NaN or infinite number occurred; reduce step"
+                    status, message = Status.NOT_FINITE, "a NaN or infinite number occurred; reduce step"
                     break
                 states, accepted, count.done = [m[0] for m in moved], energy, n
                 most = max(m[3] for m in moved)
@@ -206,11 +207,14 @@ def run_check(
                 if asked:
                     raise KeyboardInterrupt
     except free_bodies.NotConverged as error:
-        status, message = "not_converged", str(error)
+        status, message = Status.NOT_CONVERGED, str(error)
     except np.linalg.LinAlgError:
-        status, message = "singular", "the inertia of a deformed body is singular; reduce step, or its inertia level"
+        status, message = (
+            Status.SINGULAR,
+            "the inertia of a deformed body is singular; reduce step, or its inertia level",
+        )
     except KeyboardInterrupt:
-        status, message = "interrupted", "interrupted by the user; results up to there are kept"
+        status, message = Status.INTERRUPTED, "interrupted by the user; results up to there are kept"
     bar.close()
     history = history_of(scene, joined(rows.chunks()))
     history.status, history.message = status, message

@@ -16,6 +16,7 @@ import numpy as np
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import unknown_name
 from warpffrf.model.messages import reprs
+from warpffrf.model.messages.status import Status
 from warpffrf.online.history.interface_motion import point_motion, turned
 
 ENERGY_LINES = (
@@ -266,9 +267,7 @@ class History(reprs.Shown):
     energy: dict[str, np.ndarray]  # ENERGY_LINES -> (T,) J
     iterations: np.ndarray  # (T,) int, Newton iterations of the step
     factorisations: np.ndarray  # (T,) int, factorisations of the active contact block in the step
-    status: str = (
-        "completed"  # completed | interrupted | no_equilibrium | step_underflow | a word of `online.run.MESSAGES`
-    )
+    status: str = Status.COMPLETED
     message: str = ""
     counters: dict[str, float] = field(
         default_factory=dict

@@ -17,15 +17,14 @@ largest depth of halving, and so continues with shorter proximal steps at once.
 
 The energy ledger starts at the state found: earlier work is not included.
 
-**Contact of surfaces.** Tractions are found from pressures near those of the previous state; without pressures the
-iteration rarely converges. So the scene is pressed together first, without friction and with all motions that friction
-will resist constrained (`start.pressed`), and the load step continues from there: surfaces slip from the state under
-the whole pressure, joints with friction from the initial state. This is the path of a normal load followed by a
-tangential one, after Cattaneo and Mindlin, and not that of both growing together, for which a patch under a tangential
-load below mu P does not slip at all. A body deforms under the tangential load while it is pressed, as if its inertia
-resisted it, and the displacement of its surface in that is no slip; a static run with a later tangential load includes
-it, and there the compliance of the patch is a few per cent larger (tests/online/test_surfaces_at_rest.py). Where a
-definite path is required, run it with kind="static".
+**Contact of surfaces.** Tractions are found from pressures near those of the state before, and from none at all the
+iteration rarely gets there. So the scene is pressed together first, without friction and with all that friction will
+resist held where it began (`start.pressed`), and the load step goes on from there: surfaces slip from the state under
+the whole pressure, joints that rub from the initial state. It is the path of a load that presses first and one that
+pulls then, after Cattaneo and Mindlin, and not that of both growing together, of which a patch that is pulled by less
+than mu P does not slip at all. A body deforms under the pull while it is pressed, as if its inertia held it, and what
+its surface moves by in that is no slip; a static run in which the pull comes later has that as well, and there the
+patch gives a few per cent more (tests/online/test_surfaces_at_rest.py). Where one path is meant, run it with `static`.
 
 Laws that give no force without a velocity are refused.
 """

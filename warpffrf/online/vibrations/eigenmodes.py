@@ -252,7 +252,7 @@ def _prepare(engine: Engine, about: Any, notes: list[str]) -> str:
         if state and ("v_rate" not in state or np.shape(state["q"]) != tuple(engine.state.q.shape)):
             raise InputError(
                 "eigenmodes: the state of the result cannot be linearised; it must come from a run with "
-                "local='quasi_static' and one of the integrators with coefficients "
+                "local_modes='quasi_static' and one of the integrators with coefficients "
                 "(GeneralizedAlpha, HHT, Newmark), or from an equilibrium"
             )
         words = state.get("clk") if state else None

@@ -32,11 +32,11 @@ from warpffrf.model.checks.scene import quickest_rise
 from warpffrf.model.contact import CELL_ERROR as USUAL_CELL_ERROR
 from warpffrf.model.contact import CELL_ERRORS
 from warpffrf.model.errors import InputError
+from warpffrf.model.messages.status import Status
 from warpffrf.model.scene import Scene
 from warpffrf.online.checkpoint import time_of
 from warpffrf.online.compile.inertia_plan import InertiaPlan, fastest_turning
 from warpffrf.online.history.history import BudgetLine, History
-from warpffrf.online.run import INTERRUPTED
 from warpffrf.output.accuracy.demands import next_setting, of_the_step
 from warpffrf.output.accuracy.limits import PRESSURES, Limits
 from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GRID, HATS, INERTIA, Setting
@@ -58,17 +58,17 @@ log = logging.getLogger("warpffrf")
 
 
 def run_to_accuracy(
-    scene: Scene, duration: float, limits: Limits, longest: float | None, run: Run, *, local: Any,
+    scene: Scene, duration: float, limits: Limits, longest: float | None, run: Run, *, local_modes: Any,
     energy_tolerance: float | None, start: Any, progress: bool,
 ) -> Result:  # fmt: skip
-    """The run of `scene` over `duration` [s] within `limits`, or the last successful one. longest: largest step [s]
-    allowed by the user. run: runs the scene with a setting. local: treatment of local modes given by the user.
-    energy_tolerance: given by the user, None: chosen here. start: start of the run; a continued run keeps the options
-    of the earlier one, and only its steps are chosen."""
+    """The run of `scene` over `duration` [s] that is within `limits`, or the last one that got through. longest:
+    step [s] that the user allows. run: makes a run of the scene with a setting. local_modes: the treatment
+    that the user asked for. energy_tolerance: that of the user, None: left to the program. start: where it begins;
+    one that goes on from another run has the options of that, and only its steps are chosen."""
     begin = time.perf_counter()
     continued = isinstance(start, History)
     at = time_of(start.checkpoint) if isinstance(start, History) else 0.0
-    now = replace(first_setting(scene, at, duration, longest, local, limits), energy_tolerance=energy_tolerance)
+    now = replace(first_setting(scene, at, duration, longest, local_modes, limits), energy_tolerance=energy_tolerance)
     if continued:
         now = replace(now, options={})
     refused, why = "", list[str]()
@@ -78,9 +78,9 @@ def run_to_accuracy(
         result = Result(run(now))
         log.info("accuracy %g, run %d: %d steps of %.3g s: %s", limits.accuracy, number, now.steps,
                  duration / now.steps, result.status)  # fmt: skip
-        if result.status == INTERRUPTED:
+        if result.status == Status.INTERRUPTED:
             return _told(result, duration, limits, now, ["the run was interrupted before its errors were known"])
-        if result.status != "completed":
+        if result.status != Status.COMPLETED:
             failed += 1
             more = now.steps * AFTER_FAILURE
             if number < RUNS and more <= MOST_STEPS and (good is None or failed < FAILURES):
@@ -97,7 +97,10 @@ def run_to_accuracy(
         if energy_tolerance is not None:
             wanted = replace(wanted, energy_tolerance=energy_tolerance)
         if continued:
-            wanted, why = replace(wanted, local=local, options={}), [why[0], "the rest is that of the run before"]
+            wanted, why = (
+                replace(wanted, local_modes=local_modes, options={}),
+                [why[0], "the rest is that of the run before"],
+            )
         log.info("accuracy %g: %s", limits.accuracy, "; ".join(why))
         good = result, now, why
         if wanted == now:
@@ -198,7 +201,7 @@ MOST = 4000  # steps of the first run, whatever the signals: the error of the st
 
 
 def first_setting(
-    scene: Scene, begin: float, duration: float, longest: float | None, local: Any, limits: Limits
+    scene: Scene, begin: float, duration: float, longest: float | None, local_modes: Any, limits: Limits
 ) -> Setting:
     """Setting of the first run, starting at `begin` [s], with the defaults of the scene. longest: largest step [s]
     allowed by the user, None for any."""
@@ -214,7 +217,7 @@ def first_setting(
             options[GRID, contact.name] = AUTO
         if contact.cells is None and contact.cell_error == USUAL_CELL_ERROR and contact.without_patch() is None:
             options[CELL_ERROR, contact.name] = float(np.clip(limits.force, *CELL_ERRORS))
-    return Setting(steps + steps % 2, local, options)
+    return Setting(steps + steps % 2, local_modes, options)
 
 
 def steps_to_see(scene: Scene, begin: float, duration: float) -> float:

@@ -191,7 +191,7 @@ def next_setting(
     steps, told = steps_wanted(now.steps, lines, limits)
     if steps == now.steps and not finer and not tighter:
         return now, [told, *why]
-    return Setting(steps, now.local, options, tolerance), [told, *why]
+    return Setting(steps, now.local_modes, options, tolerance), [told, *why]
 
 
 def energy_tolerance_wanted(

@@ -21,12 +21,12 @@ HATS = "body_fixed"  # a grid
 
 @dataclass(frozen=True)
 class Setting:
-    """`steps` of the whole run, treatment of `local` modes, `options` {(option, name of body or contact): value}, and
+    """`steps` of the whole run, treatment of `local_modes`, `options` {(option, name of body or contact): value}, and
     the `energy_tolerance` of impact steps; options not listed are those of the scene, no tolerance means the default.
     """
 
     steps: int
-    local: Any
+    local_modes: Any
     options: Mapping[tuple[str, str], Any] = field(default_factory=dict)
     energy_tolerance: float | None = None
 

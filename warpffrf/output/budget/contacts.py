@@ -301,7 +301,7 @@ def local_lines(result: Any, engine: Engine) -> list[BudgetLine]:
         if not np.any(found.touching):
             continue
         of = f"approach of contact {contact.name!r}"
-        cure = "modes of the bodies to a higher max_frequency, or local='hht'"
+        cure = "modes of the bodies to a higher max_frequency, or local_modes='hht'"
         highest = [highest_frequency(port.body) for port in (contact.a, contact.b) if not port.rigid]
         size, basis = _missed(result.time, found.force, min(highest))
         lines.append(BudgetLine(LOCAL, of, size, basis, cure))

@@ -134,7 +134,7 @@ def put_result(file: Any, result: Any, *, bodies: bool = True, packing: dict[str
     history: History = result.history
     steps = len(history.time)
     file.attrs.update({"format": FORMAT, "schema_version": SCHEMA_VERSION})
-    file.attrs.update({"status": history.status, "message": history.message})
+    file.attrs.update({"status": str(history.status), "message": history.message})
     file.attrs["counters"] = json.dumps({k: float(v) for k, v in history.counters.items()})
     file.attrs["notes"] = json.dumps(list(history.notes))
     file.attrs["options"] = json.dumps(history.options)

@@ -308,7 +308,7 @@ def to_xarray(result: Any) -> Any:
     coords["energy_line"] = list(history.energy)
     lines = np.stack(list(history.energy.values()), axis=1) if history.energy else np.zeros((steps, 0))
     data["energy"] = (("time", "energy_line"), lines, {"units": ENERGY_UNITS, "frame": "none"})
-    return xr.Dataset(data, coords=coords, attrs={"status": result.status, "message": result.message})
+    return xr.Dataset(data, coords=coords, attrs={"status": str(result.status), "message": result.message})
 
 
 def _attributes(field: Field) -> dict[str, str]:

@@ -34,7 +34,8 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.files.object_arrays import from_arrays, to_arrays
 from warpffrf.model.files.paths import locked, remove_left_over_in
 from warpffrf.model.files.sealed_file import read_arrays, write_arrays
-from warpffrf.model.messages.checkpoints import UNFINISHED, Plan, Rows, Source, Unfinished
+from warpffrf.model.messages.checkpoints import Plan, Rows, Source, Unfinished
+from warpffrf.model.messages.status import Status
 from warpffrf.online import keeping
 from warpffrf.online.arrays.ring import joined
 from warpffrf.online.free_flight import check_run
@@ -266,7 +267,7 @@ def read_unfinished(folder: Path) -> History:
         ) from error
     message = GO_ON.format(results=folder.name.removesuffix(ENDING))
     notes = list(about["notes"])
-    return replace(history, status=UNFINISHED, message=message, notes=notes, checkpoint=checkpoint)
+    return replace(history, status=Status.UNFINISHED, message=message, notes=notes, checkpoint=checkpoint)
 
 
 def different(options: Mapping[str, str], others: Mapping[str, str]) -> str:

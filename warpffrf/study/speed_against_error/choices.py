@@ -1,6 +1,7 @@
 """Choices of a study, and the combinations to run.
 
-    step, local, integrator             options of `simulate`
+    step                                of `simulate`
+    local_modes, integrator             of `RunOptions`
     grid, quadrature, cell_error        of all distributed contacts of the scene
     inertia                             of all flexible bodies
     stiffening                          of flexible bodies reduced with it
@@ -26,10 +27,10 @@ from warpffrf.model.bodies import INERTIA_LEVELS
 from warpffrf.model.contact import CELL_ERROR
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.integrators import HHT, GeneralizedAlpha
-from warpffrf.online.local_dynamics import TREATMENTS
-from warpffrf.output.simulate import DEFAULT_INTEGRATOR
+from warpffrf.online.local_modes import TREATMENTS
+from warpffrf.output.options import DEFAULT_INTEGRATOR
 
-RUN = ("step", "local", "integrator")
+RUN = ("step", "local_modes", "integrator")
 CONTACT = ("grid", "quadrature", "cell_error")
 BODY = ("inertia", "stiffening")
 BUILT_IN = (*RUN, *CONTACT, *BODY)
@@ -91,11 +92,11 @@ def default_choices(scene: Any, base: Setting) -> Choices:
     """The default combinations for `scene`, from the setting `base` (module docstring)."""
     found = Choices([base])
     flexible = [body for body in scene.bodies if body.reduced is not None]
-    local = [base["local"], *_other_local(scene, base, found)]
+    local = [base["local_modes"], *_other_local(scene, base, found)]
     contact = _contact_choices(scene, base, found)
     steps = [base["step"] * ratio for ratio in STEP_RATIOS]
     found.settings += [
-        {**base, **pair, "local": treatment, "step": step}
+        {**base, **pair, "local_modes": treatment, "step": step}
         for pair, treatment, step in itertools.product(contact, local, steps)
     ]
     alone: list[tuple[str, Any]] = [("integrator", integrator) for integrator in INTEGRATORS]
@@ -119,14 +120,14 @@ def default_choices(scene: Any, base: Setting) -> Choices:
 
 def _other_local(scene: Any, base: Setting, found: Choices) -> list[str]:
     """Other treatments of local modes for which the scene has the mass."""
-    others = [t for t in TREATMENTS if t not in ("auto", text_of(base["local"]))]
+    others = [t for t in TREATMENTS if t not in ("auto", text_of(base["local_modes"]))]
     surfaces = [port.surface for contact in scene.contacts for port in contact.ports if not port.rigid]
     if not surfaces:
-        found.left_out.append(("local", "all others", "no flexible body is in distributed contact"))
+        found.left_out.append(("local_modes", "all others", "no flexible body is in distributed contact"))
         return []
     if any(surface.local_mass is None for surface in surfaces):
         reason = "a body in contact was reduced without local_dynamics=True"
-        found.left_out.append(("local", ", ".join(t for t in others if t != "quasi_static"), reason))
+        found.left_out.append(("local_modes", ", ".join(t for t in others if t != "quasi_static"), reason))
         return [t for t in others if t == "quasi_static"]
     return others
 

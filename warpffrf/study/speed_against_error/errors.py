@@ -253,19 +253,6 @@ def common_interval(steps: Sequence[float], duration: float) -> float:
     return interval * max(1, -(-rows // MOST_ROWS))
 
 
-def check_interval(interval: float, steps: Sequence[float], duration: float) -> float:
-    """The user's `interval`; raises `InputError` if a step does not divide it or the run is shorter."""
-    for step in steps:
-        if not divides(step, interval):
-            raise InputError(
-                f"speed_error: saved_every {interval:g} s is no whole number of steps of {step:g} s; give a multiple "
-                "of all steps"
-            )
-    if interval > duration * (1.0 + WHOLE):
-        raise InputError(f"speed_error: saved_every {interval:g} s is longer than the run of {duration:g} s")
-    return interval
-
-
 def saved_times(interval: float, duration: float) -> np.ndarray:
     """(T,) s from the start of a run, the common times."""
     return interval * np.arange(int(np.floor(duration / interval + SAME)) + 1)

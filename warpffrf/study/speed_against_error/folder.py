@@ -30,9 +30,7 @@ KIND = "warpffrf speed-error study"
 class Folder:
     """The folder of one study; with `path` None all data stay in memory."""
 
-    def __init__(
-        self, path: str | os.PathLike[str] | None, identity: Mapping[str, Any], *, overwrite: bool, resume: bool
-    ) -> None:
+    def __init__(self, path: str | os.PathLike[str] | None, identity: Mapping[str, Any], *, overwrite: bool) -> None:
         self.path = None if path is None else Path(path).expanduser()
         self.identity = json.loads(json.dumps(dict(identity)))
         self.content: dict[str, Any] = {
@@ -50,11 +48,6 @@ class Folder:
             raise InputError(f"speed_error: out '{self.path}' is a file; give the name of a folder")
         file = self.path / STUDY
         if file.is_file() and not overwrite:
-            if not resume:
-                raise InputError(
-                    f"speed_error: '{self.path}' holds a study; choose another folder, go on with it with resume=True, "
-                    "or begin anew with overwrite=True (--overwrite)"
-                )
             self.content = self._read(file)
         else:
             checked_output_path(file, "speed_error: out", overwrite=overwrite)

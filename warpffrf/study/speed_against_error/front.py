@@ -85,7 +85,7 @@ def orders(rows: Sequence[Row], series: Mapping[str, Mapping[str, np.ndarray]]) 
             if size == 0.0 or any(v.shape != values[-1].shape for v in values):
                 continue
             apart = np.array([np.linalg.norm(a - b) for a, b in zip(values, values[1:], strict=False)]) / size
-            local = members[0].setting.get("local")
+            local = members[0].setting.get("local_modes")
             local = str(getattr(local, "treatment", local))
             found.append(Order(group, local, measure, steps, apart, _rates(steps, apart)))
     return found

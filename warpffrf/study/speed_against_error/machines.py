@@ -24,7 +24,7 @@ from warpffrf.scene_file import load_scene
 from warpffrf.study.machine import machine
 from warpffrf.study.speed_against_error.choices import BODY, BUILT_IN, CONTACT, RUN, Setting, can_stiffen, label_of
 
-DROPPED = ("results", "record", "save_every", "overwrite", "resume", "keep_every", "device", "progress")
+DROPPED = ("results", "record", "overwrite", "resume", "check", "progress")  # arguments of runs that a study sets
 
 
 class Source(Protocol):
@@ -33,7 +33,7 @@ class Source(Protocol):
     title: str
 
     def options(self) -> dict[str, Any]:
-        """Options of `simulate` that come with the scene."""
+        """Arguments of `simulate` that come with the scene."""
         ...
 
     def check(self, names: Sequence[str]) -> None:
@@ -101,32 +101,32 @@ class BuiltScene:
 
 
 class FileScene:
-    """A scene file; parameters are dotted names as of `--set`."""
+    """A scene file; parameters are dotted names as of `--set`, those of the study set at once."""
 
-    def __init__(self, path: str | os.PathLike[str], settings: Sequence[str]) -> None:
-        self.path, self.settings = path, tuple(settings)
-        self.loaded: Any = load_scene(path, settings=self.settings)
+    def __init__(self, path: str | os.PathLike[str], parameters: Mapping[str, Any]) -> None:
+        self.path, self.parameters = path, dict(parameters)
+        self.loaded: Any = self._loaded(self.parameters)
         self.title = str(self.loaded.title)
 
     def options(self) -> dict[str, Any]:
         """Options of its table [simulate]."""
         found = dict(self.loaded.simulate or {})
-        if found.pop("stages", None) is not None:
+        if isinstance(found.get("duration"), list):
             raise InputError(
                 f"speed_error: {Path(self.path).name} runs in stages; a study compares one run, give it duration and "
                 "step in [simulate], and start from the results of the stage before"
             )
-        return {name: value for name, value in found.items() if name not in DROPPED}
+        return found
 
     def check(self, names: Sequence[str]) -> None:
         """Names are checked when the file is read with them."""
 
     def build(self, parameters: Mapping[str, Any]) -> Any:
         """Read the file again with the parameters set."""
-        if not parameters:
-            return self.loaded.scene
-        more = [f"{name}={_toml(value)}" for name, value in parameters.items()]
-        return load_scene(self.path, settings=(*self.settings, *more)).scene
+        return self.loaded.scene if parameters == self.parameters else self._loaded(parameters).scene
+
+    def _loaded(self, parameters: Mapping[str, Any]) -> Any:
+        return load_scene(self.path, settings=[f"{name}={_toml(value)}" for name, value in parameters.items()])
 
 
 def _toml(value: Any) -> str:
@@ -134,19 +134,15 @@ def _toml(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def source_of(scene: Any, settings: Sequence[str]) -> Source:
+def source_of(scene: Any, parameters: Mapping[str, Any]) -> Source:
     """The source for the user's argument; raises `InputError` for anything else."""
     if hasattr(scene, "content_hash") and hasattr(scene, "contacts"):
-        source: Source = GivenScene(scene)
-    elif isinstance(scene, str | os.PathLike):
-        return FileScene(scene, settings)
-    elif callable(scene):
-        source = BuiltScene(scene)
-    else:
-        raise InputError(f"speed_error: give a Scene, a function that builds one, or a scene file, got {scene!r}")
-    if settings:
-        raise InputError("speed_error: settings are those of a scene file; a function takes parameters={...}")
-    return source
+        return GivenScene(scene)
+    if isinstance(scene, str | os.PathLike):
+        return FileScene(scene, parameters)
+    if callable(scene):
+        return BuiltScene(scene)
+    raise InputError(f"speed_error: give a Scene, a function that builds one, or a scene file, got {scene!r}")
 
 
 class Machines:
@@ -167,7 +163,7 @@ class Machines:
 
 
 def run_options(setting: Setting) -> dict[str, Any]:
-    """Options of `simulate` in a setting."""
+    """Step, and fields of `RunOptions`, in a setting."""
     return {name: value for name, value in setting.items() if name in RUN}
 
 

@@ -8,9 +8,10 @@ from statistics import median
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.online.run import INTERRUPTED
+from warpffrf.model.messages.status import Status
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
+from warpffrf.study.runs import with_options
 from warpffrf.study.speed_against_error.choices import Setting, label_of
 from warpffrf.study.speed_against_error.machines import Machines, applied, offline_seconds, run_options
 
@@ -41,7 +42,7 @@ class Row:
     @property
     def timed(self) -> bool:
         """Whether its runs were completed and timed."""
-        return self.status == "completed" and bool(self.walls)
+        return self.status == Status.COMPLETED and bool(self.walls)
 
     @property
     def fastest(self) -> float:
@@ -65,11 +66,12 @@ def run_setting(
     scene does not support, KeyboardInterrupt if the run was interrupted."""
     scene, chosen = machines.scene(setting), run_options(setting)
     with applied(scene, setting):
-        every = round(interval / chosen["step"])
-        result = simulate(scene, duration, save_every=every, progress=False, **{**options, **chosen})
-    if result.status == INTERRUPTED:
+        step = chosen.pop("step")
+        arguments = with_options(options, save_every=round(interval / step), **chosen)
+        result = simulate(scene, duration, step=step, progress=False, **arguments)
+    if result.status == Status.INTERRUPTED:
         raise KeyboardInterrupt
-    row = Row(setting, result.status, result.message, offline=offline_seconds(scene))
+    row = Row(setting, str(result.status), result.message, offline=offline_seconds(scene))
     counters, span = result.history.counters, float(result.time[-1] - result.time[0]) if len(result.time) else 0.0
     if span > 0.0:
         row.walls.append(float(counters["loop_seconds"]) / span)

@@ -7,13 +7,16 @@ convergence: for a second-order method its own error is a third of their differe
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from warpffrf import __version__
 from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.progress import Progress
+from warpffrf.output.result import Result
+from warpffrf.study.runs import combined, run_of, with_options
 from warpffrf.study.speed_against_error.choices import (
     BUILT_IN,
     Choices,
@@ -24,7 +27,6 @@ from warpffrf.study.speed_against_error.choices import (
     label_of,
 )
 from warpffrf.study.speed_against_error.errors import (
-    check_interval,
     check_points,
     common_interval,
     common_rows,
@@ -34,52 +36,56 @@ from warpffrf.study.speed_against_error.errors import (
     motion_of,
 )
 from warpffrf.study.speed_against_error.folder import Folder
-from warpffrf.study.speed_against_error.machines import Machines, load_before, sitting, source_of
+from warpffrf.study.speed_against_error.machines import DROPPED, Machines, load_before, sitting, source_of
 from warpffrf.study.speed_against_error.outcome import SpeedError
 from warpffrf.study.speed_against_error.runs import Row, refused, run_setting
 
 REFINED = 4
 
 
+@named_arguments
 def speed_error(
     scene: Any,
-    duration: float | None = None,
+    run: Callable[..., Result] | None = None,
     *,
-    step: float | None = None,
-    start: Any = None,
     choices: Mapping[str, Sequence[Any]] | None = None,
     parameters: Mapping[str, Any] | None = None,
-    settings: Sequence[str] = (),
     reference: Mapping[str, Any] | None = None,
     measures: Sequence[str] | None = None,
     points: Mapping[str, Any] | None = None,
-    saved_every: float | None = None,
     rounds: int = 3,
     out: str | Path | None = None,
     overwrite: bool = False,
-    resume: bool = True,
     progress: bool = True,
 ) -> SpeedError:
     """Run a scene with many settings, in `rounds` of changing order, and compare them with a reference.
 
-    scene: a Scene, a function `build(**parameters)` that returns one, or a scene file with `settings` as of `--set`.
-    duration, step [s], start: as of `simulate`, for a file by default those of its [simulate]. choices {name: values},
-    from coarse to fine; None: see `choices`. reference: other values for the reference. points {body: (n, 3)} [m, user
-    frame]: where displacement is compared. saved_every [s]: interval of the common times. measures: quantities to
-    compare, None for all. progress: report the progress on stderr. overwrite, resume: replace or continue an earlier
-    study in the folder. out: a folder, from which an interrupted study can continue. Raises `InputError`.
+    scene: a Scene, a function `build(**parameters)` that returns one, or a scene file, of which parameters are dotted
+    names as of `--set`. run: functools.partial(wf.simulate, duration=..., step=..., ...); its arguments prevail over
+    those of the table [simulate] of a file. choices {name: values}, from coarse
+    to fine; None: see `choices`. reference: other values for the reference. points {body: (n, 3)} [m, user frame]:
+    where displacement is compared. measures: which quantities are compared, None for
+    all.
+    progress: what is being done, on stderr. out: a folder, in which an interrupted study goes on; overwrite: replace
+    it. Raises `InputError`.
     """
-    source = source_of(scene, settings)
+    source = source_of(scene, parameters or {})
     machines = Machines(source, parameters or {})
-    given = {"step": step, "start": start}
-    options = {"start": "initial", **source.options(), **{k: v for k, v in given.items() if v is not None}}
-    duration = options.pop("duration", None) if duration is None else duration
-    options.pop("duration", None)
-    if duration is None or "step" not in options:
-        raise InputError("speed_error: give duration and step, or a scene file whose [simulate] has them")
-    duration = require_number(duration, "speed_error: duration", positive=True)
+    call, given = ("simulate", {}) if run is None else run_of(run, "speed_error")
+    if call != "simulate":
+        raise InputError(f"speed_error: run must be a run in time, wf.simulate, got wf.{call}")
+    options = {"start": "initial", **combined(source.options(), given)}
+    for name in DROPPED:
+        options.pop(name, None)
+    if "duration" not in options or "step" not in options:
+        raise InputError(
+            "speed_error: give duration and step, run=functools.partial(wf.simulate, duration=..., step=...), or a "
+            "scene file whose [simulate] has them"
+        )
+    duration = require_number(options.pop("duration"), "speed_error: duration", positive=True)
     base: Setting = {"step": require_number(options.pop("step"), "speed_error: step", positive=True)}
-    base |= {"local": options.pop("local", "quasi_static"), "integrator": options.pop("integrator", None)}
+    options = with_options(options, save_every=1)  # rows are saved at the common times
+    base |= {"local_modes": options["options"].local_modes, "integrator": options["options"].integrator}
     rounds = require_count(rounds, "speed_error: rounds", 1)
     built = machines.scene(base)
     names = measures_of(built, measures)
@@ -89,17 +95,14 @@ def speed_error(
     plan = default_choices(built, base) if choices is None else given_choices(choices, base)
     finest = _reference_setting(plan, choices or {}, built, reference or {})
     steps = [setting["step"] for setting in plan.settings]
-    if saved_every is None:
-        interval = common_interval([*steps, 2.0 * finest["step"]], duration)
-    else:
-        interval = check_interval(saved_every, [*steps, 2.0 * finest["step"]], duration)
+    interval = common_interval([*steps, 2.0 * finest["step"]], duration)
     identity = {
         "title": source.title, "scene": built.content_hash(), "version": __version__, "duration": duration,
         "saved_every": interval, "options": {k: str(v) for k, v in options.items()}, "measures": list(names),
         "parameters": {k: str(v) for k, v in machines.parameters.items()}, "reference": label_of(finest),
         "points": {name: x.tolist() for name, x in places.items()},
     }  # fmt: skip
-    folder = Folder(out, identity, overwrite=overwrite, resume=resume)
+    folder = Folder(out, identity, overwrite=overwrite)
     load, timed = load_before(), folder.times()
     bar = Progress("speed-error", 2 + rounds * len(plan.settings), enabled=progress, unit="run")
     try:

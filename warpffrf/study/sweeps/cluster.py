@@ -27,8 +27,8 @@ log = logging.getLogger("warpffrf")
 class Cluster(Elsewhere):
     """The workers of a client; `own`: whether it was created here, and is closed here."""
 
-    def __init__(self, parcel: Parcel, client: Any, device: str | None, own: bool) -> None:
-        super().__init__(parcel, client.get_executor(pure=False), device)
+    def __init__(self, parcel: Parcel, client: Any, own: bool) -> None:
+        super().__init__(parcel, client.get_executor(pure=False))
         self.client, self.own = client, own
         if not _workers(client):
             log.warning("sweep: the scheduler has no worker yet; waiting for one: dask worker ADDRESS --nthreads 1")

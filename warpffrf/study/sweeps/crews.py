@@ -166,15 +166,15 @@ def _begin(environment: dict[str, str]) -> None:
 
 
 class Processes:
-    """`count` processes of this machine, on `devices` in turn."""
+    """A process of this machine for each of `devices`, None: the device of the run."""
 
-    def __init__(self, parcel: Parcel, count: int, devices: Sequence[str | None]) -> None:
-        self.parcel, self.capacity = parcel, count
+    def __init__(self, parcel: Parcel, devices: Sequence[str | None]) -> None:
+        self.parcel, self.capacity = parcel, len(devices)
         self.free: list[_Worker] = []
         self.busy: dict[Answers, _Worker] = {}
         try:
-            for n in range(count):
-                self.free.append(_started(devices[n % len(devices)]))
+            for device in devices:
+                self.free.append(_started(device))
         except BaseException:
             self.close()
             raise
@@ -231,8 +231,8 @@ def refuse_in_workers() -> None:
 class Elsewhere:
     """An executor provided by the user; it is not shut down."""
 
-    def __init__(self, parcel: Parcel, executor: Any, device: str | None) -> None:
-        self.parcel, self.executor, self.device = parcel, executor, device
+    def __init__(self, parcel: Parcel, executor: Any) -> None:
+        self.parcel, self.executor = parcel, executor
         self.open: set[Answers] = set()
 
     @property
@@ -242,7 +242,7 @@ class Elsewhere:
 
     def submit(self, rows: Numbered) -> Answers:
         """Submit rows to any worker."""
-        future = self.executor.submit(answers, self.parcel, rows, self.device)
+        future = self.executor.submit(answers, self.parcel, rows, None)
         self.open.add(future)
         return future
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, require_count
+from warpffrf.model.errors import InputError
 from warpffrf.study.sweeps.parameters import MOST_ROWS, Parameter, parameters_of, sampled
 
 GIVEN = "as given"
@@ -41,10 +41,15 @@ class Design:
         return hashlib.sha256(text.encode()).hexdigest()
 
 
-def design_of(parameters: Any, sample: str | None, seed: int) -> Design:
+def design_of(parameters: Any, sample: str | None) -> Design:
     """All combinations of the `parameters`, the first varied slowest, a `sample` of them, or given rows. Raises
     `InputError`."""
-    seed = require_count(seed, "sweep: seed", 0)
+    seed = 0
+    if str(sample).count(":") == 2:
+        sample, _, number = str(sample).rpartition(":")
+        if not number.isdecimal():
+            raise InputError(f"sweep: sample '{sample}:{number}': the seed must be a whole number; write {sample}:7")
+        seed = int(number)
     if isinstance(parameters, Mapping):
         made = parameters_of(parameters)
         return _grid(made) if sample is None else _sample(made, sample, seed)

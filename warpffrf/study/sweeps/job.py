@@ -42,11 +42,11 @@ from threadpoolctl import ThreadpoolController
 
 from warpffrf import __version__
 from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.model.messages.status import Status
 from warpffrf.online.device import chosen_device
-from warpffrf.online.run import INTERRUPTED
 from warpffrf.output.files.table import NoQuantity, quantity
 from warpffrf.output.result import Result
-from warpffrf.output.simulate import equilibrium, simulate
+from warpffrf.study.runs import CALLS, Run, combined, with_options
 from warpffrf.study.sweeps.design import Row
 from warpffrf.study.sweeps.functions import word_of
 from warpffrf.study.sweeps.scenes import Built, Scenes, results_together
@@ -54,11 +54,12 @@ from warpffrf.study.sweeps.scenes import Built, Scenes, results_together
 REFUSED, FAILED, LOST = "refused", "failed", "lost"  # statuses of rows in addition to those of results
 NO_QUANTITY = "no quantity"  # for rows without an output that earlier ones had; if none had it the sweep ends
 OTHER_VERSIONS = "other versions"  # for answers that are no rows: the sweep ends
-CALLS = {"simulate": simulate, "equilibrium": equilibrium}
-OWN = ("progress", "device")  # options of the calls that the sweep sets itself
-FILES = ("results", "record", "record_every", "overwrite", "resume", "keep_every")  # options for files of single runs
+ERROR_BUDGET = "error_budget"  # an output: the error budget of each run
+OWN = "progress"  # the argument of the calls that the sweep sets itself
+FILES = ("results", "record", "overwrite", "resume")  # options for files of single runs
 
 Numbered = Sequence[tuple[int, Row]]
+Ran = tuple[Result, float, str | None]  # of a row: its result, the seconds of its set-up, its device
 
 _alone = threading.Lock()  # threads of a worker run sequentially: a process captures one graph at a time
 
@@ -109,35 +110,34 @@ def _threads() -> ThreadpoolController:
 
 @dataclass(frozen=True)
 class Job:
-    """A sweep without its rows. simulate, equilibrium: options of the call, None: those of the scene."""
+    """A sweep without its rows. run: the call and its arguments, None for what comes with the scene."""
 
     scenes: Scenes
     outputs: Mapping[str, Output]
-    simulate: Mapping[str, Any] | None = None
-    equilibrium: Mapping[str, Any] | None = None
+    run: Run | None = None
     error_budget: bool = False
 
-    def call_of(self, built: Built) -> tuple[str, dict[str, Any]]:
-        """The call for a scene, and its options except those about files. Raises `NoCall` if nothing states it, and if
-        the options of the scene include reserved ones."""
-        call, options = self._call_of(built)
-        for name in OWN:
-            if name in options:
-                raise NoCall(
-                    f"sweep: {call}: {name} is an argument of sweep; give it there, and not among the options that "
-                    "come with the scene"
-                )
-        return call, {name: value for name, value in options.items() if name not in FILES}
+    def call_of(self, built: Built) -> Run:
+        """Which call is made of a scene, and its arguments but those about files. Raises `NoCall` where nothing says
+        it, and where the arguments that come with the scene have one that a sweep sets itself."""
+        call, arguments = self._call_of(built)
+        if OWN in arguments:
+            raise NoCall(
+                f"sweep: {call}: {OWN} is an argument of sweep; give it there, and not among the arguments that come "
+                "with the scene"
+            )
+        return call, {name: value for name, value in arguments.items() if name not in FILES}
 
-    def _call_of(self, built: Built) -> tuple[str, dict[str, Any]]:
-        if self.equilibrium is not None:
-            return "equilibrium", {**(built.equilibrium or {}), **self.equilibrium}
-        if self.simulate is not None or built.simulate is not None:
-            return "simulate", {**(built.simulate or {}), **(self.simulate or {})}
-        if built.equilibrium is not None:
-            return "equilibrium", dict(built.equilibrium)
+    def _call_of(self, built: Built) -> Run:
+        if self.run is not None:
+            call, arguments = self.run
+            return call, combined(built.runs.get(call, {}), arguments)
+        for call in CALLS:
+            if call in built.runs:
+                return call, dict(built.runs[call])
         raise NoCall(
-            "sweep: the scene has no run options; give simulate={'duration': ..., 'step': ...}, or equilibrium={}"
+            "sweep: the scene has no run options; give run=functools.partial(wf.simulate, duration=..., "
+            "step=...), or run=wf.equilibrium"
         )
 
     def answers(self, rows: Numbered, device: str | None) -> list[Answer]:
@@ -149,17 +149,18 @@ class Job:
 
     def answer(self, number: int, row: Row, device: str | None) -> Answer:
         """Run one row."""
-        return self._answer(number, device, lambda: self._run(row, device))
+        return self._answer(number, lambda: self._run(row, device))
 
-    def _run(self, row: Row, device: str | None) -> tuple[Result, float]:
-        """The result of a row, and the seconds of its set-up."""
+    def _run(self, row: Row, device: str | None) -> Ran:
+        """A row: its result, the seconds of its set-up, and the device."""
         begin = time.perf_counter()
         built = self.scenes.built(row)
-        call, options = self.call_of(built)
+        call, arguments = self.call_of(built)
         seconds = time.perf_counter() - begin
+        arguments, device = on_device(call, arguments, device)
         with built.running(call):
-            result = CALLS[call](built.scene, **options, device=device, progress=False)
-        return result, seconds + float(result.history.counters.get("build_seconds", 0.0))
+            result = CALLS[call](built.scene, **arguments, progress=False)
+        return result, seconds + float(result.history.counters.get("build_seconds", 0.0)), device
 
     def _together(self, rows: Numbered, device: str | None) -> list[Answer] | None:
         """Answers for rows as worlds of one graph; None if they must be run one by one."""
@@ -169,34 +170,36 @@ class Job:
             calls = [self.call_of(one) for one in built]
         except Exception:  # the single run reports the row and the reason
             return None
-        if any(call != "simulate" for call, _ in calls):
+        (call, arguments), *others = calls
+        if call == "equilibrium" or any(other != (call, arguments) for other in others):
             return None
         seconds = time.perf_counter() - begin
-        results = results_together([one.scene for one in built], [options for _, options in calls], device)
+        arguments, device = on_device(call, arguments, device)
+        results = results_together([one.scene for one in built], call, arguments)
         if results is None:
             return None
         share = (time.perf_counter() - begin) / len(rows)
         seconds = (seconds + float(results[0].history.counters.get("build_seconds", 0.0))) / len(rows)
         found = []
         for (number, _), result in zip(rows, results, strict=True):
-            answer = self._answer(number, device, partial(tuple, (result, seconds)))
+            answer = self._answer(number, partial(tuple, (result, seconds, device)))
             answer.wall_seconds += share
             answer.worlds = len(rows)
             found.append(answer)
         return found
 
-    def _answer(self, number: int, device: str | None, run: Callable[[], tuple[Result, float]]) -> Answer:
+    def _answer(self, number: int, run: Callable[[], Ran]) -> Answer:
         """Answer from the result of `run`."""
         begin = time.perf_counter()
         answer = Answer(number, "", host=socket.gethostname())
         answer.versions = ", ".join(f"{name} {version}" for name, version in versions().items())
         try:
-            result, answer.set_up_seconds = run()
-            if result.status == INTERRUPTED:
+            result, answer.set_up_seconds, device = run()
+            if result.status == Status.INTERRUPTED:
                 raise KeyboardInterrupt
             answer.device = chosen_device(device)
             self._read(answer, result)
-            answer.status, answer.message = result.status, result.message
+            answer.status, answer.message = str(result.status), result.message
         except NoQuantity as error:
             answer.status, answer.message = NO_QUANTITY, str(error)
         except InputError as error:
@@ -216,6 +219,15 @@ class Job:
                 largest = answer.budget.get(line.source, np.nan)
                 answer.budget[line.source] = float(np.nanmax([largest, line.size])) if line.found else largest
         answer.values = found
+
+
+def on_device(call: str, arguments: dict[str, Any], device: str | None) -> tuple[dict[str, Any], str | None]:
+    """The arguments of a `call` with the `device` of the worker, and the device; None: that of the arguments."""
+    if call == "equilibrium":
+        device = device or arguments.get("device")
+        return {**arguments, "device": device}, device
+    own = arguments["options"].device if "options" in arguments else None
+    return (arguments, own) if device is None else (with_options(arguments, device=device), device)
 
 
 @contextmanager
@@ -343,7 +355,7 @@ def outputs_of(given: Any, taken: Sequence[str]) -> dict[str, Output]:
     for name, what in given.items():
         if not isinstance(name, str) or not name or "/" in name or name in (".", ".."):
             raise InputError(f"sweep: {name!r} is no name of an output; give it another one, {{name: what}}")
-        if name in taken:
+        if name in taken and not name == what == ERROR_BUDGET:
             raise InputError(f"sweep: an output cannot be called {name!r}, which is used in the table; rename it")
         if isinstance(what, str):
             found[name] = _named(name, what)

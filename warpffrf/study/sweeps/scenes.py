@@ -27,18 +27,18 @@ from warpffrf.scene_file.document import merged_document, resolved, with_setting
 from warpffrf.scene_file.kept import Kept
 from warpffrf.scene_file.load import scene_of_document
 from warpffrf.scene_file.source import Source
+from warpffrf.study.runs import CALLS, run_of
 from warpffrf.study.sweeps.design import Row
 from warpffrf.study.sweeps.functions import word_of
 
 
 @dataclass(frozen=True)
 class Built:
-    """The scene of a row, and its own options of `simulate` and `equilibrium`, None without. running: a context for the
-    call, which locates a refused option in a file."""
+    """The scene of a row, and `runs`, the arguments of calls that come with it, by the name of the call. running: a
+    context for the call, which says where in a file a refused argument stands."""
 
     scene: Any
-    simulate: Mapping[str, Any] | None
-    equilibrium: Mapping[str, Any] | None
+    runs: Mapping[str, Mapping[str, Any]]
     running: Callable[[str], AbstractContextManager[None]]
 
 
@@ -86,7 +86,8 @@ class FileScenes:
     def built(self, row: Row) -> Built:
         """Scene of the file with the values of the row set."""
         found = scene_of_document(self._read(row), self._name, self._kept)
-        return Built(found.scene, found.simulate, found.equilibrium, found.running)
+        runs = {call: arguments for call in CALLS if (arguments := getattr(found, call)) is not None}
+        return Built(found.scene, runs, found.running)
 
     def _read(self, row: Row) -> Source:
         return resolved(with_settings(self._document, [f"{name}={_toml(value)}" for name, value in row.items()]))
@@ -98,7 +99,7 @@ def _toml(value: Any) -> str:
 
 
 class FunctionScenes:
-    """A function `build(**parameters)` that returns a Scene, or a Scene and options of `simulate`."""
+    """A function `build(**parameters)` that returns a Scene, or a Scene and a run, as `sweep(run=)`."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.function = function
@@ -127,13 +128,10 @@ class FunctionScenes:
     def built(self, row: Row) -> Built:
         """Call the function."""
         found = self.function(**row)
-        scene, options = found if isinstance(found, tuple) and len(found) == 2 else (found, None)
-        if not hasattr(scene, "content_hash") or not (options is None or isinstance(options, Mapping)):
-            raise InputError(
-                f"sweep: {self.title}() must return a Scene, or a Scene and the options of simulate as a dict, got "
-                f"{found!r}"
-            )
-        return Built(scene, options, None, _as_it_is)
+        scene, run = found if isinstance(found, tuple) and len(found) == 2 else (found, None)
+        if not hasattr(scene, "content_hash"):
+            raise InputError(f"sweep: {self.title}() must return a Scene, or a Scene and a run, got {found!r}")
+        return Built(scene, {} if run is None else dict([run_of(run, f"sweep: {self.title}()")]), _as_it_is)
 
 
 @contextmanager
@@ -155,19 +153,16 @@ def scenes_of(scene: Any, settings: Sequence[str]) -> Scenes:
     )
 
 
-OTHERS = {"scenes", "device", "progress", "results", "overwrite"}  # arguments that rows cannot set
-HAVE = frozenset(inspect.signature(simulate_worlds).parameters) - OTHERS  # options supported by worlds
+HAVE = frozenset(inspect.signature(simulate_worlds).parameters)  # arguments of worlds
 
 
-def results_together(
-    scenes: Sequence[Any], options: Sequence[Mapping[str, Any]], device: str | None
-) -> list[Result] | None:
-    """The results of `simulate` of scenes with their options; None if they must be run one by one."""
-    first = options[0]
-    if not set(first) <= HAVE or "duration" not in first or any(other != first for other in options):
+def results_together(scenes: Sequence[Any], call: str, arguments: Mapping[str, Any]) -> list[Result] | None:
+    """The results of `simulate` or `static` of scenes; None if they must be run one by one."""
+    if not set(arguments) <= HAVE or "duration" not in arguments:
         return None
     try:
-        return simulate_worlds(scenes, **first, device=device, progress=False)
+        kind = "static" if call == "static" else "dynamic"
+        return simulate_worlds(scenes, **arguments, kind=kind, progress=False)
     except Exception:  # single runs report which one fails, and why
         logging.getLogger("warpffrf").debug("sweep: %d worlds failed", len(scenes), exc_info=True)
         return None

@@ -19,11 +19,14 @@ from threadpoolctl import threadpool_limits
 from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.progress import Progress, deferred_interrupts, speaking, terminated_as_interrupted
+from warpffrf.output.result import Result
+from warpffrf.study.runs import Run, run_of, with_options
 from warpffrf.study.sweeps.cluster import Cluster, client_at
 from warpffrf.study.sweeps.crews import Answers, Crew, Elsewhere, Here, Processes, WorkerDied, refuse_in_workers
 from warpffrf.study.sweeps.design import Design, Row, design_of
 from warpffrf.study.sweeps.folder import Folder
 from warpffrf.study.sweeps.job import (
+    ERROR_BUDGET,
     FILES,
     LOST,
     NO_QUANTITY,
@@ -55,14 +58,9 @@ def sweep(
     outputs: Mapping[str, Any] | Sequence[str],
     store: str | os.PathLike[str],
     sample: str | None = None,
-    seed: int = 0,
     settings: Sequence[str] = (),
-    simulate: Mapping[str, Any] | None = None,
-    equilibrium: Mapping[str, Any] | None = None,
-    workers: int = 1,
-    client: Any = None,
-    device: str | Sequence[str] | None = None,
-    error_budget: bool = False,
+    run: Callable[..., Result] | None = None,
+    workers: int | Sequence[str] | Any = 1,
     worlds: int = 1,
     overwrite: bool = False,
     resume: bool = False,
@@ -70,21 +68,22 @@ def sweep(
 ) -> Sweep:
     """Run a scene at many values of its parameters and store the requested outputs of each run in one table.
 
-    scene: a scene file, or a function `build(**parameters)` that returns a Scene, or a Scene and options of `simulate`.
-    parameters: {name: values}, for a file dotted names as of `--set`; values are a list, a range "1000:5000:5" or
-    "log:1e-3:1:4", a distribution such as "normal(0.1, 0.02)" or one of scipy.stats. All combinations are run, or a
-    `sample` "latin:64", "sobol:64", "random:64" or "saltelli:64" drawn with `seed`; or given rows, [{name: value}, ...]
-    or a table of pandas. outputs: {name: what} or a list of texts; what is "max(contact_peak_pressure[a-b])", a history
-    by its name in `Result.to_dataframe`, or a function of a Result that returns a number or an array
-    (`warpffrf.study.sweeps.job`). store: the folder of the sweep, NAME.sweep. settings: "name=value" as of `--set`, for
-    all rows. simulate, equilibrium: options of these calls, in addition to those of the scene; equilibrium={} for
-    equilibria only.
+    scene: a scene file, or a function `build(**parameters)` that returns a Scene, or a Scene and a run.
+    parameters: {name: values}, of a file dotted names as of `--set`; values are a list, a range "1000:5000:5" or
+    "log:1e-3:1:4", a distribution as "normal(0.1, 0.02)" or one of scipy.stats. All combinations are run, or a `sample`
+    "latin:64", "sobol:64", "random:64" or "saltelli:64", with another seed than 0 "latin:64:SEED"; or rows as they
+    are, [{name: value}, ...] or a table of pandas. outputs: {name: what} or a list of texts; what is
+    "max(contact_peak_pressure[a-b])", a history by its name in `Result.to_dataframe`, or a function of a Result that
+    gives a number or an array (`warpffrf.study.sweeps.job`); "error_budget" is the error budget of each run. store: the
+    folder of the sweep, NAME.sweep. settings: "name=value" as of `--set`, for all rows. run: `wf.simulate`, `wf.static`
+    or `wf.equilibrium`, or functools.partial of one of them with arguments, which prevail over those that come with the
+    scene; None: what comes with the scene.
 
-    workers: number of processes on this machine. client: instead, a `distributed.Client`, the address of its scheduler
-    "tcp://HOST:8786", or another executor with the `submit` of concurrent.futures. device: "cpu" or "cuda:0", or a list
-    assigned to workers in turn. worlds: number of rows run at once as worlds of one graph, if their scenes differ in
-    numbers only: less set-up for short runs, and efficient use of a GPU. error_budget: also store the error budget of
-    each run. Numbers are the same bit for bit for any executor, and on a CPU for any number of worlds.
+    workers: number of processes of this machine; or the device of each, ["cuda:0", "cuda:1"]; or a
+    `distributed.Client`, the address of its scheduler "tcp://HOST:8786", or another executor with the `submit` of
+    concurrent.futures. worlds: run so many rows at once as worlds of one graph, where their scenes differ in
+    numbers only: less set-up for short runs, and what a GPU is for.
+    Numbers are the same bit for bit whoever runs a row, and on a CPU in whatever number of worlds.
 
     A row that cannot be run is stored with its message. Ctrl-C and SIGTERM keep completed runs; resume: continue a
     sweep in the store; completed rows, including failed ones, are not repeated. overwrite: replace the sweep. progress:
@@ -93,24 +92,26 @@ def sweep(
 
     >>> found = wf.study.sweep(  # doctest: +SKIP
     ...     "press.toml", {"upper.load": "1000:5000:5", "radius": [0.04, 0.05]}, workers=2, store="press.sweep",
-    ...     outputs={"peak": "max(contact_peak_pressure[lower-upper])"},
+    ...     outputs={"peak": "max(contact_peak_pressure[lower-upper])"}, run=wf.equilibrium,
     ... )
     >>> found.to_dataframe()  # doctest: +SKIP
     """
     refuse_in_workers()
-    workers, worlds = require_count(workers, "sweep: workers", 1), require_count(worlds, "sweep: worlds", 1)
+    worlds = require_count(worlds, "sweep: worlds", 1)
+    called = None if run is None else _checked(*run_of(run, "sweep"))
+    devices = _devices(workers)
     with terminated_as_interrupted(), speaking(progress):
         scenes = scenes_of(scene, settings)
-        design = design_of(parameters, sample, seed)
+        design = design_of(parameters, sample)
         for name in design.names:
             if name in TAKEN or "/" in name or not name:
                 raise InputError(f"sweep: a parameter cannot be called {name!r}; rename it in the scene")
         wanted = outputs_of(outputs, (*TAKEN, *design.names))
+        error_budget = wanted.pop(ERROR_BUDGET, None) is not None
+        if not wanted:
+            raise InputError("sweep: no output is asked for besides the error budget; give one")
         scenes.check(design.rows[0])
-        job = Job(scenes, wanted, _options("simulate", simulate), _options("equilibrium", equilibrium), error_budget)
-        if simulate is not None and equilibrium is not None:
-            raise InputError("sweep: give simulate or equilibrium, not both; a row is one run")
-        devices = _devices(device, workers, client)
+        job = Job(scenes, wanted, called, error_budget)
         definition = _definition(job, design)
         folder = Folder(store)
         try:
@@ -119,7 +120,7 @@ def sweep(
             if done:
                 log.info("sweep: %d of %d rows have been run", len(done), len(design.rows))
             if left:
-                crew = _crew(job, folder, workers, client, devices)
+                crew = _crew(job, folder, workers, devices)
                 _run(crew, left, worlds, folder, len(design.rows), progress)
         except (OSError, EOFError) as error:  # a full disk, or the process that starts workers was killed
             reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
@@ -132,70 +133,68 @@ def sweep(
         return Sweep(store)
 
 
-def _options(call: str, given: Mapping[str, Any] | None) -> dict[str, Any] | None:
-    """Options of a call as given. Raises `InputError` for those reserved for the sweep."""
-    for name in given or {}:
-        if name in OWN:
-            raise InputError(f"sweep: {call}: {name} is an argument of sweep")
+def _checked(call: str, arguments: dict[str, Any]) -> Run:
+    """The run of all rows. Raises `InputError` for arguments that are not its to give."""
+    if OWN in arguments:
+        raise InputError(f"sweep: {call}: {OWN} is an argument of sweep")
+    for name in arguments:
         if name in FILES:
             raise InputError(f"sweep: {call}: {name} is about files of single runs, which a sweep does not write")
-    return None if given is None else dict(given)
+    return call, arguments
 
 
-def _devices(device: Any, workers: int, client: Any) -> list[str | None]:
-    if device is None or isinstance(device, str):
-        return [device]
-    devices = list(device)
-    if not devices or not all(isinstance(one, str) for one in devices):
-        raise InputError(f"sweep: device must be 'cpu', 'cuda:0', or a list of such, got {device!r}")
-    if client is not None:
-        raise InputError("sweep: several devices are for workers=; of a cluster start one worker for each device")
-    if workers < len(devices):
-        raise InputError(f"sweep: {len(devices)} devices need as many workers; give workers={len(devices)}")
-    return devices
+def _devices(workers: Any) -> list[str | None]:
+    """The device of each process of this machine, None for that of the run; none for workers elsewhere."""
+    if isinstance(workers, str) or hasattr(workers, "submit"):
+        return []
+    if isinstance(workers, Sequence):
+        if not workers or not all(isinstance(one, str) for one in workers):
+            raise InputError(f"sweep: workers must be devices as 'cuda:0', one for each process, got {workers!r}")
+        return list(workers)
+    if not isinstance(workers, int | float):
+        raise InputError(
+            "sweep: workers must be a number of processes, a list of devices, a distributed.Client, the address of a "
+            f"scheduler, or an executor, got {workers!r}"
+        )
+    return [None] * require_count(workers, "sweep: workers", 1)
 
 
 def _definition(job: Job, design: Design) -> dict[str, Any]:
     """Definition that identifies a sweep, as plain data; the first scene is None if it cannot be built, which its row
     reports. Raises `NoCall`."""
-    first, call = None, "simulate" if job.equilibrium is None else "equilibrium"
+    first, (call, options) = None, job.run or ("simulate", {})
     try:
         with threadpool_limits(1):  # as in workers
             built = job.scenes.built(design.rows[0])
         call, options = job.call_of(built)
+        if "options" in options:
+            options = with_options(options, device=None)  # numbers do not depend on it
         first = built.scene.content_hash()
     except NoCall:
         raise
-    except Exception:  # a builder of the user may raise anything
-        options = job.simulate or job.equilibrium or {}
+    except Exception as error:  # a builder of the user may raise anything
+        log.debug("sweep: the first scene cannot be built: %s", error)
     return {
         "kind": "warpffrf sweep", "title": job.scenes.title, "count": len(design.rows), "parameters": design.texts,
         "sample": design.sample, "seed": design.seed, "rows": design.digest(), "call": call,
-        "options": {name: repr(value) for name, value in options.items() if name not in FILES},
+        "options": {name: repr(value) for name, value in options.items() if name not in (*FILES, "device")},
         "outputs": {name: output.text for name, output in job.outputs.items()}, "error_budget": job.error_budget,
         "scenes": job.scenes.digest(), "first_scene": first, "versions": versions(),
     }  # fmt: skip
 
 
-def _crew(job: Job, folder: Folder, workers: int, client: Any, devices: list[str | None]) -> Crew:
-    """The executor of the rows. Raises `InputError`."""
-    if client is None and workers == 1:
+def _crew(job: Job, folder: Folder, workers: Any, devices: list[str | None]) -> Crew:
+    """The executor of the rows."""
+    if len(devices) == 1:
         return Here(job, devices[0])
-    if client is not None and workers != 1:
-        raise InputError("sweep: give workers or a client, not both; a cluster has the workers that it was given")
     parcel = packed(job, folder.bodies)
-    own = isinstance(client, str)
-    if own:
-        client = client_at(client)
-    if client is None:
-        return Processes(parcel, workers, devices)
+    if devices:
+        return Processes(parcel, devices)
+    own = isinstance(workers, str)
+    client = client_at(workers) if own else workers
     if hasattr(client, "get_executor") and hasattr(client, "scheduler_info"):
-        return Cluster(parcel, client, devices[0], own)
-    if not hasattr(client, "submit"):
-        raise InputError(
-            f"sweep: client must be a distributed.Client, the address of a scheduler, or an executor, got {client!r}"
-        )
-    return Elsewhere(parcel, client, devices[0])
+        return Cluster(parcel, client, own)
+    return Elsewhere(parcel, client)
 
 
 def _run(crew: Crew, left: list[tuple[int, Row]], worlds: int, folder: Folder, count: int, progress: bool) -> None:

@@ -209,6 +209,6 @@ def _spline_modes(body: Body | Ground, collector: Any, surface: ContactSurface) 
     if collector.local.count(body.index):
         raise InputError(
             f"body {body.name!r}: its local modes have inertia, and a patch of cells needs them quasi-static; use "
-            'local="quasi_static", or grid="body_fixed"'
+            'local_modes="quasi_static", or grid="body_fixed"'
         )
     return np.ascontiguousarray(surface.splines.of_hats(surface.mode_normal))

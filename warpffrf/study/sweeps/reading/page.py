@@ -238,11 +238,12 @@ def call_of(table: Table) -> str:
         given = [f'    wf.study.open_sweep("NAME.sweep").to_dataframe()[{list(parameters)!r}],']
     else:
         given = ["    {", *(f"        {name!r}: {str(text)!r}," for name, text in parameters.items()), "    },"]
+    outputs = {**outputs, **({"error_budget": "error_budget"} if about.get("error_budget") else {})}
     named = {name: text.removesuffix("()") if text.endswith("()") else repr(text) for name, text in outputs.items()}
-    options = ", ".join(f"{name!r}: {text}" for name, text in about["options"].items())
-    sample = [f"    sample={about['sample']!r}, seed={about['seed']},"] if about["sample"] else []
+    options = ", ".join([f"wf.{about['call']}", *(f"{name}={text}" for name, text in about["options"].items())])
+    sample = [f"    sample='{about['sample']}:{about['seed']}',"] if about["sample"] else []
     return "\n".join([
         f"# scene: {about['title']}", "wf.study.sweep(", "    scene,", *given, "    outputs={",
         *(f"        {name!r}: {text}," for name, text in named.items()), "    },", *sample,
-        f"    {about['call']}={{{options}}},", '    store="AGAIN.sweep",', ")",
+        f"    run=functools.partial({options}),", '    store="AGAIN.sweep",', ")",
     ])  # fmt: skip

@@ -1,6 +1,5 @@
-"""Step time against local modes with inertia.
-
-`python bench/step/local_dynamics.py [--json FILE] [--steps N] [--counts N]`.
+"""Step time against local modes with inertia: `python bench/step/local_modes.py [--json FILE] [--steps N] [--counts
+N]`.
 
 Two rollers swing to and fro on each other at a constant approach (`studies.speed.step_time`). The lowest n local modes
 of each contact surface get inertia, by HHT or by the exact step; the others follow the load without, as all do with
@@ -15,19 +14,19 @@ import json
 from pathlib import Path
 
 from studies.speed.step_time import StepTime, time_swing, tread_body
-from warpffrf.online import LocalDynamics
+from warpffrf.online import LocalModes
 from warpffrf.study.machine import machine
 
 SECTORS = 480  # 4,320 local modes of each roller, 9 a sector
 COUNTS = (0, 50, 100, 200, 500, 1000, 2000)
 TREATMENTS = ("hht", "exponential")
-APPROACH = 60e-6  # m: about 18 active nodes
+APPROACH = 60e-6  # m: about 18 active hats
 ROUNDS = 3  # the fastest counts: other work on the machine only slows down
 
 
-def runs(counts: list[int]) -> list[LocalDynamics]:
+def runs(counts: list[int]) -> list[LocalModes]:
     """What is timed: `quasi_static`, then every treatment with every number of modes."""
-    return [LocalDynamics(), *(LocalDynamics(name, count=n) for n in counts for name in TREATMENTS)]
+    return [LocalModes(), *(LocalModes(name, count=n) for n in counts for name in TREATMENTS)]
 
 
 def main() -> None:
@@ -52,7 +51,7 @@ def main() -> None:
     for i, local in enumerate(cases):
         found, count = best[i], local.count or 0
         rows.append({"treatment": local.treatment, "count": count, **found.row(), "unit_seconds": unit})
-        counts = f"{local.treatment:13s} {count:12d} {found.active_nodes:7.1f} {found.iterations:11.2f}"
+        counts = f"{local.treatment:13s} {count:12d} {found.active_hats:7.1f} {found.iterations:11.2f}"
         seconds = found.seconds_per_step
         print(f"{counts} {seconds * 1e6:8.1f} {seconds / unit:8.2f}  {found.status}")
     if given.json:

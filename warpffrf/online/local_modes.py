@@ -42,9 +42,9 @@ FOLLOWS, STEPS_HHT, STEPS_EXACTLY = 0, 1, 2  # kinds of modes in the kernels: th
 
 @named_arguments
 @dataclass(frozen=True)
-class LocalDynamics:
+class LocalModes:
     """The `treatment` of the local modes, "quasi_static", "hht", "exponential" or "auto", see the module;
-    `simulate(local="hht")` is `LocalDynamics("hht")`.
+    `RunOptions(local_modes="hht")` is short for `LocalModes("hht")`.
 
     max_frequency [Hz], count: the modes of each contact surface with inertia, all that can be resolved if both are
     None. damping: their ratio, 0 to below 1; None: zero with HHT, which damps numerically, and EXACT_DAMPING with
@@ -61,19 +61,19 @@ class LocalDynamics:
 
     def __post_init__(self) -> None:
         if self.treatment not in TREATMENTS:
-            raise unknown_name("local", self.treatment, TREATMENTS)
+            raise unknown_name("local_modes", self.treatment, TREATMENTS)
         for name in ("max_frequency", "load_frequency"):
             if getattr(self, name) is not None:
-                require_number(getattr(self, name), f"local: {name}", positive=True)
+                require_number(getattr(self, name), f"local_modes: {name}", positive=True)
         if self.count is not None:
-            require_count(self.count, "local: count", 0)
-        if not 0.0 <= require_number(self.ratio, "local: damping") < 1.0:
-            raise InputError(f"local: damping is a ratio from 0 to below 1, got {self.damping!r}")
+            require_count(self.count, "local_modes: count", 0)
+        if not 0.0 <= require_number(self.ratio, "local_modes: damping") < 1.0:
+            raise InputError(f"local_modes: damping is a ratio from 0 to below 1, got {self.damping!r}")
         HHT(self.alpha)
         if self.treatment == "quasi_static" and (self.max_frequency is not None or self.count is not None):
-            raise InputError("local: 'quasi_static' gives no mode inertia; max_frequency and count go with 'hht'")
+            raise InputError("local_modes: 'quasi_static' gives no mode inertia; max_frequency and count go with 'hht'")
         if self.load_frequency is not None and self.treatment != "auto":
-            raise InputError("local: load_frequency goes with 'auto'; give max_frequency instead")
+            raise InputError("local_modes: load_frequency goes with 'auto'; give max_frequency instead")
 
     @property
     def coefficients(self) -> Coefficients:
@@ -93,9 +93,9 @@ class LocalDynamics:
         return STEPS_EXACTLY if self.treatment == "exponential" else STEPS_HHT
 
 
-def as_local_dynamics(value: Any) -> LocalDynamics:
+def as_local_modes(value: Any) -> LocalModes:
     """`value` itself, or the treatment of that name; raises `InputError`."""
-    return value if isinstance(value, LocalDynamics) else LocalDynamics(value)
+    return value if isinstance(value, LocalModes) else LocalModes(value)
 
 
 @dataclass
@@ -103,12 +103,12 @@ class LocalPlan:
     """The dynamic local modes of a scene: per body index its surfaces' modes by name, in the order of the coordinates
     that follow its global ones; and notes about them."""
 
-    options: LocalDynamics
+    options: LocalModes
     modes: dict[int, dict[str, DynamicModes]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
     @classmethod
-    def of(cls, scene: Scene, options: LocalDynamics) -> LocalPlan:
+    def of(cls, scene: Scene, options: LocalModes) -> LocalPlan:
         """The plan of all surfaces in contact; raises `InputError` for one that was reduced without their inertia."""
         plan = cls(options)
         for contact in scene.finite_sliding:
@@ -133,9 +133,9 @@ class LocalPlan:
         for port in lap.ports:
             if self.count(port.body.index):
                 raise InputError(
-                    f"{lap.label}: local {self.options.treatment!r} gives inertia to local modes of body "
-                    f"{port.body.name!r}, which do not move its laps; take local='quasi_static' and reduce it with "
-                    "more global modes (max_frequency=)"
+                    f"{lap.label}: local_modes {self.options.treatment!r} gives inertia to local modes of body "
+                    f"{port.body.name!r}, which do not move its laps; take local_modes='quasi_static' and reduce it "
+                    "with more global modes (max_frequency=)"
                 )
         self.notes.append(f"{lap.label}: its cells yield without inertia, beyond the global modes of its bodies")
 
@@ -146,8 +146,8 @@ class LocalPlan:
         surface = port.surface
         if surface.local_mass is None:
             raise InputError(
-                f"contact surface {port.label}: local {self.options.treatment!r} needs the inertia of its local modes; "
-                "reduce with local_dynamics=True"
+                f"contact surface {port.label}: local_modes {self.options.treatment!r} needs the inertia of its local "
+                "modes; reduce with local_dynamics=True"
             )
         highest = self.options.max_frequency
         if self.options.treatment == "auto":
@@ -191,10 +191,10 @@ class LocalPlan:
         )
 
 
-def refuse_other_modes(scene: Scene, stages: Sequence[Any], local: Any) -> None:
+def refuse_other_modes(scene: Scene, stages: Sequence[Any], local_modes: Any) -> None:
     """Raises `InputError` for a stage whose local treatment integrates other modes than the stages before it: the state
     of a run has one coordinate per mode."""
-    treatments = [as_local_dynamics(stage.options.get("local", local)) for stage in stages]
+    treatments = [as_local_modes(stage.options.get("local_modes", local_modes)) for stage in stages]
     if len(set(treatments)) == 1:
         return
     first: list[int] = []
@@ -206,6 +206,7 @@ def refuse_other_modes(scene: Scene, stages: Sequence[Any], local: Any) -> None:
             first = counts
         elif counts != first:
             raise InputError(
-                f"stage {stage.name!r}: local {treatment.treatment!r} gives {sum(counts)} local modes inertia, stage "
-                f"{stages[0].name!r} {sum(first)}; the modes of a run cannot change: give both the same max_frequency"
+                f"stage {stage.name!r}: local_modes {treatment.treatment!r} gives {sum(counts)} local modes "
+                f"inertia, stage {stages[0].name!r} {sum(first)}; the modes of a run cannot change: "
+                "give both the same max_frequency"
             )

@@ -17,7 +17,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.signals import SmoothStep
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
-from warpffrf.online.local_dynamics import LocalDynamics
+from warpffrf.online.local_modes import LocalModes
 from warpffrf.online.run import run
 from warpffrf.online.vibrations.eigenmodes import find_modes
 
@@ -56,8 +56,8 @@ def contact_force(history: History) -> np.ndarray:
 def test_static_response_is_exact_at_any_cut(body: ReducedBody, treatment: str, frequency: float | None) -> None:
     """Force, approach and pressure of the equilibrium are those of the quasi-static treatment."""
     expected = run(pressed(body, -2000.0), 1e-6, step=1e-6, start="equilibrium", progress=False)
-    local = LocalDynamics(treatment, max_frequency=frequency)
-    found = run(pressed(body, -2000.0), 1e-6, step=1e-6, start="equilibrium", local=local, progress=False)
+    local = LocalModes(treatment, max_frequency=frequency)
+    found = run(pressed(body, -2000.0), 1e-6, step=1e-6, start="equilibrium", local_modes=local, progress=False)
     assert found.status == expected.status == "completed"
     for name in ("approach", "pressure", "force"):
         a, b = (np.asarray(getattr(h.contacts["pair"], name)[0]) for h in (found, expected))
@@ -72,7 +72,7 @@ def test_slow_loads_are_followed_like_static_ones(body: ReducedBody, treatment: 
         force = SmoothStep(-200.0, -2000.0, duration=duration)
         step = 2e-5
         runs = [
-            run(pressed(body, force), duration, step=step, start="equilibrium", local=local, progress=False)
+            run(pressed(body, force), duration, step=step, start="equilibrium", local_modes=local, progress=False)
             for local in (treatment, "quasi_static")
         ]
         assert all(history.status == "completed" for history in runs)
@@ -138,7 +138,7 @@ def test_energy_is_kept_by_a_fine_step(body: ReducedBody) -> None:
     for step in (2e-7, 1e-7):
         history = run(
             pressed(body, SmoothStep(-500.0, -1000.0, duration=2e-5)), 4e-5, step=step, start="equilibrium",
-            local=LocalDynamics("exponential", max_frequency=150e3), progress=False,
+            local_modes=LocalModes("exponential", max_frequency=150e3), progress=False,
         )  # fmt: skip
         energy = history.energy
         left.append(np.abs(energy["numerical"][-1]) / np.abs(energy["force_work"]).max())
@@ -147,8 +147,8 @@ def test_energy_is_kept_by_a_fine_step(body: ReducedBody) -> None:
 
 def test_auto_splits_at_five_times_the_load(body: ReducedBody) -> None:
     scene = pressed(body, -100.0)
-    plan = Engine(scene, local=LocalDynamics("auto", load_frequency=12e3)).compiled.local
-    everything = Engine(scene, local=LocalDynamics("hht")).compiled.local
+    plan = Engine(scene, local_modes=LocalModes("auto", load_frequency=12e3)).compiled.local
+    everything = Engine(scene, local_modes=LocalModes("hht")).compiled.local
     omega = everything.omega(0)
     assert plan.count(0) == np.count_nonzero(omega <= 5.0 * 2.0 * np.pi * 12e3) > 0
     assert any("local modes are dynamic (auto)" in note for note in plan.notes)
@@ -160,12 +160,12 @@ def test_another_treatment_cannot_go_on_and_cannot_be_linearised(body: ReducedBo
     """The number of coordinates differs: the message says why; the notes of a run say what its own local modes do."""
     scene = pressed(body, -500.0)
     static, dynamic = (
-        run(scene, 2e-6, step=1e-6, start="equilibrium", local=local, progress=False)
-        for local in ("quasi_static", LocalDynamics("hht", max_frequency=150e3))
+        run(scene, 2e-6, step=1e-6, start="equilibrium", local_modes=local, progress=False)
+        for local in ("quasi_static", LocalModes("hht", max_frequency=150e3))
     )
-    with pytest.raises(InputError, match="local modes were treated in another way; use the same local="):
-        run(scene, 1e-6, step=1e-6, start=static, local="hht", progress=False)
-    with pytest.raises(InputError, match="eigenmodes: .*must come from a run with .*local='quasi_static'"):
+    with pytest.raises(InputError, match="local modes were treated in another way; use the same local_modes="):
+        run(scene, 1e-6, step=1e-6, start=static, local_modes="hht", progress=False)
+    with pytest.raises(InputError, match="eigenmodes: .*must come from a run with .*local_modes='quasi_static'"):
         find_modes(scene, about=dynamic)
     assert any("the inertia of its local modes is neglected" in note for note in static.notes)
     assert not any("neglected" in note and "local" in note for note in dynamic.notes)
@@ -173,27 +173,30 @@ def test_another_treatment_cannot_go_on_and_cannot_be_linearised(body: ReducedBo
 
 def test_wrong_options_are_refused(plain_body: ReducedBody) -> None:
     with pytest.raises(InputError, match="known: 'quasi_static', 'hht'"):
-        LocalDynamics("htt")
+        LocalModes("htt")
     for options, words in (
         ({"damping": 1.0}, "below 1"), ({"alpha": 0.2}, "alpha"), ({"max_frequency": -1.0}, "max_frequency"),
         ({"load_frequency": 1e3}, "auto"),
     ):  # fmt: skip
         with pytest.raises(InputError, match=words):
-            LocalDynamics("hht", **options)  # pyright: ignore[reportArgumentType]
+            LocalModes("hht", **options)  # pyright: ignore[reportArgumentType]
     with pytest.raises(InputError, match="gives no mode inertia"):
-        LocalDynamics(max_frequency=1e4)
+        LocalModes(max_frequency=1e4)
     with pytest.raises(InputError, match="local_dynamics=True"):
-        Engine(pressed(plain_body, -1.0), local=LocalDynamics("hht"))
+        Engine(pressed(plain_body, -1.0), local_modes=LocalModes("hht"))
 
 
 def test_stages_step_the_same_modes(body: ReducedBody) -> None:
     """Refused before anything is computed; two treatments of the same modes are fine."""
     scene = pressed(body, -500.0)
-    some, fewer = (LocalDynamics("hht", max_frequency=f) for f in (60e3, 30e3))
+    some, fewer = (LocalModes("hht", max_frequency=f) for f in (60e3, 30e3))
     for other in (fewer, "quasi_static"):
-        stages = [wf.Stage("a", 1e-5, 1e-6), wf.Stage("b", 1e-5, 1e-6, {"local": other})]
-        with pytest.raises(InputError, match="stage 'b': local .* the modes of a run cannot change"):
-            wf.simulate(scene, stages=stages, local=some, start="equilibrium", progress=False)
-    same = LocalDynamics("exponential", max_frequency=60e3)
-    stages = [wf.Stage("a", 1e-5, 1e-6), wf.Stage("b", 1e-5, 1e-6, {"local": same})]
-    assert wf.simulate(scene, stages=stages, local=some, start="equilibrium", progress=False).status == "completed"
+        stages = [wf.Stage("a", 1e-5, 1e-6), wf.Stage("b", 1e-5, 1e-6, {"local_modes": other})]
+        with pytest.raises(InputError, match="stage 'b': local_modes .* the modes of a run cannot change"):
+            wf.simulate(scene, stages, options=wf.RunOptions(local_modes=some), start="equilibrium", progress=False)
+    same = LocalModes("exponential", max_frequency=60e3)
+    stages = [wf.Stage("a", 1e-5, 1e-6), wf.Stage("b", 1e-5, 1e-6, {"local_modes": same})]
+    assert (
+        wf.simulate(scene, stages, options=wf.RunOptions(local_modes=some), start="equilibrium", progress=False).status
+        == "completed"
+    )
