@@ -97,7 +97,7 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
 
 def run(scene: wf.Scene, size: Size, *, progress: bool = True) -> wf.Result:
     """From rest, from the static state under the load."""
-    integrator = wf.GeneralizedAlpha(RHO_INF)
+    integrator = wf.integrators.GeneralizedAlpha(RHO_INF)
     return wf.simulate(
         scene,
         DURATION,

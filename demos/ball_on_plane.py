@@ -110,7 +110,7 @@ def main(out: str | Path = "out/ball_on_plane", *, quick: bool = False, progress
     stem = Path(out) / "ball_on_plane"
     result = wf.simulate(
         build(QUICK if quick else FULL, progress=progress), DURATION, step=STEP, start="equilibrium",
-        options=wf.RunOptions(integrator=wf.GeneralizedAlpha(RHO_INF)), progress=progress,
+        options=wf.RunOptions(integrator=wf.integrators.GeneralizedAlpha(RHO_INF)), progress=progress,
     )  # fmt: skip
     result.save(f"{stem}.h5", overwrite=True)
     wf.record(result, f"{stem}.rrd", max_frames=20 if quick else 60, overwrite=True)

@@ -101,7 +101,7 @@ def run(reduced: wf.ReducedBody, degrees: float, *, turns: float = TURNS, progre
     """From the start, in steps of so many degrees of the crank."""
     step = np.radians(degrees) / SPEED
     duration = round(360.0 * turns / degrees) * step
-    integrator = wf.GeneralizedAlpha(RHO_INF)
+    integrator = wf.integrators.GeneralizedAlpha(RHO_INF)
     return wf.simulate(
         machine(reduced), duration, step=step, options=wf.RunOptions(integrator=integrator), progress=progress
     )

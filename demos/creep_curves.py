@@ -155,7 +155,7 @@ def roll(scene: wf.Scene, run: Sequence[Stair], size: Size, *, progress: bool = 
         float(ends(run)[-1]),
         step=size.step,
         start="equilibrium",
-        options=wf.RunOptions(integrator=wf.GeneralizedAlpha(RHO_INF)),
+        options=wf.RunOptions(integrator=wf.integrators.GeneralizedAlpha(RHO_INF)),
         progress=progress,
     )
 

@@ -92,7 +92,7 @@ def build(crown: float | None = CROWN, *, size: Size = FULL, progress: bool = Tr
 
 def run(scene: wf.Scene, *, size: Size = FULL, progress: bool = True) -> wf.Result:
     """From the static state at the light load: loading, waiting, and rotating."""
-    end, integrator = LOADING + WAITING + SPIN_UP + TURNING, wf.GeneralizedAlpha(RHO_INF)
+    end, integrator = LOADING + WAITING + SPIN_UP + TURNING, wf.integrators.GeneralizedAlpha(RHO_INF)
     return wf.simulate(
         scene, end, step=size.step, start="equilibrium", options=wf.RunOptions(integrator=integrator), progress=progress
     )

@@ -115,7 +115,7 @@ def main(out: str | Path = "out/frame_on_bushings", *, quick: bool = False, prog
     """Write frame_on_bushings.h5, .rrd and .png into the folder `out` and print the figures; quick: fewer cells and
     frames."""
     stem, scene = Path(out) / "frame_on_bushings", build(QUICK if quick else FULL, progress=progress)
-    integrator = wf.GeneralizedAlpha(RHO_INF)
+    integrator = wf.integrators.GeneralizedAlpha(RHO_INF)
     result = wf.simulate(
         scene, DURATION, step=STEP, start="equilibrium", options=wf.RunOptions(integrator=integrator), progress=progress
     )

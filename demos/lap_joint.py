@@ -127,7 +127,7 @@ def ring_down(
     pulled = wf.static(scene, 1.0, step=0.1, progress=progress)
     result = wf.simulate(
         scene, (size.cycles + 0.6) / frequency, step=1.0 / (size.steps * frequency), start=pulled,
-        options=wf.RunOptions(integrator=wf.GeneralizedAlpha(RHO_INF)), progress=progress,
+        options=wf.RunOptions(integrator=wf.integrators.GeneralizedAlpha(RHO_INF)), progress=progress,
     )  # fmt: skip
     return result, float(pulled.body("carriage").position[0, 0])
 

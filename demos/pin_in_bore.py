@@ -88,7 +88,7 @@ def build(
 
 def run(scene: wf.Scene, *, progress: bool = True) -> wf.Result:
     """All loads, from the static state under the first."""
-    integrator, end = wf.GeneralizedAlpha(RHO_INF), float(waits()[-1])
+    integrator, end = wf.integrators.GeneralizedAlpha(RHO_INF), float(waits()[-1])
     return wf.simulate(
         scene, end, step=STEP, start="equilibrium", options=wf.RunOptions(integrator=integrator), progress=progress
     )

@@ -146,7 +146,11 @@ def run(scene: wf.Scene, degrees: float, *, turns: float = TURNS, progress: bool
     step = np.radians(degrees) / SPEED
     duration = round(360.0 * turns / degrees) * step
     return wf.simulate(
-        scene, duration, step=step, options=wf.RunOptions(integrator=wf.GeneralizedAlpha(RHO_INF)), progress=progress
+        scene,
+        duration,
+        step=step,
+        options=wf.RunOptions(integrator=wf.integrators.GeneralizedAlpha(RHO_INF)),
+        progress=progress,
     )
 
 

@@ -96,7 +96,7 @@ def spin() -> wf.signals.SmoothStep:
 def run(size: Size, *, inertia: str, stiffening: bool, progress: bool = True) -> tuple[wf.Scene, wf.Result]:
     """The scene and its run with one level of the rod's inertia."""
     scene = build(size, inertia=inertia, stiffening=stiffening, progress=progress)
-    duration, integrator = SPIN_UP + size.turns * 2.0 * np.pi / SPEED, wf.GeneralizedAlpha(RHO_INF)
+    duration, integrator = SPIN_UP + size.turns * 2.0 * np.pi / SPEED, wf.integrators.GeneralizedAlpha(RHO_INF)
     return scene, wf.simulate(
         scene, duration, step=STEP, options=wf.RunOptions(integrator=integrator), progress=progress
     )

@@ -81,7 +81,7 @@ def build(size: Size = FULL, *, inertia: str = "full", stiffening: bool = True, 
 def run(size: Size, *, stiffening: bool, progress: bool = True) -> tuple[wf.Scene, wf.Result]:
     """The scene and its run, with or without geometric stiffening."""
     scene = build(size, stiffening=stiffening, progress=progress)
-    integrator = wf.GeneralizedAlpha(RHO_INF)
+    integrator = wf.integrators.GeneralizedAlpha(RHO_INF)
     return scene, wf.simulate(
         scene, SPIN_UP + size.at_speed, step=STEP, options=wf.RunOptions(integrator=integrator), progress=progress
     )

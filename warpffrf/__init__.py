@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
     from warpffrf.offline import ContactGrid, ReductionOptions, bases, reduce
     from warpffrf.offline.contact.contact_grid import contact_spacing
-    from warpffrf.online import GeneralizedAlpha, LocalModes
+    from warpffrf.online import LocalModes
     from warpffrf.online.stages import Stage
     from warpffrf.output.campbell import campbell
     from warpffrf.output.comparison import compare
@@ -58,7 +58,6 @@ __all__ = [
     "Contact",
     "ContactGrid",
     "Film",
-    "GeneralizedAlpha",
     "InputError",
     "LocalModes",
     "LumpedContact",
@@ -108,7 +107,6 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Contact": ("warpffrf.model.contact", "Contact"),
     "ContactGrid": ("warpffrf.offline", "ContactGrid"),
     "Film": ("warpffrf.model.films", "Film"),
-    "GeneralizedAlpha": ("warpffrf.online", "GeneralizedAlpha"),
     "InputError": ("warpffrf.model.errors", "InputError"),
     "LocalModes": ("warpffrf.online", "LocalModes"),
     "LumpedContact": ("warpffrf.model.lumped_contact", "LumpedContact"),

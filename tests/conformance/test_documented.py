@@ -36,7 +36,7 @@ VECTOR = re.compile(r"\((?:T, |n, |m, |k, )?3,?\)")
 # Laws, methods and formulas that someone has published: the docstring of each, or of its module, says who and when.
 PHYSICS = [
     "wf.laws.RollingHysteresis",
-    "wf.GeneralizedAlpha", "wf.integrators.HHT", "wf.integrators.Newmark", "wf.integrators.EnergyMomentum",
+    "wf.integrators.GeneralizedAlpha", "wf.integrators.HHT", "wf.integrators.Newmark", "wf.integrators.EnergyMomentum",
     "wf.laws.GreenwoodTripp", "wf.laws.HertzPoint", "wf.laws.HuntCrossley", "wf.laws.IsoLamina",
     "wf.laws.PalmgrenLine", "wf.laws.Stribeck", "wf.laws.TractionCurve", "wf.oils.Barus",
     "wf.oils.DowsonHigginson", "wf.oils.Roelands", "wf.oils.iso_vg", "wf.oils.vogel", "wf.oils.walther",

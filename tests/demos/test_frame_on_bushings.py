@@ -75,7 +75,7 @@ def rigid_frequencies(scene: wf.Scene) -> tuple[np.ndarray, np.ndarray]:
         rigid,
         RIGID_DURATION,
         step=RIGID_STEP,
-        options=wf.RunOptions(integrator=wf.GeneralizedAlpha(1.0), save_every=5),
+        options=wf.RunOptions(integrator=wf.integrators.GeneralizedAlpha(1.0), save_every=5),
         progress=False,
     )
     motion = result.body("frame")
@@ -134,7 +134,7 @@ def test_the_figures_of_the_demo(scene: wf.Scene) -> None:
         0.08,
         step=demo.STEP,
         start="equilibrium",
-        options=wf.RunOptions(integrator=wf.GeneralizedAlpha(demo.RHO_INF)),
+        options=wf.RunOptions(integrator=wf.integrators.GeneralizedAlpha(demo.RHO_INF)),
         progress=False,
     )
     assert still.status == result.status == "completed"

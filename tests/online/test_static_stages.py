@@ -320,13 +320,13 @@ def test_a_static_run_goes_on_bit_for_bit(beam: ReducedBody) -> None:
 def test_what_says_nothing_of_equilibria_is_refused(beam: ReducedBody) -> None:
     scene = cantilever(beam, 1.0)
     refused: dict[str, Any] = {
-        "step_error": 1e-3, "integrator": wf.GeneralizedAlpha(), "energy_tolerance": 1e-3, "project_start": True,
+        "step_error": 1e-3, "integrator": wf.integrators.GeneralizedAlpha(), "energy_tolerance": 1e-3, "project_start": True,
     }  # fmt: skip
     for name, value in refused.items():
         with pytest.raises(InputError, match=f"static: {name} is for runs in time"):
             wf.static(scene, 1.0, step=0.1, options=wf.RunOptions(**{name: value}), progress=False)
     with pytest.raises(InputError, match="integrator"):
-        wf.Stage("press", 1.0, 0.1, {"integrator": wf.GeneralizedAlpha()}, kind="static")
+        wf.Stage("press", 1.0, 0.1, {"integrator": wf.integrators.GeneralizedAlpha()}, kind="static")
     with pytest.raises(InputError, match="'dynamic' or 'static'"):
         wf.Stage("press", 1.0, 0.1, kind="slow")
 

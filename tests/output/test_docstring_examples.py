@@ -26,7 +26,7 @@ ORDER: list[Any] = [
     wf.signals.SmoothStep, wf.equilibrium, wf.RunOptions, wf.simulate, wf.static, wf.Result.contact, wf.Result.body,
     wf.Result.force, wf.Result.sensor, wf.Result.report,
     wf.Result.plot, wf.Result.to_dataframe, wf.compare, wf.joints.Revolute, wf.joints.Drive,
-    wf.GeneralizedAlpha, run_scene,
+    wf.integrators.GeneralizedAlpha, run_scene,
 ]  # fmt: skip
 MOST_USED = 20
 

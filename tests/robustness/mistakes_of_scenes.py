@@ -229,7 +229,7 @@ RUNS = (
     Mistake("a negative step", lambda w: w.run(step=-1e-3), ("step must be greater than zero",)),
     Mistake("start='equilibirum'", lambda w: w.run(start="equilibirum"), ("'equilibrium'",)),
     Mistake("integrator='hht'", lambda w: w.run(options=wf.RunOptions(integrator="hht")), ("integrators.HHT()",)),
-    Mistake("rho_inf=2", lambda w: wf.GeneralizedAlpha(rho_inf=2.0), ("rho_inf",)),
+    Mistake("rho_inf=2", lambda w: wf.integrators.GeneralizedAlpha(rho_inf=2.0), ("rho_inf",)),
     Mistake("results as text", lambda w: w.run(results=w.folder / "x.txt"), (".h5",)),
     Mistake("a foreign file", lambda w: w.run(results=w.file("x.h5", "my notes")), ("x.h5", "another")),
     Mistake("resume without results", lambda w: w.run(resume=True), ("give results",)),
@@ -253,7 +253,9 @@ RUNS = (
     Mistake("a scene without bodies", lambda w: wf.Scene().check(), ("scene.add_body",)),
     Mistake(
         "static with an integrator",
-        lambda w: wf.static(w.scene, 0.1, step=0.1, options=wf.RunOptions(integrator=wf.GeneralizedAlpha())),
+        lambda w: wf.static(
+            w.scene, 0.1, step=0.1, options=wf.RunOptions(integrator=wf.integrators.GeneralizedAlpha())
+        ),
         ("integrator is for runs in time",),
     ),
 )

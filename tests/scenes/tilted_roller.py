@@ -73,7 +73,7 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
 
 def run(scene: wf.Scene, *, progress: bool = True) -> wf.Result:
     """Tilting, waiting and rotating, from the static state of the level roller."""
-    end, integrator = TILTING + WAITING + TURNING, wf.GeneralizedAlpha(RHO_INF)
+    end, integrator = TILTING + WAITING + TURNING, wf.integrators.GeneralizedAlpha(RHO_INF)
     return wf.simulate(
         scene, end, step=STEP, start="equilibrium", options=wf.RunOptions(integrator=integrator), progress=progress
     )

@@ -37,7 +37,7 @@ def test_a_drilling_ball() -> None:
     turn = scene.add(wf.joints.Revolute(lift.at((0, 0, 0)), ball["outside"], axis=(0, 0, 1), name="turn"))
     scene.add(wf.joints.Drive(turn, wf.signals.Ramp(0.0, SPEED, duration=RISE), quantity="velocity"))
     scene.add(wf.forces.PointForce(lift.at((0, 0, 0)), (0, 0, -LOAD)))
-    integrator = wf.GeneralizedAlpha(0.0)
+    integrator = wf.integrators.GeneralizedAlpha(0.0)
     result = wf.simulate(
         scene, DURATION, step=STEP, start="equilibrium", options=wf.RunOptions(integrator=integrator), progress=False
     )

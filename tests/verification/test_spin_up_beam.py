@@ -76,7 +76,7 @@ def spun() -> wf.Result:
         scene,
         END,
         step=step,
-        options=wf.RunOptions(save_every=round(SAVED / step), integrator=wf.GeneralizedAlpha(0.9)),
+        options=wf.RunOptions(save_every=round(SAVED / step), integrator=wf.integrators.GeneralizedAlpha(0.9)),
         progress=False,
     )
 

@@ -88,7 +88,7 @@ class GeneralizedAlpha(Integrator):
     project_velocities: after each step the velocities are projected onto those that the joints allow, in the mass
     metric. Raises `InputError` for rho_inf outside 0 to 1.
 
-    >>> options = wf.RunOptions(integrator=wf.GeneralizedAlpha(rho_inf=0.9))
+    >>> options = wf.RunOptions(integrator=wf.integrators.GeneralizedAlpha(rho_inf=0.9))
     >>> run = wf.simulate(machine, 0.01, step=1e-3, options=options, progress=False)
     >>> round(float(run.body("wheel").angular_velocity[-1, 1]))  # rad/s
     100

@@ -15,6 +15,7 @@ RENAMED: dict[str, tuple[str, ...]] = {
     "lap_cells": ("matched",), "lap_names": ("small_sliding_names",), "lap_page": ("small_sliding_page",),
     "interference": ("sliding",), "tangential_stiffness": ("sliding",),
     # runs and studies of runs
+    "GeneralizedAlpha": ("integrators.GeneralizedAlpha",),
     "local": ("local_modes",), "LocalDynamics": ("LocalModes",),
     "local_dynamics": ("local_modes", "options=wf.ReductionOptions(local_dynamics=...)"),
     "stages": ("duration",), "device": ("workers=['cuda:0', ...]",),
