@@ -1,6 +1,6 @@
 """Step time against active cells of a joint interface.
 
-`python bench/step/step_vs_lap_cells.py [--json FILE] [--steps N] [--large]`.
+`python bench/step/step_vs_matched_cells.py [--json FILE] [--steps N] [--large]`.
 
 A plate lies on another one, pressed by its weight so that all cells are closed, and is shaken along its plane. A weak
 shaking lets few cells slip, and few change in a step; a strong one moves the border of slip through the joint. --large
@@ -67,7 +67,7 @@ def timed(scene: Scene, steps: int) -> dict[str, Any]:
     """One run; the time is that of the graph, without what leads to the equilibrium."""
     step = PERIOD / 200.0
     short, long = (run(scene, n * step, step=step, start="equilibrium", progress=False) for n in (5, steps))
-    state = long.laps["lap"].state
+    state = long.small_sliding["lap"].state
     seconds = (long.counters["seconds_in_graph"] - short.counters["seconds_in_graph"]) / (steps - 5)
     return {
         "closed": int(np.count_nonzero(state[-1])), "slipping": float(np.mean(np.sum(state == 2, axis=1))),

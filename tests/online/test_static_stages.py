@@ -320,8 +320,11 @@ def test_a_static_run_goes_on_bit_for_bit(beam: ReducedBody) -> None:
 def test_what_says_nothing_of_equilibria_is_refused(beam: ReducedBody) -> None:
     scene = cantilever(beam, 1.0)
     refused: dict[str, Any] = {
-        "step_error": 1e-3, "integrator": wf.integrators.GeneralizedAlpha(), "energy_tolerance": 1e-3, "project_start": True,
-    }  # fmt: skip
+        "step_error": 1e-3,
+        "integrator": wf.integrators.GeneralizedAlpha(),
+        "energy_tolerance": 1e-3,
+        "project_start": True,
+    }
     for name, value in refused.items():
         with pytest.raises(InputError, match=f"static: {name} is for runs in time"):
             wf.static(scene, 1.0, step=0.1, options=wf.RunOptions(**{name: value}), progress=False)

@@ -1,4 +1,4 @@
-"""The quick rows of the acceptance of laps, on meshes as coarse as their targets allow."""
+"""The quick rows of the acceptance of small-sliding contacts, on meshes as coarse as their targets allow."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import pytest
 
-from studies.small_sliding.lap_cases import bolt_rows, leaf_rows, micro_slip_rows, press_fit_rows, press_rows
-from studies.small_sliding.lap_motion import flight_rows
-from studies.small_sliding.lap_rows import Row
+from studies.small_sliding.cases import bolt_rows, leaf_rows, micro_slip_rows, press_fit_rows, press_rows
+from studies.small_sliding.motion import flight_rows
+from studies.small_sliding.rows import Row
 
 
 @pytest.mark.parametrize(

@@ -1,14 +1,15 @@
-"""The study of laps on small meshes: static cycles of the engine are those of full finite elements, and motion is."""
+"""The study of small-sliding contacts on small meshes: static cycles of the engine are those of full finite elements,
+and motion is."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from references.small_sliding.quasi_static import StaticLap
-from studies.small_sliding import lap_nodes as study
-from studies.small_sliding.lap_bolts import mean_turn, turning
-from studies.small_sliding.lap_stacks import BOLTS, FRICTION, SIZE, Cycle, Sheets, difference, with_halves
+from references.small_sliding.quasi_static import StaticSmallSliding
+from studies.small_sliding import nodes as study
+from studies.small_sliding.bolts import mean_turn, turning
+from studies.small_sliding.stacks import BOLTS, FRICTION, SIZE, Cycle, Sheets, difference, with_halves
 
 SAME = 1e-6  # Newton's method ends at 1e-9 of the forces, cells beside each other are stiffer than alone
 
@@ -32,7 +33,7 @@ def test_what_whole_loads_change_is_the_turning_of_bolts(shank: float | None) ->
     lap, body = stacked.condensed("facets"), stacked.reduced(4, by="facets")
     found = stacked.followed([body], cycle.path)
     tension = np.full(len(BOLTS), study.PRELOAD) if shank is None else found.tension
-    turned = StaticLap(stacked.turning(tension), lap.cells, FRICTION)
+    turned = StaticSmallSliding(stacked.turning(tension), lap.cells, FRICTION)
     linear, rest = (difference(found, one, stacked.loads, cycle) for one in (lap, turned))
     assert abs(linear.amplitude) > 1e-3 and abs(rest.amplitude) < 0.01 * abs(linear.amplitude)
     assert rest.traction < 0.1 * linear.traction

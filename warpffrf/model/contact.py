@@ -17,12 +17,12 @@ import numpy as np
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
 from warpffrf.model.friction import FrictionLaw, FrictionLike, as_constant_friction, as_pair_friction
-from warpffrf.model.laps import SmallSliding
-from warpffrf.model.laps.sliding import as_sliding, check_law, check_ports
 from warpffrf.model.laws import Law, Unilateral, as_law
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.reduced.far_field import LONGEST, UNUSABLE
+from warpffrf.model.small_sliding import SmallSliding
+from warpffrf.model.small_sliding.sliding import as_sliding, check_law, check_ports
 from warpffrf.model.surfaces.form_deviations import refuse_form
 
 UNILATERAL = Unilateral()

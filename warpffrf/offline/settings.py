@@ -23,9 +23,9 @@ from warpffrf.offline.bases import Basis, basis_options
 from warpffrf.offline.contact.hat_loads import ContactFacets
 from warpffrf.offline.inertia.invariants import require_cells
 from warpffrf.offline.interfaces import INTERFACE_KINDS
-from warpffrf.offline.laps.cells import require_sets
 from warpffrf.offline.options import ContactGrid, ReductionOptions, require_modes
 from warpffrf.offline.products import Limits, resolve_shapes
+from warpffrf.offline.small_sliding.cells import require_sets
 from warpffrf.offline.stress.plan import stress_settings
 
 CYCLIC_BASES = ("free_free", "craig_chang")  # their span is that of free vibration and attachment modes
@@ -44,7 +44,7 @@ class Settings:
     stress: dict[str, Any]
     grid: ContactGrid
     options: ReductionOptions
-    laps: dict[str, Matched] = field(default_factory=dict)
+    matched: dict[str, Matched] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -77,7 +77,7 @@ class Settings:
             stress=dict(stress or {}),
             grid=_require(grid, ContactGrid, "grid"),
             options=_require(options, ReductionOptions, "options"),
-            laps={name: wanted.called(name) for name, wanted in faces.items() if isinstance(wanted, Matched)},
+            matched={name: wanted.called(name) for name, wanted in faces.items() if isinstance(wanted, Matched)},
         )
 
     def check_against(self, mesh: Mesh) -> None:
@@ -92,7 +92,7 @@ class Settings:
                 )
         if self.options.stiffening:
             require_cells(mesh, self.material, self.options.stiffening)
-        require_sets(mesh, self.laps, self.contact, self.interfaces)
+        require_sets(mesh, self.matched, self.contact, self.interfaces)
         for name, shape in self.contact.items():
             mesh.facets(name)
             if self.interfaces.get(name) == "rigid":
@@ -113,7 +113,7 @@ class Settings:
         """The reason why these settings require the general path for any mesh, or None."""
         if self.options.periodic is False:
             return "periodic=False"
-        if self.laps:
+        if self.matched:
             return "surfaces.Matched: the compliance of its cells is computed on the general path"
         if self.options.stiffening:
             return f"stiffening={self.options.stiffening!r}: geometric stiffness is computed on the general path"
@@ -137,7 +137,7 @@ class Settings:
             "stress": stress_settings(self.stress),
             "grid": self.grid.describe(),
             "options": {name: value for name, value in asdict(self.options).items() if name != "solver"},
-            "laps": [[name, lap.describe()] for name, lap in self.laps.items()],
+            "matched": [[name, face.describe()] for name, face in self.matched.items()],
         }
 
 

@@ -42,7 +42,7 @@ class EquivalentDamping:
     frequency: np.ndarray  # (k,) Hz, of the secant stiffness
     loss: np.ndarray  # J, D per cycle
     energy: np.ndarray  # (k,) J, U of the amplitude
-    lap_loss: dict[str, np.ndarray]  # contact -> (k,) J, its part of D
+    contact_loss: dict[str, np.ndarray]  # contact -> (k,) J, its part of D
     slipping: dict[str, np.ndarray]  # contact -> (k,) fraction of its cells that slip or open in the cycle
     loops: list[Cycle]  # (k,) the last cycle at each amplitude: `coordinate` and `load` of the mode
     notes: list[str] = field(default_factory=list)
@@ -121,13 +121,13 @@ def equivalent_damping(
             )
     if not np.all(numbers[:, 0] > 0.0):
         notes.append("without slip the loss is zero; smaller cells resolve micro-slip below the cell size")
-    names = [lap.name for lap in modes.scene.small_sliding]
+    names = [contact.name for contact in modes.scene.small_sliding]
     return EquivalentDamping(
         mode=i, linear_frequency=mode.omega / (2.0 * np.pi),
         place="the mode's coordinate" if port is None else port.label,
         unit="m kg^(1/2)" if port is None else "m", amplitude=given, coordinate=given / unit, loss=numbers[:, 0],
         energy=numbers[:, 1], damping_ratio=numbers[:, 2], frequency=numbers[:, 3] / (2.0 * np.pi),
-        lap_loss={name: np.array([loop.loss[name] for loop in loops]) for name in names},
+        contact_loss={name: np.array([loop.loss[name] for loop in loops]) for name in names},
         slipping={name: np.array([loop.slipping[name] for loop in loops]) for name in names}, loops=loops, notes=notes,
     )  # fmt: skip
 

@@ -2,7 +2,7 @@
 
 The engine has the two sheets as one body that is connected at its clamped root, where both are held, and solves joint
 interfaces with their body in Newton's method; the study has the flexibility of the same cells alone. Its loads are a
-thousandth, as its bolts keep their direction while sheets rotate (`lap_bolts`); everything is in proportion.
+thousandth, as its bolts keep their direction while sheets rotate (`bolts`); everything is in proportion.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from references.small_sliding.quasi_static import Followed
 from studies.small_sliding import joint_spaces
 from studies.small_sliding.joint_spaces import Entry, Joint, Space, beside, load_path, measure, of_cells
-from studies.small_sliding.lap_stacks import Engine, Sheets, cell_of
+from studies.small_sliding.stacks import Engine, Sheets, cell_of
 
 Array = np.ndarray
 SCALE = 1e-3  # of the loads
@@ -48,7 +48,7 @@ def ways(stacked: Sheets) -> dict[str, dict[str, Any]]:
 
 def followed(engine: Engine, area: Array) -> Followed:
     """The engine's history of cells of `area` (c,) [m2], loads and all in proportion to those of the study."""
-    (lap,) = engine.history.laps.values()
+    (lap,) = engine.history.small_sliding.values()
     force = np.concatenate([lap.pressure[:, :, None], lap.traction], axis=2) * area[:, None] / SCALE
     nothing = np.zeros(len(force))
     return Followed(

@@ -28,7 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps.sliding import cells_of
+from warpffrf.model.small_sliding.sliding import cells_of
 from warpffrf.online.checkpoint import off_end_of
 from warpffrf.online.compile.laps import lap_order
 from warpffrf.online.engine import Engine

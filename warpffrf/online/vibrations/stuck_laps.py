@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.model.laps.sliding import cells_of
+from warpffrf.model.small_sliding.sliding import cells_of
 from warpffrf.online.compile.laps import lap_order
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.motions import gradients, lap_groups

@@ -1,14 +1,14 @@
 r"""Stress of one body over a run, at points named in its reduction.
 
-    sigma(t) = sum_i modes_i q_i(t) + sum_pairs [T f(t) + W s(t)] + sum_i laps_i s_i(t) + sum_r membrane_r e_r(t)
+    sigma(t) = sum_i modes_i q_i(t) + sum_pairs [T f(t) + W s(t)] + sum_i matched_i s_i(t) + sum_r membrane_r e_r(t)
 
 with the global coordinates `q`; for every contact of the body, as first or second body, the outward nodal forces `f`
 and, with friction, the tangential forces of the cells (`StressField`); for oil films on the body their pressure,
-without their shear; for small-sliding contacts the forces `s` on their cells (`lap_loads`); for a body with membrane
-energy and stiffening its amplitudes `e_r = q.L_r q/2`. The tensor is in the axes of the body's user frame, which
-rotates with the body; von Mises and principal stresses do not depend on axes. With membrane energy it is the second
-Piola-Kirchhoff stress: along fibres of the undeformed body, which rotate with it, and equal to the Cauchy stress except
-for a fraction of the size of strains.
+without their shear; for small-sliding contacts the forces `s` on their cells (`small_sliding_loads`); for a body with
+membrane energy and stiffening its amplitudes `e_r = q.L_r q/2`. The tensor is in the axes of the body's user frame,
+which rotates with the body; von Mises and principal stresses do not depend on axes. With membrane energy it is the
+second Piola-Kirchhoff stress: along fibres of the undeformed body, which rotate with it, and equal to the Cauchy stress
+except for a fraction of the size of strains.
 
 On a contact's first body the traction is the nodal pressure of the contact; on the second it is that pressure projected
 onto its own nodes. Both oscillate slightly from node to node about their weighted nodal mean, which contact results
@@ -63,7 +63,7 @@ from warpffrf.model.reduced.inertia import membrane_amplitudes, membrane_forms
 from warpffrf.model.reduced.stress_field import StressField, max_shear, principal, rotated, von_mises
 from warpffrf.online.history.history import History
 from warpffrf.output.bodies.half_space_stress import under_cells, under_hats
-from warpffrf.output.bodies.normal_loads import CellLoads, LapLoads, NormalLoads, film_loads, normal_loads
+from warpffrf.output.bodies.normal_loads import CellLoads, NormalLoads, SmallSlidingLoads, film_loads, normal_loads
 from warpffrf.output.bodies.patch_on_skin import poses, tangential_forces
 from warpffrf.output.geometry.places import grid_theta_offset, tangents
 from warpffrf.output.geometry.scene_view import SceneView
@@ -156,14 +156,14 @@ class BodyStress:
                 is_fine = isinstance(load, CellLoads)
                 self._loads.append(PatchStress(load, self.field, walls.get(load.surface.name)) if is_fine else load)
         self._loads += film_loads(view.films.values(), history, body)
-        self._laps = LapLoads(history, view, body)
+        self._small_sliding = SmallSlidingLoads(history, view, body)
 
     def tensor(self, i: int) -> np.ndarray:
         """Stress (p, 6) [Pa] in the order xx, yy, zz, xy, yz, zx, axes of the body's user frame, at saved step `i`."""
         modal, loads = self.history.bodies[self.body].modal[i], self._loads
         rubbing = tangential_surface_forces(self.history, self.view, self.body, i)
         stretched = None if self._squares is None else membrane_amplitudes(self._squares, modal)
-        tensor = self.field.evaluate(modal, surface_forces(loads, i), rubbing, self._laps.forces(i), stretched)
+        tensor = self.field.evaluate(modal, surface_forces(loads, i), rubbing, self._small_sliding.forces(i), stretched)
         for load in loads:
             if isinstance(load, PatchStress):
                 tensor = tensor + load.at(i, load.forces(i))
