@@ -1,4 +1,4 @@
-"""Laps in scene files: the same scene as from Python, and refusals with their line."""
+"""Small-sliding contacts in scene files: the same scene as from Python, and refusals with their line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Laps that cannot be what was meant: faces that do not face each other, preload that nothing holds; the cures."""
+"""Small-sliding contacts that cannot be what was meant: faces that do not face each other, preload that nothing holds;
+the cures."""
 
 from __future__ import annotations
 
@@ -154,6 +155,8 @@ def test_the_kind_of_sliding_and_the_kind_of_surface_go_together() -> None:
         Contact(floor, high["face"], sliding="small")
     with pytest.raises(InputError, match="sliding must be 'finite', 'small', or SmallSliding"):
         Contact(high["face"], floor, sliding="tiny")  # pyright: ignore[reportArgumentType]
+    with pytest.raises(InputError, match="contact 'joint': finite and small sliding are of other surfaces"):
+        scene.contact("joint").sliding = "finite"  # pyright: ignore[reportAttributeAccessIssue]
     with pytest.raises(InputError, match="film: the first surface, high.*was reduced as surfaces.Matched"):
         Film(high["face"], floor, oil=Newtonian(0.01))
     with pytest.raises(InputError, match="are joined already, as contact 'joint'"):

@@ -183,7 +183,7 @@ def test_stress_of_laps(slit) -> None:
     assert np.abs(found[0][0] - found[1][0]).max() < 1e-5 * scale and scale > 0.0
     skin = found[0][2]
     assert np.abs(skin - found[1][2]).max() < 1e-5 * np.abs(skin).max()
-    with pytest.raises(InputError, match="forces on laps must be"):
+    with pytest.raises(InputError, match="forces on matched faces must be"):
         few.stress["inside"].evaluate(np.zeros(len(few.frequencies)), {}, matched=np.ones(3))
 
 
@@ -198,7 +198,7 @@ def test_saved_and_loaded(slit, tmp_path: Path) -> None:
         assert again.matched[name].facts() == lap.facts()
     assert np.array_equal(again.stress["inside"].matched, body.stress["inside"].matched)
     assert "matched face    lap: 10 cells by facets" in again.info() and "matched='lap', 'foot', 'nodes'" in repr(again)
-    assert again.report["laps"]["lap"]["cells"] == 10
+    assert again.report["matched"]["lap"]["cells"] == 10
     changed = replace(body, matched_compliance=2.0 * body.matched_compliance)
     assert changed.content_hash() != body.content_hash()
 

@@ -1,4 +1,4 @@
-"""Laps within one body, on the ground, and in motion: what results make of each."""
+"""Small-sliding contacts within one body, on the ground, and in motion: what results make of each."""
 
 from __future__ import annotations
 

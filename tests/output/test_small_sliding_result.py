@@ -1,4 +1,5 @@
-"""Laps in what is made of a run: cells and joint, losses, loops, files, arrays, report, plots, recording, VTK."""
+"""Small-sliding contacts in what is made of a run: cells and joint, losses, loops, files, arrays, report, plots,
+recording, VTK."""
 
 from __future__ import annotations
 

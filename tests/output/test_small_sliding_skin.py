@@ -150,7 +150,7 @@ def block(
         box(size, cells, order=1),
         material,
         interfaces=ends,
-        contact={"face": wf.surfaces.Matched(first=face)},
+        contact={"face": face},
         modes=4,
         stress={"inside": where},
         cache=False,

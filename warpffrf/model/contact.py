@@ -89,7 +89,7 @@ class Contact(reprs.Item):
         overlap: float | None = None,
         name: str | None = None,
     ) -> None:
-        self.sliding = as_sliding(sliding)
+        self._sliding = as_sliding(sliding)
         self.a = a
         self.b: Any = b  # None where both faces are on one body
         if self.sliding is not None:
@@ -133,6 +133,18 @@ class Contact(reprs.Item):
                 )
 
     # attributes that may change before a run are checked when set
+
+    @property
+    def sliding(self) -> SmallSliding | None:
+        """The options of small sliding; None for finite sliding."""
+        return self._sliding
+
+    @sliding.setter
+    def sliding(self, value: Any) -> None:
+        sliding = as_sliding(value)
+        if (sliding is None) != (self._sliding is None):
+            raise InputError(f"{self.label}: finite and small sliding are of other surfaces; add another contact")
+        self._sliding = sliding
 
     @property
     def law(self) -> Law:

@@ -1,4 +1,4 @@
-"""Small-sliding contact of the engine compared with closed forms; minutes.
+"""Small-sliding contacts of the engine compared with closed forms; minutes.
 
 Cases at rest are in `cases`, those in motion in `motion`.
 """
@@ -27,7 +27,7 @@ def page(found: list[Row]) -> str:
     """Markdown."""
     missed = [row for row in found if not row.reached]
     head = ["case", "cells", "compared", "exact", "found", "error", "target", ""]
-    return f"""# Small-sliding contact of the engine compared with closed forms
+    return f"""# Small-sliding contacts of the engine compared with closed forms
 
 Closed forms compared with scenes that `simulate` solves, in load steps (`wf.static`) and in time. Poisson's ratio
 is zero but in the press of two blocks; cells are facets of the mesh unless stated otherwise.

@@ -1,4 +1,4 @@
-"""Small-sliding contact of the engine against closed forms, at rest: leaves, a bar, a bolt, a press fit, a press.
+"""Small-sliding contacts of the engine against closed forms, at rest: leaves, a bar, a bolt, a press fit, a press.
 
 Part of `studies.small_sliding.acceptance`; `references.closed_forms.joints` derives the closed forms. Poisson's
 ratio is zero, so that bodies of brick cells are beams, bars and plane stress; what they still are besides (shear of a

@@ -85,7 +85,7 @@ that belongs to one."""
     said = f"""Study and engine differ by {apart:.0e} at most, which is the rotation of bolts; the engine's load step
 takes 1/{ratio:.0f} of the time in the middle of the rows."""
     paragraphs = textwrap.fill(what, 120), table(head, rows) + "\n" + textwrap.fill(said, 120)
-    return "\n\n".join(["## Small-sliding contact of the engine", *paragraphs]) + "\n"
+    return "\n\n".join(["## Small-sliding contacts of the engine", *paragraphs]) + "\n"
 
 
 Figures = tuple[Joint, Sequence[Space], Sequence[Compared], Sequence[Both]]

@@ -1,4 +1,4 @@
-"""Small-sliding contact of the engine in the study of joint bases: the same joint, its cells as `Matched` makes them.
+"""Small-sliding contacts of the engine in the study of joint bases: the same joint, its cells as `Matched` makes them.
 
 The engine has the two sheets as one body that is connected at its clamped root, where both are held, and solves joint
 interfaces with their body in Newton's method; the study has the flexibility of the same cells alone. Its loads are a

@@ -1,4 +1,4 @@
-"""Small-sliding contact of the engine in motion: joints that spin in free flight, and joints that ring down.
+"""Small-sliding contacts of the engine in motion: joints that spin in free flight, and joints that ring down.
 
 Part of `studies.small_sliding.acceptance`. A pair of blocks that a spring holds together flies and rotates about an
 axis of no symmetry: no external load acts on it, so that momentum is conserved, and the same pair rotated as a whole

@@ -1,4 +1,4 @@
-"""Small-sliding contact of the engine compared with full finite elements; five minutes.
+"""Small-sliding contacts of the engine compared with full finite elements; five minutes.
 
 Cells at nodes, facets and fewer, and motion; contact and friction. Scenes and full models are those of `stacks`.
 """

@@ -18,7 +18,7 @@ C the `matched_compliance` of the body: the static flexibility under inertia rel
 Face loads. Transformation of the forces of a small-sliding contact's cells to the cells of its faces.
 
 A body stores the response to forces on all cells of all its matched faces, `f` (N,), in the order of
-`ReducedBody.laps`, three per cell along the rows of its frame (`MatchedSurface`). Of a matched face in a scene the
+`ReducedBody.matched`, three per cell along the rows of its frame (`MatchedSurface`). Of a matched face in a scene the
 forces s (3 c,) act on the second face and their opposite on the first, so that on a body
 
     f = P s,    P = 1 of a pair of faces of that body,    -1 of a first face,    w_cj F_j T F_c^T of a second one,

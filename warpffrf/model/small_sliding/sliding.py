@@ -8,7 +8,7 @@ Preload. Interfaces with initial interference or gap: how the preload is equilib
 
 Interference presses faces apart. A hub on its shaft is self-equilibrated, as the pressures cancel around the
 circumference; two plates require a bolt, a joint or a load. Bodies that no joint, spring or contact connects make a
-*part*; for each part the pressures of its laps, assumed uniform, have the resultant
+*part*; for each part the pressures of its contacts with small sliding, assumed uniform, have the resultant
 
     r = |sum n A|/sum A,
 
@@ -224,9 +224,9 @@ def refuse_pushed_apart(scene: Any) -> None:
             names = ", ".join(repr(body.name) for body in scene.bodies if part[body.index] == number)
             raise InputError(
                 f"{contact.label}: its interference of {options(contact).interference:.3g} m pushes {names} away, a "
-                f"preload "
-                "without a load path: no joint, spring or contact holds both sides together and no force presses them; "
-                "add a bolt (JointSpringDamper(preload=)), a joint or a force, or leave the interference out"
+                "preload without a load path: no joint, spring or contact holds both sides together and no force "
+                "presses them; add a bolt (JointSpringDamper(preload=)), a joint or a force, or leave the interference "
+                "out"
             )
 
 
@@ -237,8 +237,7 @@ def small_sliding_notes(contact: Contact, cells: MatchedCells) -> list[str]:
     if (gap := float(cells.gap.min())) > APART * extent:
         notes.append(
             f"{contact.label}: its faces are {gap:.3g} m apart where they are nearest, {gap / extent:.2g} of their "
-            f"extent, "
-            "and carry nothing until they meet; move a body, with scene.place(), or give interference"
+            "extent, and carry nothing until they meet; move a body, with scene.place(), or give interference"
         )
     if (depth := -float(cells.gap.min())) > DEEP * extent:
         notes.append(
@@ -248,8 +247,7 @@ def small_sliding_notes(contact: Contact, cells: MatchedCells) -> list[str]:
     if max(cells.shares) < COVERED:
         notes.append(
             f"{contact.label}: {cells.shares[0]:.2g} and {cells.shares[1]:.2g} of the areas of its faces overlap, the "
-            f"rest "
-            "carries nothing; move a body, or name smaller facet sets"
+            "rest carries nothing; move a body, or name smaller facet sets"
         )
     return notes
 

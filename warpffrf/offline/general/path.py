@@ -106,12 +106,12 @@ def reduce_general(
     require_observers(seen, len(mesh.points))
     massed = [s.fields[0].count if local_dynamics else 0 for s in contacts]
     _check_results([s.count for s in contacts], seen, massed, limit)
-    lapped, beside_matched = None, []
+    wanted_faces, beside_matched = None, []
     if matched:
         with progress.stage("cells of matched faces"):
-            lapped = MatchedFaces.of(mesh, matched)
-            beside_matched = lapped.observers(seen[0], observers)
-            lapped.require_room(beside_matched, limit)
+            wanted_faces = MatchedFaces.of(mesh, matched)
+            beside_matched = wanted_faces.observers(seen[0], observers)
+            wanted_faces.require_room(beside_matched, limit)
 
     # constrained model: K and M of the nodes, rigid interfaces eliminated by T, one factorisation
     with progress.stage("assembly"):
@@ -177,7 +177,7 @@ def reduce_general(
         loads = [UnitLoads(s.name, sp.csc_matrix(T.T @ b), n) for s, b, n in zip(contacts, B, massed, strict=True)]
     with progress.stage("residuals"):
         tested = [*(u.loads for u in loads), system.loads, turning]
-        tested += [] if lapped is None else [sp.csc_matrix(T.T @ lapped.loads())]
+        tested += [] if wanted_faces is None else [sp.csc_matrix(T.T @ wanted_faces.loads())]
         facts["worst_load_residual"] = max((sampled_residual(model, F) for F in tested), default=0.0)
     responses = ResponseSolver(model, omega, Phi, T, loads, seen, limit) if loads else None
     products = []
@@ -194,8 +194,8 @@ def reduce_general(
                 cross += [cross_compliance(t, s, C) for t, C in zip(contacts[:i], found.cross, strict=True)]
 
     matched_product = None
-    if lapped is not None:
-        matched_product = lapped.product(model, omega, Phi, T, beside_matched, limit, progress, checkpoint)
+    if wanted_faces is not None:
+        matched_product = wanted_faces.product(model, omega, Phi, T, beside_matched, limit, progress, checkpoint)
     if responses is not None:
         facts |= {"block": responses.width, "threads": responses.workers}
     modes = {o.name: o.operator @ shape for o in [seen[0], *observers]}

@@ -72,8 +72,8 @@ class Cells:
 def make_cells(mesh: Mesh, name: str, wanted: Matched) -> Cells:
     """The cells of the interface `name`. Raises `InputError` for unknown facet sets, faces that do not face each other,
     and cells by nodes if the nodes of the faces do not coincide."""
-    first = Face.of(mesh, wanted.first)
-    second = None if wanted.second is None else Face.of(mesh, wanted.second)
+    first, *opposite = (Face.of(mesh, facets) for facets in wanted.sets)
+    second = opposite[0] if opposite else None
     if wanted.by == "nodes":
         return _by_nodes(name, first, second)
     return _by_facets(name, first, second, wanted, _outlines(mesh, name, wanted.fine))

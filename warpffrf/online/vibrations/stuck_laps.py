@@ -1,4 +1,5 @@
-r"""Small-sliding contacts in small motions: cells under pressure stick, also those that have slipped; open ones stay
+r"""Small-sliding contacts in small motions: cells under pressure stick, also those that have slipped; open
+ones stay
 open.
 
 With z the relative motion at the contacts and B its gradients (`warpffrf_kernels.laps.motion`), `delta z = B delta x`,

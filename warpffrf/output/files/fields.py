@@ -154,42 +154,23 @@ FILM_SECOND_FIELDS = (
     ),
 )
 
-SMALL_SLIDING_CELL, SMALL_SLIDING_ALONG = (
-    ("small_sliding_cell",),
-    ("small_sliding_cell", "along"),
-)  # along: t_1 and t_2 of the frame of a cell
-SMALL_SLIDING_FRAME = "along t_1 and t_2 of the cells"
+MATCHED_CELL = "small_sliding_cell"
+ON_CELLS, ALONG_CELLS = (MATCHED_CELL,), (MATCHED_CELL, "along")  # along: t_1 and t_2 of the frame of a cell
+OF_CELLS = "along t_1 and t_2 of the cells"
 SMALL_SLIDING_FIELDS = (
     Field("small_sliding_force", "force", "N", "world, on the second face", AXIS),
     Field(
-        "small_sliding_torque",
-        "torque",
-        "N m",
-        "world, on the second face, about the middle of the first face's cells",
-        AXIS,
+        "small_sliding_torque", "torque", "N m",
+        "world, on the second face, about the middle of the first face's cells", AXIS,
     ),
     Field("small_sliding_normal_force", "normal_force", "N", "along the normals, without regard to their direction"),
-    Field("small_sliding_pressure", "pressure", "Pa", "means over the cells", SMALL_SLIDING_CELL, stacked=False),
-    Field(
-        "small_sliding_traction",
-        "traction",
-        "Pa",
-        f"on the second face, {SMALL_SLIDING_FRAME}",
-        SMALL_SLIDING_ALONG,
-        stacked=False,
-    ),
-    Field("small_sliding_gap", "gap", "m", "along the normals", SMALL_SLIDING_CELL, stacked=False),
-    Field(
-        "small_sliding_slip",
-        "slip",
-        "m",
-        f"of the second face so far, {SMALL_SLIDING_FRAME}",
-        SMALL_SLIDING_ALONG,
-        stacked=False,
-    ),
-    Field("small_sliding_state", "state", "0 open, 1 stick, 2 slip", "none", SMALL_SLIDING_CELL, stacked=False),
-    Field("small_sliding_cell_loss", "loss", "J", "by friction so far", SMALL_SLIDING_CELL, stacked=False),
-)
+    Field("small_sliding_pressure", "pressure", "Pa", "means over the cells", ON_CELLS, stacked=False),
+    Field("small_sliding_traction", "traction", "Pa", f"on the second face, {OF_CELLS}", ALONG_CELLS, stacked=False),
+    Field("small_sliding_gap", "gap", "m", "along the normals", ON_CELLS, stacked=False),
+    Field("small_sliding_slip", "slip", "m", f"of the second face so far, {OF_CELLS}", ALONG_CELLS, stacked=False),
+    Field("small_sliding_state", "state", "0 open, 1 stick, 2 slip", "none", ON_CELLS, stacked=False),
+    Field("small_sliding_cell_loss", "loss", "J", "by friction so far", ON_CELLS, stacked=False),
+)  # fmt: skip
 # Derived by `SmallSlidingResult`, written for readers without warpffrf, not read back.
 FIRST_USER = "user frame of the first body"
 SMALL_SLIDING_DERIVED = (
@@ -204,52 +185,27 @@ SMALL_SLIDING_DERIVED = (
 )
 # Of `SmallSlidingView`: the cells, the same in all steps.
 SMALL_SLIDING_CELLS = (
+    Field("small_sliding_number", "cell", "1", "number of the cell on the first face", ON_CELLS, stacked=False),
+    Field("small_sliding_point", "points", "m", f"{FIRST_USER}, middles of the cells", (MATCHED_CELL, "axis"), False),
     Field(
-        "small_sliding_number", "cell", "1", "number of the cell on the first face", SMALL_SLIDING_CELL, stacked=False
-    ),
-    Field(
-        "small_sliding_point",
-        "points",
-        "m",
-        f"{FIRST_USER}, middles of the cells",
-        ("small_sliding_cell", "axis"),
-        stacked=False,
-    ),
-    Field(
-        "small_sliding_frame",
-        "frames",
-        "1",
-        f"{FIRST_USER}, rows n, t_1, t_2",
-        ("small_sliding_cell", "frame_axis", "axis"),
+        "small_sliding_frame", "frames", "1", f"{FIRST_USER}, rows n, t_1, t_2", (MATCHED_CELL, "frame_axis", "axis"),
         False,
     ),
-    Field("small_sliding_area", "area", "m2", "none", SMALL_SLIDING_CELL, stacked=False),
+    Field("small_sliding_area", "area", "m2", "none", ON_CELLS, stacked=False),
     Field(
-        "small_sliding_partner",
-        "partners",
-        "m",
-        "user frame of the second body, likewise",
-        ("small_sliding_cell", "axis"),
+        "small_sliding_partner", "partners", "m", "user frame of the second body, likewise", (MATCHED_CELL, "axis"),
         False,
     ),
     Field(
-        "small_sliding_partner_frame",
-        "partner_frames",
-        "1",
-        "second body, likewise",
-        ("small_sliding_cell", "frame_axis", "axis"),
-        False,
+        "small_sliding_partner_frame", "partner_frames", "1", "second body, likewise",
+        (MATCHED_CELL, "frame_axis", "axis"), False,
     ),
     Field(
-        "small_sliding_share",
-        "shares",
-        "1",
-        "of the force of a cell on one of a second flexible face",
-        ("share",),
+        "small_sliding_share", "shares", "1", "of the force of a cell on one of a second flexible face", ("share",),
         False,
     ),
     Field("small_sliding_share_cell", "share_cells", "1", "numbers of both cells", ("share", "side"), False),
-)
+)  # fmt: skip
 
 # Contacts with friction: dimension `friction_pair`.
 CELLS = "cells of the contact grid of the first surface"

@@ -5,9 +5,8 @@
     /lumped_force (time, lumped_contact, axis), ...   over the lumped contacts, if any
     /film_force (time, film, axis), /film_pressure/<film> (time, film_column, film_row), ...   over the oil films, if
                              any; /film_theta/<film>, /film_z/<film> coordinates of the nodes
-    /small_sliding_force (time, lap, axis), /small_sliding_pressure/<lap> (time, small_sliding_cell), ...   over the
-    small-sliding contacts, if any;
-                             /small_sliding_point/<lap>, /small_sliding_area/<lap>, ... their cells
+    /small_sliding_force (time, small_sliding, axis), /small_sliding_pressure/<name> (time, small_sliding_cell), ...
+                             over the small-sliding contacts, if any; /small_sliding_point/<name>, ... their cells
     /contact_friction_power (time, friction_pair), ...   over the contacts with friction, if any
     /contact_cell_half_width (time, cell_pair), /contact_cell_z/<pair> (time, row), ...   over the contacts
                              whose pressure is given on cells that move with the patch, if any

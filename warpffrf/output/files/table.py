@@ -270,12 +270,9 @@ def to_xarray(result: Any) -> Any:
     groups = owner_groups(result)
     present = {dim for dim, _, _ in groups}
     for dim, owner in (
-        ("slip", "joint_friction"),
-        ("chart_axis", "film"),
-        ("along", "small_sliding"),
-        ("frame_axis", "small_sliding"),
+        ("slip", "joint_friction"), ("chart_axis", "film"), ("along", "small_sliding"), ("frame_axis", "small_sliding"),
         ("side", "small_sliding"),
-    ):
+    ):  # fmt: skip
         if owner in present:
             coords[dim] = list(COMPONENTS[dim])
     for dim, fields, owners in groups:

@@ -27,9 +27,9 @@ EYE = 1.3  # distance from the eye to the cells, in extents of the contact
 SIDEWAYS = 0.35  # of the distance, so that the curvature of faces is visible
 SMALL_SLIDING_TEXT = (
     "Cells of small-sliding contacts lie on their first body, in views of their own, as faces that touch hide them: "
-    "their pressure, "
-    "which ones are open, stick and slip, and the energy per area that friction has taken so far. In a recording with "
-    "color='pressure', 'traction' or 'state' the faces of both bodies have the colours of the contact, too."
+    "their pressure, which ones are open, stick and slip, and the energy per area that friction has taken so far. In a "
+    "recording with color='pressure', 'traction' or 'state' the faces of both bodies have the colours of the contact, "
+    "too."
 )
 
 

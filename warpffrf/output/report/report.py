@@ -264,7 +264,8 @@ def _small_sliding(contact: Any) -> list[str]:
     row, cell = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     slid, turned = (np.linalg.norm(values[-1]) for values in (contact.sliding, contact.turning))
     zone = contact.slip_zone()
-    slips = f"  slid            largest {contact.shift_distance[row, cell] * 1e6:.5g} um, {ratio[row, cell]:.2g} of the cell"
+    largest = contact.shift_distance[row, cell] * 1e6
+    slips = f"  slid            largest {largest:.5g} um, {ratio[row, cell]:.2g} of the cell"
     slips += f"; as a whole {slid * 1e6:.5g} um and {turned:.3g} rad at the end"
     warnings = [f"  warning         {warning}" for warning in contact.warnings()]
     if contact.friction == 0.0:
