@@ -30,13 +30,13 @@ if TYPE_CHECKING:
     from warpffrf.model.contact import Contact
     from warpffrf.model.errors import InputError, RunError
     from warpffrf.model.films import Film
-    from warpffrf.model.laps import SmallSliding
     from warpffrf.model.lumped_contact import LumpedContact
     from warpffrf.model.material import Material
     from warpffrf.model.messages.progress import quiet
     from warpffrf.model.reduced.body import ReducedBody
     from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.scene import Scene
+    from warpffrf.model.small_sliding import SmallSliding
     from warpffrf.offline import bases, reduce
     from warpffrf.offline.contact.contact_grid import contact_spacing
     from warpffrf.online import GeneralizedAlpha, LocalDynamics
@@ -109,7 +109,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Result": ("warpffrf.output.result", "Result"),
     "RunError": ("warpffrf.model.errors", "RunError"),
     "Scene": ("warpffrf.model.scene", "Scene"),
-    "SmallSliding": ("warpffrf.model.laps", "SmallSliding"),
+    "SmallSliding": ("warpffrf.model.small_sliding", "SmallSliding"),
     "Stage": ("warpffrf.online.stages", "Stage"),
     "StressPoints": ("warpffrf.model.reduced.stress_field", "StressPoints"),
     "bases": ("warpffrf.offline.bases", None),

@@ -90,13 +90,13 @@ def results() -> Iterator[Public]:
     from warpffrf.output.contact.cell_result import CellContactResult
     from warpffrf.output.contact.friction import FrictionResult
     from warpffrf.output.contact.result import ContactResult, FilmResult
-    from warpffrf.output.laps import LapResult
     from warpffrf.output.modes_result import Modes
+    from warpffrf.output.small_sliding import SmallSlidingResult
     from warpffrf.output.spectrum import Spectrum
 
     for kind in (
         BodyHistory, ForceHistory, JointHistory, LumpedHistory, SensorHistory, Comparison, CellContactResult,
-        FilmResult, FrictionResult, ContactResult, LapResult, Modes, Spectrum,
+        FilmResult, FrictionResult, ContactResult, SmallSlidingResult, Modes, Spectrum,
     ):  # fmt: skip
         yield Public(f"{kind.__module__}.{kind.__name__}", kind)
 

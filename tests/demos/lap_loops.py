@@ -47,7 +47,7 @@ import numpy as np
 
 from references.small_sliding.cells import facet_cells
 from references.small_sliding.full_model import FullModel, Part
-from references.small_sliding.quasi_static import Followed, StaticLap, follow
+from references.small_sliding.quasi_static import Followed, StaticSmallSliding, follow
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.output.loops import Loop
@@ -213,7 +213,7 @@ class Full:
         springs = [(a, k) for rows, k in ((along, leans), (aside, leans), (pull, bolt.stiffness)) for a in rows]
         model = model.with_springs(*springs)
         cells = facet_cells(model, (0, "overlap"), (1, "overlap"))
-        lap = StaticLap(model, cells, friction)
+        lap = StaticSmallSliding(model, cells, friction)
         loads = np.stack([-bolt.tightened * pull.sum(axis=0), -leans * along.sum(axis=0)], axis=1)
         still = model.solve(loads)
         ride = cells.frames[:, :, 0].ravel()  # of the cells, with the carriage

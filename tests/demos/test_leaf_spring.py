@@ -32,7 +32,7 @@ from demos.leaf_spring import (
 from references.closed_forms import LeafSpring
 from references.small_sliding.cells import facet_cells, together
 from references.small_sliding.full_model import FullModel, Part
-from references.small_sliding.quasi_static import Followed, StaticLap
+from references.small_sliding.quasi_static import Followed, StaticSmallSliding
 
 BEAMS = LeafSpring(tuple(HALF - CLAMP), WIDE, THICK, STEEL.youngs_modulus, FRICTION)
 SOFT = 0.08  # the clamp, see above, in the larger cells
@@ -74,11 +74,11 @@ class Bent:
         return float(np.diff(self.load[row - 1 : row + 1])[0] / np.diff(self.deflection[row - 1 : row + 1])[0])
 
     def tip(self, name: str) -> np.ndarray:
-        """Cells (c,) bool of a lap that are at its tips, not in the clamp."""
+        """Cells (c,) bool of a small-sliding contact that are at its tips, not in the clamp."""
         return np.abs(self.result.contact(name).points[:, 0]) > CLAMP + 3.0 * THICK
 
     def pressing(self, name: str) -> np.ndarray:
-        """(T,) N, force at either tip of a lap."""
+        """(T,) N, force at either tip of a small-sliding contact."""
         lap = self.result.contact(name)
         return 0.5 * lap.pressure @ np.where(self.tip(name), lap.area, 0.0)
 
@@ -122,7 +122,9 @@ def followed(size: Size) -> Followed:
     cells = together([facet_cells(model, (0, f"{name}_high"), (0, f"{name}_low")) for name in JOINTS])
     loads = path(size)[: 2 * size.steps + 1]
     steps = np.column_stack([np.full(len(loads), -PRELOAD), loads])
-    return StaticLap(model, cells, FRICTION).follow(np.column_stack([seat, sum(down)]), steps, down[1][:, None])
+    return StaticSmallSliding(model, cells, FRICTION).follow(
+        np.column_stack([seat, sum(down)]), steps, down[1][:, None]
+    )
 
 
 def reference_checks(bent: Bent, exact: Followed) -> list[Check]:

@@ -102,7 +102,7 @@ def test_a_layer_is_not_covered(roller) -> None:
 
 
 def test_what_it_does_not_have() -> None:
-    """Friction in joints, lumped contacts and laps are refused, with the cure."""
+    """Friction in joints, lumped contacts and small-sliding contacts are refused, with the cure."""
     scene = falling()
     pin = scene.add(joints.Revolute(scene.ground, scene.bodies[0].at((0, 0, 0)), axis=(0, 1, 0), name="pin"))
     scene.add(forces.RevoluteFriction(pin, 0.3, pin_radius=0.01, name="rub"))

@@ -81,7 +81,7 @@ def test_point_load_is_boussinesq() -> None:
     for i, j in offsets:
         e, d = step * np.eye(3)[i], step * np.eye(3)[j]
         hessian[:, i, j] = (at(x + e + d) - at(x + e - d) - at(x - e + d) + at(x - e - d)) / (4.0 * step**2)
-    # mu lap u + (lambda + mu) grad div u = 0, lambda + mu = mu/(1 - 2 nu)
+    # mu small-sliding contact u + (lambda + mu) grad div u = 0, lambda + mu = mu/(1 - 2 nu)
     residual = np.einsum("cii->c", hessian) + np.einsum("iij->j", hessian) / (1.0 - 2.0 * NU)
     assert np.max(np.abs(residual)) < 1e-4 * np.max(np.abs(hessian))  # second differences
 

@@ -1,4 +1,5 @@
-"""Damping of laps by the amplitude of a mode: one cell against a Jenkins element, a bar against its free decay."""
+"""Damping of small-sliding contacts by the amplitude of a mode: one cell against a Jenkins element, a bar against its
+free decay."""
 
 from __future__ import annotations
 
@@ -12,11 +13,11 @@ from warpffrf.model import forces, joints, laws, signals
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import GeneralizedAlpha
-from warpffrf.model.laps import SmallSliding
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
+from warpffrf.model.small_sliding import SmallSliding
 from warpffrf.model.surfaces import Matched, Plane
 from warpffrf.offline import reduce
 from warpffrf.output.modes_result import eigenmodes
@@ -55,7 +56,7 @@ def test_one_cell_is_a_jenkins_element() -> None:
     k/pi (theta - sin(2 theta)/2) of the first harmonic, cos(theta) = 1 - 2 F/(k a)."""
     scene = guided_block()
     rest = equilibrium(scene)
-    pressure = rest.history.laps["lap"].normal_force[0]
+    pressure = rest.history.small_sliding["lap"].normal_force[0]
     block = scene.body("block")
     modes = eigenmodes(scene, 1, about=rest)
     k, most = LAYER * SIDE**2, FRICTION * pressure
@@ -114,7 +115,7 @@ def test_free_decay_loses_as_much() -> None:
         scene, 4.0 * period, step=period / 200.0, start=pulled, integrator=GeneralizedAlpha(rho_inf=1.0),
         progress=False,
     ).history  # fmt: skip
-    x, lost = released.bodies["mass"].position[:, 0], released.laps["lap"].loss.sum(axis=1)
+    x, lost = released.bodies["mass"].position[:, 0], released.small_sliding["lap"].loss.sum(axis=1)
     ends = 1 + np.flatnonzero(np.diff(x)[1:] * np.diff(x)[:-1] <= 0.0)
     swing = 0.5 * np.abs(np.diff(x[ends]))
     amplitude = 0.5 * (swing[1:] + swing[:-1])[:4]  # of cycles that end at every other end

@@ -1,10 +1,10 @@
-"""The smallest runs that have something to draw: rollers that begin to turn with friction, an oiled shaft, a lap that
-is pushed to and fro, a ball bearing under a load."""
+"""The smallest runs that have something to draw: rollers that begin to turn with friction, an oiled shaft, a
+small-sliding contact that is pushed to and fro, a ball bearing under a load."""
 
 from __future__ import annotations
 
-import lap_runs
 import numpy as np
+import small_sliding_runs
 
 import warpffrf as wf
 from scenes.rollers import STEEL, guided_pair, roller_body
@@ -50,10 +50,12 @@ def oiled() -> Result:
     return wf.simulate(scene, 2e-3, step=2e-4, progress=False)
 
 
-def rubbing_lap() -> Result:
-    """The lap of `lap_runs` through half a cycle of its push."""
-    step = lap_runs.PERIOD / 10.0
-    return wf.simulate(lap_runs.scene(), 0.5 * lap_runs.PERIOD, step=step, kind="static", progress=False)
+def rubbing_contact() -> Result:
+    """The small-sliding contact of `small_sliding_runs` through half a cycle of its push."""
+    step = small_sliding_runs.PERIOD / 10.0
+    return wf.simulate(
+        small_sliding_runs.scene(), 0.5 * small_sliding_runs.PERIOD, step=step, kind="static", progress=False
+    )
 
 
 def loaded_bearing() -> Result:

@@ -19,8 +19,8 @@ from warpffrf.output.plots.bearing import BEARING_PLOTS
 from warpffrf.output.plots.figure import PLOTS, about_kinds, drawable
 from warpffrf.output.plots.films import FILM_PLOTS
 from warpffrf.output.plots.friction import FRICTION_PLOTS
-from warpffrf.output.plots.laps import LAP_PLOTS
 from warpffrf.output.plots.panels import HISTORY_PLOTS
+from warpffrf.output.plots.small_sliding import SMALL_SLIDING_PLOTS
 from warpffrf.output.result import Result
 
 PAIR_KINDS = [*PLOTS, *FRICTION_PLOTS]
@@ -43,8 +43,8 @@ def oiled() -> Result:
 
 
 @pytest.fixture(scope="module")
-def rubbing_lap() -> Result:
-    return drawn_runs.rubbing_lap()
+def rubbing_contact() -> Result:
+    return drawn_runs.rubbing_contact()
 
 
 def axes() -> Any:
@@ -97,15 +97,15 @@ def all_finite(drawn: Any) -> None:
 
 
 def test_every_kind_is_here() -> None:
-    made = {*PAIR_KINDS, *FILM_PLOTS, *LAP_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS, "summary"}
+    made = {*PAIR_KINDS, *FILM_PLOTS, *SMALL_SLIDING_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS, "summary"}
     assert made == set(about_kinds())
 
 
-def test_the_runs_have_something_to_draw(rolling: Result, oiled: Result, rubbing_lap: Result) -> None:
-    assert {result.status for result in (rolling, oiled, rubbing_lap)} == {"completed"}
+def test_the_runs_have_something_to_draw(rolling: Result, oiled: Result, rubbing_contact: Result) -> None:
+    assert {result.status for result in (rolling, oiled, rubbing_contact)} == {"completed"}
     assert set(drawable(rolling)) == set(PAIR_KINDS)
     assert set(drawable(oiled)) == {"force", "energy", *FILM_PLOTS}
-    assert set(drawable(rubbing_lap)) == {"force", "energy", *LAP_PLOTS}
+    assert set(drawable(rubbing_contact)) == {"force", "energy", *SMALL_SLIDING_PLOTS}
 
 
 @pytest.mark.parametrize("kind", PAIR_KINDS)
@@ -130,9 +130,9 @@ def test_kinds_of_films(oiled: Result, kind: str) -> None:
     all_finite(drawn)
 
 
-@pytest.mark.parametrize("kind", [*LAP_PLOTS, "force", "energy"])
-def test_kinds_of_laps(rubbing_lap: Result, kind: str) -> None:
-    drawn = rubbing_lap.plot(kind, axes())
+@pytest.mark.parametrize("kind", [*SMALL_SLIDING_PLOTS, "force", "energy"])
+def test_kinds_of_laps(rubbing_contact: Result, kind: str) -> None:
+    drawn = rubbing_contact.plot(kind, axes())
     check(drawn)
     all_finite(drawn)
 
@@ -149,15 +149,15 @@ def test_kinds_of_histories(rolling: Result, kind: str, speed: str | None) -> No
     all_finite(drawn)
 
 
-@pytest.mark.parametrize("run", ["rolling", "oiled", "rubbing_lap"])
+@pytest.mark.parametrize("run", ["rolling", "oiled", "rubbing_contact"])
 def test_summaries(run: str, request: pytest.FixtureRequest) -> None:
     """Their panels are those of the kinds, whose pixels are looked at one by one."""
     check(request.getfixturevalue(run).summary(), seen=False)
 
 
-def test_pages_of_laps_and_loops(rubbing_lap: Result) -> None:
-    check(rubbing_lap.small_sliding_page(), seen=False)
-    loop = rubbing_lap.hysteresis(("push", "x"), ("tip", "x"))
+def test_pages_of_laps_and_loops(rubbing_contact: Result) -> None:
+    check(rubbing_contact.small_sliding_page(), seen=False)
+    loop = rubbing_contact.hysteresis(("push", "x"), ("tip", "x"))
     ax = axes()
     loop.draw(ax)
     check(ax)

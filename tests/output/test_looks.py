@@ -13,8 +13,8 @@ from warpffrf.online.history.history import BodyHistory, History, JointHistory
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.pair_result import PairResult
 from warpffrf.output.contact.result import ContactResult, FilmResult
-from warpffrf.output.laps import LapResult
 from warpffrf.output.result import Result
+from warpffrf.output.small_sliding import SmallSlidingResult
 
 SHORT = 240  # characters: what fits on two lines
 
@@ -98,7 +98,7 @@ def test_results_show_themselves_in_short(history: History) -> None:
     assert f"rows={len(result.time)}" in repr(pair) and repr(pair).startswith("ContactResult('")
 
 
-@pytest.mark.parametrize("kind", [ContactResult, CellContactResult, FilmResult, LapResult])
+@pytest.mark.parametrize("kind", [ContactResult, CellContactResult, FilmResult, SmallSlidingResult])
 def test_completion_shows_documented_names_alone(kind: type) -> None:
     shown = [name for name in dir(kind) if not name.startswith("_") and name not in kind._hidden]
     undocumented = [name for name in shown if not inspect.getdoc(inspect.getattr_static(kind, name))]

@@ -10,7 +10,7 @@ import pytest
 from references.small_sliding.sheets import graded_stack, one_body
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.surfaces import Matched
-from warpffrf.offline.laps.cells import make_cells
+from warpffrf.offline.small_sliding.cells import make_cells
 from warpffrf.output.geometry.skin_nodes import SkinNodes
 
 LINES = (np.array([0.0, 6.0, 11.0, 18.0]) * 1e-3, np.array([0.0, 5.0, 9.0]) * 1e-3, [0.0, 2e-4])  # thin sheets

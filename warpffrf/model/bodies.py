@@ -84,7 +84,7 @@ class SurfacePort(reprs.Shown):
     @property
     def matched(self) -> bool:
         """True where the surface was reduced as `surfaces.Matched`, for small-sliding contact."""
-        return not self.rigid and self.name in self.body.reduced.laps
+        return not self.rigid and self.name in self.body.reduced.matched
 
     @property
     def on_ground(self) -> bool:
@@ -96,7 +96,7 @@ class SurfacePort(reprs.Shown):
         """The reduced contact surface or matched face, or the `RigidSurface` of a rigid body or the ground."""
         if self.rigid:
             return self.body.surfaces[self.name]
-        return (self.body.reduced.laps if self.matched else self.body.reduced.contact_surfaces)[self.name]
+        return (self.body.reduced.matched if self.matched else self.body.reduced.contact_surfaces)[self.name]
 
 
 if TYPE_CHECKING:
@@ -240,7 +240,7 @@ class Body(_Posed):
 
     @property
     def _places(self) -> list[str]:
-        return [*self.flexible.interfaces, *self.flexible.contact_surfaces, *self.flexible.laps]
+        return [*self.flexible.interfaces, *self.flexible.contact_surfaces, *self.flexible.matched]
 
     @property
     def mode_count(self) -> int:
@@ -269,7 +269,7 @@ class Body(_Posed):
             )
         if name in self.reduced.interfaces:
             return Port(self, name, np.array(self.reduced.interfaces[name].point, dtype=np.float64))
-        if name in self.reduced.contact_surfaces or name in self.reduced.laps:
+        if name in self.reduced.contact_surfaces or name in self.reduced.matched:
             return SurfacePort(self, name)
         raise unknown_name(f"body {self.name!r}: interface or contact surface", name, self._places)
 

@@ -17,12 +17,12 @@ import numpy as np
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
 from warpffrf.model.friction import FrictionLaw, FrictionLike, as_constant_friction, as_pair_friction
-from warpffrf.model.laps import SmallSliding
-from warpffrf.model.laps.sliding import as_sliding, check_law, check_ports
 from warpffrf.model.laws import Law, Unilateral, as_law
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.reduced.far_field import LONGEST, UNUSABLE
+from warpffrf.model.small_sliding import SmallSliding
+from warpffrf.model.small_sliding.sliding import as_sliding, check_law, check_ports
 from warpffrf.model.surfaces.form_deviations import refuse_form
 
 UNILATERAL = Unilateral()
@@ -88,7 +88,7 @@ class Contact(reprs.Item):
         overlap: float | None = None,
         name: str | None = None,
     ) -> None:
-        self.sliding = as_sliding(sliding)
+        self._sliding = as_sliding(sliding)
         self.a = a
         self.b: Any = b  # None where both faces are on one body
         if self.sliding is not None:
@@ -132,6 +132,18 @@ class Contact(reprs.Item):
                 )
 
     # attributes that may change before a run are checked when set
+
+    @property
+    def sliding(self) -> SmallSliding | None:
+        """The options of small sliding; None for finite sliding."""
+        return self._sliding
+
+    @sliding.setter
+    def sliding(self, value: Any) -> None:
+        sliding = as_sliding(value)
+        if (sliding is None) != (self._sliding is None):
+            raise InputError(f"{self.label}: finite and small sliding are of other surfaces; add another contact")
+        self._sliding = sliding
 
     @property
     def law(self) -> Law:

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps import LapSurface
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.model.reduced.contact_surface import CrossCompliance, Recovery, Tangential
 from warpffrf.model.reduced.data import Interface
 from warpffrf.model.reduced.inertia import InertiaTerms, SecondOrderMotion
 from warpffrf.model.reduced.local_mass import LocalMass
+from warpffrf.model.small_sliding import MatchedSurface
 from warpffrf.model.surfaces import Bore, Cone, ConicalBore, CrownedCylinder, Cup, Cylinder, Groove, Plane, Ring, Sphere
 from warpffrf.offline.contact.contact_grid import largest_radius
 from warpffrf.offline.cyclic.sector import periodicity_fault
@@ -67,11 +67,11 @@ class SurfaceProduct:
 
 
 @dataclass
-class LapProduct:
+class MatchedProduct:
     """The joint interfaces of a body by name, the `compliance` (N, N) [m/N] among all their forces, the transfer
     (rows, N) of each observer by name, and the entries of the report."""
 
-    surfaces: dict[str, LapSurface]
+    surfaces: dict[str, MatchedSurface]
     compliance: np.ndarray
     observed: dict[str, np.ndarray]
     notes: list[str]
@@ -122,7 +122,7 @@ class PathProduct:
     observed_modes: dict[str, Any] = field(default_factory=dict)
     inertia_terms: InertiaTerms | None = None
     cross: list[CrossCompliance] = field(default_factory=list)  # of each surface under loads on each later one
-    laps: LapProduct | None = None
+    matched: MatchedProduct | None = None
     membrane: MembraneTerms | None = None
     skin_second_order: np.ndarray | None = None  # (S, n, 3), of the shapes of `membrane`
 

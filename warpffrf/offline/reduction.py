@@ -288,14 +288,14 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         elif too_coarse:
             report["notes"].append(f"{too_coarse}; pressures on cells that travel with the patch do not need that")
     report["notes"] += _between_surfaces(product, settings)
-    if product.laps is not None:
-        report["laps"] = {name: {"cells": s.cells, **s.facts()} for name, s in product.laps.surfaces.items()}
-        report["notes"] += product.laps.notes
-        if SKIN not in product.laps.observed:
+    if product.matched is not None:
+        report["matched"] = {name: {"cells": s.cells, **s.facts()} for name, s in product.matched.surfaces.items()}
+        report["notes"] += product.matched.notes
+        if SKIN not in product.matched.observed:
             report["notes"].append(
-                "the skin for pictures follows the laps by the global modes only, to keep the file small"
+                "the skin for pictures follows the matched faces by the global modes only, to keep the file small"
             )
-        report["warnings"] += product.laps.warnings
+        report["warnings"] += product.matched.warnings
     # coupling of surfaces, materials behind them
     for cross in product.cross:
         share = coupling(cross, surfaces[cross.target], surfaces[cross.source])
@@ -321,7 +321,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
             product.skin_points,
             product.skin_triangles,
             np.ascontiguousarray(product.skin_modes),
-            None if product.laps is None else product.laps.by_force(SKIN, 3),
+            None if product.matched is None else product.matched.by_force(SKIN, 3),
             product.skin_second_order,
         ),
         stress=recovery.fields(product, surfaces),
@@ -336,8 +336,8 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         },
         inertia_terms=product.inertia_terms,
         cross=tuple(product.cross),
-        laps={} if product.laps is None else product.laps.surfaces,
-        lap_compliance=None if product.laps is None else product.laps.compliance,
+        matched={} if product.matched is None else product.matched.surfaces,
+        matched_compliance=None if product.matched is None else product.matched.compliance,
     )
     report["quality"] = quality(body, product.surfaces, settings.limits)
     return body
@@ -400,7 +400,7 @@ def _product(
     how |= {
         "stiffening": settings.stiffening,
         "membrane_modes": settings.membrane_modes,
-        "laps": settings.laps,
+        "matched": settings.matched,
         "solver": settings.solver,
         "checkpoint": checkpoint,
     }
@@ -487,9 +487,10 @@ def _judged(
 def _between_surfaces(product: PathProduct, settings: Settings) -> list[str]:
     """Notes on the couplings that the compliance between contact surfaces neglects."""
     notes = []
-    if product.laps is not None and product.surfaces:
+    if product.matched is not None and product.surfaces:
         notes.append(
-            "loads on contact surfaces move the laps of this body through the global modes only, and the laps them"
+            "loads on contact surfaces move the matched faces of this body through the global modes only, and these "
+            "them"
         )
     if product.cross and settings.local_dynamics:
         notes.append(

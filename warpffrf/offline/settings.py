@@ -25,8 +25,8 @@ from warpffrf.offline.contact.hat_loads import ContactFacets
 from warpffrf.offline.inertia.invariants import require_cells
 from warpffrf.offline.inertia.membrane import MEMBRANE
 from warpffrf.offline.interfaces import INTERFACE_KINDS
-from warpffrf.offline.laps.cells import require_sets
 from warpffrf.offline.products import Limits, resolve_shapes
+from warpffrf.offline.small_sliding.cells import require_sets
 from warpffrf.offline.solvers import require_solver
 from warpffrf.offline.stress.plan import stress_settings
 
@@ -59,7 +59,7 @@ class Settings:
     memory_limit: int | None
     sampling_error: float | None = None
     contact_fixed: bool | None = None
-    laps: dict[str, Matched] = field(default_factory=dict)
+    matched: dict[str, Matched] = field(default_factory=dict)
     membrane_modes: int | None = None
 
     @classmethod
@@ -153,7 +153,7 @@ class Settings:
             memory_limit=memory_limit,
             sampling_error=sampling_error,
             contact_fixed=contact_fixed,
-            laps={name: wanted.called(name) for name, wanted in faces.items() if isinstance(wanted, Matched)},
+            matched={name: wanted.called(name) for name, wanted in faces.items() if isinstance(wanted, Matched)},
             membrane_modes=membrane_modes,
         )
 
@@ -169,7 +169,7 @@ class Settings:
                 )
         if self.stiffening:
             require_cells(mesh, self.material, self.stiffening)
-        require_sets(mesh, self.laps, self.contact, self.interfaces)
+        require_sets(mesh, self.matched, self.contact, self.interfaces)
         for name, shape in self.contact.items():
             mesh.facets(name)
             if self.interfaces.get(name) == "rigid":
@@ -190,7 +190,7 @@ class Settings:
         """The reason why these settings require the general path for any mesh, or None."""
         if self.periodic is False:
             return "periodic=False"
-        if self.laps:
+        if self.matched:
             return "surfaces.Matched: the compliance of its cells is computed on the general path"
         if self.stiffening:
             return f"stiffening={self.stiffening!r}: geometric stiffness is computed on the general path"
@@ -226,7 +226,7 @@ class Settings:
             "memory_limit": self.memory_limit,
             "sampling_error": self.sampling_error,
             "contact_fixed": self.contact_fixed,
-            "laps": [[name, lap.describe()] for name, lap in self.laps.items()],
+            "matched": [[name, face.describe()] for name, face in self.matched.items()],
         }
 
 

@@ -25,11 +25,11 @@ from warpffrf.model.integrators import (
     roots_at_infinity,
 )
 from warpffrf.model.joints import Drive
-from warpffrf.model.laps.sliding import refuse_pushed_apart
 from warpffrf.model.lumped_contact import refuse_lumped_overlap
 from warpffrf.model.messages.checkpoints import Keeper, Plan, Unfinished
 from warpffrf.model.messages.progress import Progress, deferred_interrupts
 from warpffrf.model.scene import Scene
+from warpffrf.model.small_sliding.sliding import refuse_pushed_apart
 from warpffrf.model.step_count import step_count
 from warpffrf.online.checkpoint import is_dynamic, is_loaded, off_end_of, restore, time_of, turned_of
 from warpffrf.online.diagnosis.cell_check import cell_check_notes, check_cells

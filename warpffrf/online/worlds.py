@@ -301,7 +301,13 @@ class Meeting:
             self._changed.notify_all()
 
 
-PLACES = ("modes with inertia", "joints and forces", "flexible interfaces", "contacts", "films and laps")  # `couplings`
+PLACES = (
+    "modes with inertia",
+    "joints and forces",
+    "flexible interfaces",
+    "contacts",
+    "films and small-sliding contacts",
+)  # `couplings`
 KINDS = {
     "body": "bodies", "joint": "joints", "drive": "drives", "force": "forces", "contact": "contacts",
     "lumped contact": "lumped_contacts", "film": "films",

@@ -40,7 +40,7 @@ class EquivalentDamping:
     frequency: np.ndarray  # (k,) Hz, of the secant stiffness
     loss: np.ndarray  # (k,) J, D of a cycle
     energy: np.ndarray  # (k,) J, U of the amplitude
-    lap_loss: dict[str, np.ndarray]  # lap -> (k,) J, its part of D
+    contact_loss: dict[str, np.ndarray]  # lap -> (k,) J, its part of D
     slipping: dict[str, np.ndarray]  # lap -> (k,) share of its cells that slip or open in the cycle
     loops: list[Cycle]  # (k,) the last cycle of each: `coordinate` and `load` of the mode
     notes: list[str] = field(default_factory=list)
@@ -77,7 +77,7 @@ class EquivalentDamping:
         rubs = order[self.damping_ratio[order] > 0.0]
         ax.loglog(self.amplitude[rubs], 100.0 * self.damping_ratio[rubs], marker="o")
         ax.set(
-            xlabel=f"amplitude at {self.place} [{self.unit}]", ylabel="damping ratio of the laps [%]",
+            xlabel=f"amplitude at {self.place} [{self.unit}]", ylabel="damping ratio of the small-sliding contacts [%]",
             title=f"Mode {self.mode}, {self.linear_frequency:.5g} Hz",
         )  # fmt: skip
         ax.grid(visible=True, which="both", alpha=0.3)
@@ -120,12 +120,12 @@ def equivalent_damping(
             )
     if not np.all(numbers[:, 0] > 0.0):
         notes.append("where nothing slips the loss is zero; of micro-slip smaller than a cell, smaller cells see more")
-    names = [lap.name for lap in modes.scene.small_sliding]
+    names = [contact.name for contact in modes.scene.small_sliding]
     return EquivalentDamping(
         mode=i, linear_frequency=mode.omega / (2.0 * np.pi), place="the mode's coordinate" if at is None else at.label,
         unit="m kg^(1/2)" if at is None else "m", amplitude=given, coordinate=given / unit, loss=numbers[:, 0],
         energy=numbers[:, 1], damping_ratio=numbers[:, 2], frequency=numbers[:, 3] / (2.0 * np.pi),
-        lap_loss={name: np.array([loop.loss[name] for loop in loops]) for name in names},
+        contact_loss={name: np.array([loop.loss[name] for loop in loops]) for name in names},
         slipping={name: np.array([loop.slipping[name] for loop in loops]) for name in names}, loops=loops, notes=notes,
     )  # fmt: skip
 

@@ -318,7 +318,7 @@ class Hysteresis:
         return Loop(time, both[:, 0], both[:, 1])
 
     def cycles(self, cycles: float | Sequence[float] | np.ndarray) -> list[Loop]:
-        """Each cycle, of a period [s] or between times [s] as of `LapResult.loss_per_cycle`."""
+        """Each cycle, of a period [s] or between times [s] as of `SmallSlidingResult.loss_per_cycle`."""
         edges = cycle_times(self.time, cycles, "hysteresis")
         return [self.loop(float(begin), float(end)) for begin, end in zip(edges[:-1], edges[1:], strict=True)]
 

@@ -32,8 +32,8 @@ from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.pair_result import PairResult
 from warpffrf.output.contact.result import ContactResult, FilmResult
 from warpffrf.output.geometry.scene_view import SceneView, scene_view
-from warpffrf.output.laps import LapResult
 from warpffrf.output.loops import Hysteresis, channel
+from warpffrf.output.small_sliding import SmallSlidingResult
 from warpffrf.output.written import Written
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ class Result(reprs.Shown):
     @property
     def small_sliding_names(self) -> list[str]:
         """Names of the contacts with small sliding."""
-        return list(self.history.laps)
+        return list(self.history.small_sliding)
 
     def body(self, name: str) -> BodyHistory:
         """Motion of the body called `name`; raises InputError when there is none.
@@ -152,10 +152,10 @@ class Result(reprs.Shown):
         return {name: FilmResult(film, self.view.films[name], self.time) for name, film in self.history.films.items()}
 
     @cached_property
-    def _small_sliding(self) -> dict[str, LapResult]:
+    def _small_sliding(self) -> dict[str, SmallSlidingResult]:
         return {
-            name: LapResult(lap, self.view.laps[name], self.time, self.history.bodies)
-            for name, lap in self.history.laps.items()
+            name: SmallSlidingResult(contact, self.view.small_sliding[name], self.time, self.history.bodies)
+            for name, contact in self.history.small_sliding.items()
         }
 
     @property
@@ -261,8 +261,8 @@ class Result(reprs.Shown):
         return {s.name: s for s in sensors if s.name not in self.history.sensors}
 
     def contact(self, name: str) -> Any:
-        """The contact called `name`, a `PairResult`, with small sliding a `LapResult`; raises InputError when there is
-        none.
+        """The contact called `name`, a `PairResult`, with small sliding a `SmallSlidingResult`; raises InputError when
+        there is none.
 
         >>> pair = result.contact("lower-upper")
         >>> bool(pair.force[-1, 2] < 0.0 and pair.half_width[-1] > pair.half_width[0])  # on the lower roller; m
@@ -467,9 +467,9 @@ class Result(reprs.Shown):
         """A matplotlib Figure of a contact with small sliding, the first one if None: its pressure, state and loss at
         saved steps next to the `times` [s], three of the run if None. Raises InputError for a contact that there is
         not, and times outside of the run."""
-        from warpffrf.output.plots.laps import lap_figure
+        from warpffrf.output.plots.small_sliding import small_sliding_figure
 
-        return lap_figure(self, contact, times)
+        return small_sliding_figure(self, contact, times)
 
     def to_xarray(self) -> xarray.Dataset:
         """An `xarray.Dataset` with the names, units and frames of the results file; needs the optional

@@ -208,11 +208,11 @@ def value_kinds() -> dict[str, Form]:
     from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES
     from warpffrf.model.forces import CHARACTERISTICS
     from warpffrf.model.friction import FRICTION_LAWS
-    from warpffrf.model.laps import SmallSliding
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
     from warpffrf.model.moments import ROLLING_LAWS
     from warpffrf.model.oils import OILS, DowsonHigginson, iso_vg
     from warpffrf.model.reduced.stress_field import StressPoints
+    from warpffrf.model.small_sliding import SmallSliding
     from warpffrf.model.surfaces import SHAPES, Matched
     from warpffrf.offline.bases import BASES
 

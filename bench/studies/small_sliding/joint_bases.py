@@ -64,7 +64,7 @@ def compared(joint: Joint, found: Sequence[Space], tip: dict[str, float] | None 
 
 
 def engine_table(both: Sequence[Both]) -> str:
-    """Section on laps of the engine."""
+    """Section on small-sliding contacts of the engine."""
     rows = []
     for one in both:
         for who, entry in (("study", one.study), ("engine", one.engine)):

@@ -1,8 +1,8 @@
-"""Laps of the engine in the study of joint bases: the same joint, its cells as `Matched` makes them.
+"""Small-sliding contacts of the engine in the study of joint bases: the same joint, its cells as `Matched` makes them.
 
-The engine has the two sheets as one body that hangs together at its clamped root, where both are held, and solves laps
-with their body in Newton's method; the study has the flexibility of the same cells alone. Its loads are a thousandth,
-as its bolts keep their direction while sheets turn (`lap_bolts`); everything is in proportion.
+The engine has the two sheets as one body that hangs together at its clamped root, where both are held, and solves
+small-sliding contacts with their body in Newton's method; the study has the flexibility of the same cells alone. Its
+loads are a thousandth, as its bolts keep their direction while sheets turn (`bolts`); everything is in proportion.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ import numpy as np
 from references.small_sliding.quasi_static import Followed
 from studies.small_sliding import joint_spaces
 from studies.small_sliding.joint_spaces import Entry, Joint, Space, beside, load_path, measure, of_cells
-from studies.small_sliding.lap_stacks import Engine, Sheets, cell_of
+from studies.small_sliding.stacks import Engine, Sheets, cell_of
 
 Array = np.ndarray
 SCALE = 1e-3  # of the loads
 GROWTHS = (2.0, 1.0, 0.5)  # of graded cells
-MODES = 4  # vibration modes, with which laps are exact as with any number
+MODES = 4  # vibration modes, with which small-sliding contacts are exact as with any number
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def ways(stacked: Sheets) -> dict[str, dict[str, Any]]:
 
 def followed(engine: Engine, area: Array) -> Followed:
     """The engine's history of cells of `area` (c,) [m2], loads and all in proportion to those of the study."""
-    (lap,) = engine.history.laps.values()
+    (lap,) = engine.history.small_sliding.values()
     force = np.concatenate([lap.pressure[:, :, None], lap.traction], axis=2) * area[:, None] / SCALE
     nothing = np.zeros(len(force))
     return Followed(

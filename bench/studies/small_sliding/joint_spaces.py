@@ -10,7 +10,7 @@ import scipy.sparse as sp
 
 from references.small_sliding.cells import Cells, facet_cells, gathered
 from references.small_sliding.full_model import FullModel, Part
-from references.small_sliding.quasi_static import Followed, StaticLap, follow
+from references.small_sliding.quasi_static import Followed, StaticSmallSliding, follow
 from references.small_sliding.sheets import stack
 from warpffrf.model.material import Material
 from warpffrf.offline.bases.modes import lowest_modes
@@ -36,10 +36,10 @@ STEPS = (5, 15, 30)  # of preloading, of a quarter and of a half cycle
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """The full model: lap, cells, loads F (dofs, 2) (preload and tip), their responses, the base of static and
-    vibration modes (dofs, m), and the model as the bases of `offline` see it (free dofs alone)."""
+    """The full model: small-sliding contact, cells, loads F (dofs, 2) (preload and tip), their responses, the base of
+    static and vibration modes (dofs, m), and the model as the bases of `offline` see it (free dofs alone)."""
 
-    lap: StaticLap
+    lap: StaticSmallSliding
     loads: Array
     still: Array
     elastic: ElasticModel
@@ -63,7 +63,7 @@ def two_sheets(counts: tuple[int, int, int] = COUNTS) -> Joint:
         preload += PRELOAD * (model.spread(0, f"head{k}", (0, 0, 1.0)) + model.spread(1, f"head{k}", (0, 0, -1.0)))
     loads = np.stack([preload, model.spread(1, "x_max", (0.0, 0.0, 1.0))], axis=1)
     cells = facet_cells(model, (0, "z_max"), (1, "z_min"))
-    lap = StaticLap(model, cells, FRICTION, normal_compliance=1.0 / LAYER, tangential_compliance=1.0 / LAYER)
+    lap = StaticSmallSliding(model, cells, FRICTION, normal_compliance=1.0 / LAYER, tangential_compliance=1.0 / LAYER)
     free = model.free
     K, M = (sp.csr_matrix(A[free][:, free]) for A in (model.K, model.M))
 

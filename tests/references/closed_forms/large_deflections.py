@@ -24,9 +24,9 @@ are, D = E t^3/(12 (1 - nu^2)),
     V_b = pi^4 D A^2/a^2,        V_m = 16 pi^4 E t A^4/a^2 (S/512 + 9/(16384 (1 - nu))),
 
 the last part of the mean strains <w_x^2>/2 = 3 k^2 A^2/128, the first of Airy's function, whose Laplacian solves
-lap lap F = E (w_xy^2 - w_xx w_yy) term by term: S = sum c_mn^2/(m^2 + n^2)^2 <cos^2 mkx cos^2 nky> over c_11 = 1,
-c_10 = c_01 = c_12 = c_21 = c_20 = c_02 = 1/2 is 0.333125. The frequency is that of the pinned beam with
-b = 2 V_m/V_b. As the shape becomes flatter at large amplitudes the one term is too stiff there.
+small-sliding contact small-sliding contact F = E (w_xy^2 - w_xx w_yy) term by term: S = sum c_mn^2/(m^2 + n^2)^2 <cos^2
+mkx cos^2 nky> over c_11 = 1, c_10 = c_01 = c_12 = c_21 = c_20 = c_02 = 1/2 is 0.333125. The frequency is that of the
+pinned beam with b = 2 V_m/V_b. As the shape becomes flatter at large amplitudes the one term is too stiff there.
 
 **Bar** of St. Venant-Kirchhoff's material, stretched to L (1 + e), free to contract. The transverse stress S is zero
 if the transverse strain is -nu E, so that S = E_Y E along it, E = e + e^2/2, and the force on its undeformed section is

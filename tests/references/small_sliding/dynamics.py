@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from references.small_sliding.contact_program import solve
-from references.small_sliding.quasi_static import Followed, StaticLap
+from references.small_sliding.quasi_static import Followed, StaticSmallSliding
 from warpffrf.model.errors import InputError, require_number
 
 Array = np.ndarray
@@ -75,7 +75,7 @@ class Motion:
 
 
 def released(
-    lap: StaticLap,
+    lap: StaticSmallSliding,
     loads: Array,
     before: Array,
     after: Array | Callable[[float], Array],

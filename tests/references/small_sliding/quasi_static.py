@@ -54,7 +54,7 @@ class Followed:
         return float(self.dissipated[first + 1 : last + 1].sum())
 
 
-class StaticLap:
+class StaticSmallSliding:
     """The cells of a model, condensed: `flexibility` C (3 c, 3 c) [m/N], `responses` K^-1 B (dofs, 3 c).
 
     friction mu [-]; compliance [m/Pa] of layers between the faces, along n and across; 0: none. Raises `InputError` for

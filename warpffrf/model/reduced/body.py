@@ -27,9 +27,9 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
     Modes are M-orthonormal (modal mass 1 kg), K-orthogonal and M-orthogonal to rigid motion (Tisserand frame). It has
     mass [kg], center_of_mass (3,) [m, user frame], inertia (3, 3) [kg m2] about it in user axes, the frequencies (m,)
     [Hz] of its m global modes, and by name its interfaces (ports for joints and forces), contact_surfaces (with their
-    local modes), laps (faces in small-sliding contact) and stress (points of stress evaluation). surface is the skin
-    for visualisation, report contains quality measures and provenance the history; inertia_terms, cross and
-    lap_compliance [m/N] are the effects of rotation, of loads on several surfaces and of loads on laps
+    local modes), matched faces (faces in small-sliding contact) and stress (points of stress evaluation). surface is
+    the skin for visualisation, report contains quality measures and provenance the history; inertia_terms, cross and
+    matched_compliance [m/N] are the effects of rotation, of loads on several surfaces and of loads on matched faces
     (`ReducedBodyData`).
     """
 
@@ -38,7 +38,7 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
         named = {
             "interfaces": self.interfaces,
             "contact": self.contact_surfaces,
-            "laps": self.laps,
+            "matched": self.matched,
             "stress": self.stress,
         }
         found = {what: reprs.names(items) for what, items in named.items() if items}

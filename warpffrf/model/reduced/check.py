@@ -14,7 +14,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.contact_surface import FUNCTIONS, ContactSurface, CrossCompliance
 from warpffrf.model.reduced.data import ReducedBodyData
 
-SYMMETRIC_COMPLIANCE = 1e-12  # of the laps, of its largest entry: written symmetric
+SYMMETRIC_COMPLIANCE = 1e-12  # of the matched faces, of its largest entry: written symmetric
 UNIT = 1e-9  # of axes: precision of a stored unit vector
 SYMMETRIC = 1e-9  # of the inertia
 
@@ -42,7 +42,7 @@ def check_body(body: ReducedBodyData, arrays: Mapping[str, np.ndarray]) -> None:
     t, n = body.surface.triangles, len(body.surface.points)
     if t.size and (t.min() < 0 or t.max() >= n):
         raise InputError(f"surface/triangles name a point that is none of the {n}")
-    _check_laps(body)
+    _check_matched(body)
     for name, s in body.contact_surfaces.items():
         if s.far is not None and s.far.quarter is not None and min(s.far.quarter.coefficients.shape) < 4:
             raise InputError(f"contact_surfaces/{name}/far/quarter has too few numbers for a spline")
@@ -50,38 +50,38 @@ def check_body(body: ReducedBodyData, arrays: Mapping[str, np.ndarray]) -> None:
         _check_axes(f"contact_surfaces/{name}/recovery/axes", s.recovery.axes)
 
 
-def _check_laps(body: ReducedBodyData) -> None:
+def _check_matched(body: ReducedBodyData) -> None:
     """Raise `InputError` for invalid cells or frames, and a compliance that is not symmetric."""
-    for name, lap in body.laps.items():
-        if np.any(lap.area <= 0.0):
-            raise InputError(f"laps/{name}/area must be greater than zero")
-        gram = np.einsum("cij,ckj->cik", lap.frames, lap.frames)
+    for name, face in body.matched.items():
+        if np.any(face.area <= 0.0):
+            raise InputError(f"matched/{name}/area must be greater than zero")
+        gram = np.einsum("cij,ckj->cik", face.frames, face.frames)
         if np.abs(gram - np.eye(3)).max(initial=0.0) > UNIT:
-            raise InputError(f"laps/{name}/frames are not unit vectors at right angles")
-        if lap.cell.size and (lap.cell.min() < 0 or lap.cell.max() >= lap.cells):
-            raise InputError(f"laps/{name}/cell names a cell that is none of the {lap.cells}")
-    C = body.lap_compliance
+            raise InputError(f"matched/{name}/frames are not unit vectors at right angles")
+        if face.cell.size and (face.cell.min() < 0 or face.cell.max() >= face.cells):
+            raise InputError(f"matched/{name}/cell names a cell that is none of the {face.cells}")
+    C = body.matched_compliance
     if C is not None and np.abs(C - C.T).max(initial=0.0) > SYMMETRIC_COMPLIANCE * np.abs(C).max(initial=0.0):
-        raise InputError("lap_compliance is not symmetric")
+        raise InputError("matched_compliance is not symmetric")
 
 
-def _lap_shapes(body: ReducedBodyData) -> Iterator[tuple[str, Wanted]]:
+def _matched_shapes(body: ReducedBodyData) -> Iterator[tuple[str, Wanted]]:
     m, forces = len(body.frequencies), 0
-    for name, lap in body.laps.items():
-        root, c, t = f"laps/{name}", len(lap.area), len(lap.cell)
+    for name, face in body.matched.items():
+        root, c, t = f"matched/{name}", len(face.area), len(face.cell)
         yield from ((f"{root}/area", (None,)), (f"{root}/cell", (None,)))
         yield from ((f"{root}/points", (c, 3)), (f"{root}/frames", (c, 3, 3)), (f"{root}/gap", (c,)))
         yield from ((f"{root}/modes", (m, 3 * c)), (f"{root}/triangles", (t, 3, 3)))
         forces += 3 * c
-    if body.laps and body.lap_compliance is None:
-        raise InputError("laps have no lap_compliance")
+    if body.matched and body.matched_compliance is None:
+        raise InputError("matched faces have no matched_compliance")
     for name, field in body.stress.items():
-        if field.laps is not None:
-            yield f"stress/{name}/laps", (forces, len(field.points), 6)
-    if body.surface.laps is not None:
-        yield "surface/laps", (forces, len(body.surface.points), 3)
-    if body.lap_compliance is not None:
-        yield "lap_compliance", (forces, forces)
+        if field.matched is not None:
+            yield f"stress/{name}/matched", (forces, len(field.points), 6)
+    if body.surface.matched is not None:
+        yield "surface/matched", (forces, len(body.surface.points), 3)
+    if body.matched_compliance is not None:
+        yield "matched_compliance", (forces, forces)
 
 
 def _shapes(body: ReducedBodyData) -> Iterator[tuple[str, Wanted]]:
@@ -101,7 +101,7 @@ def _shapes(body: ReducedBodyData) -> Iterator[tuple[str, Wanted]]:
         yield f"contact_surfaces/{name}/recovery/transfer", _transfer_shape(surface, n)
     for cross in body.cross:
         yield from _cross_shapes(f"cross/{cross.target}/{cross.source}", body, cross)
-    yield from _lap_shapes(body)
+    yield from _matched_shapes(body)
     stiffening = None if body.inertia_terms is None else body.inertia_terms.stiffening
     rank = 0 if stiffening is None or stiffening.membrane is None else len(stiffening.membrane)
     for name, field in body.stress.items():

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps import LapSurface
 from warpffrf.model.reduced.contact_surface import ContactSurface, CrossCompliance
 from warpffrf.model.reduced.inertia import InertiaTerms
 from warpffrf.model.reduced.stress_field import StressField
+from warpffrf.model.small_sliding import MatchedSurface
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,15 +32,15 @@ class Interface:
 
 @dataclass(frozen=True, eq=False)
 class DisplaySurface:
-    """Outer skin for visualisation: points (n, 3) [m, user frame], triangles (t, 3), modes (m, n, 3), and `laps` (N, n,
-    3) [m/N], the residual displacement per force on the body's laps, beyond the global modes, user axes; None without
-    laps, or where it was omitted as too large; `second_order` (R, n, 3), the shapes of second-order motion
-    (`warpffrf.model.reduced.inertia`), None for a body without."""
+    """Outer skin for visualisation: points (n, 3) [m, user frame], triangles (t, 3), modes (m, n, 3), and `matched` (N,
+    n, 3) [m/N], the residual displacement per force on the body's matched faces, beyond the global modes, user axes;
+    None without matched faces, or where it was omitted as too large; `second_order` (R, n, 3), the shapes of
+    second-order motion (`warpffrf.model.reduced.inertia`), None for a body without."""
 
     points: np.ndarray
     triangles: np.ndarray
     modes: np.ndarray
-    laps: np.ndarray | None = None
+    matched: np.ndarray | None = None
     second_order: np.ndarray | None = None
 
 
@@ -63,8 +63,10 @@ class ReducedBodyData:
     provenance: dict[str, Any] = field(default_factory=dict)
     inertia_terms: InertiaTerms | None = None  # of the first modes; None: without
     cross: tuple[CrossCompliance, ...] = ()  # one for each pair of contact surfaces
-    laps: dict[str, LapSurface] = field(default_factory=dict)  # faces with cells, `model.laps`
-    lap_compliance: np.ndarray | None = None  # (N, N) m/N of all forces of `laps`, in their order; None without laps
+    matched: dict[str, MatchedSurface] = field(default_factory=dict)  # faces with cells, `model.small_sliding`
+    matched_compliance: np.ndarray | None = (
+        None  # (N, N) m/N of all forces of `matched`, in their order; None without matched faces
+    )
 
     @property
     def local_modes(self) -> int:

@@ -20,7 +20,6 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.files import hdf5_parts
 from warpffrf.model.files.hdf5_parts import COMPLEX, REAL
 from warpffrf.model.files.sealed_file import check_schema, verify, written_sealed
-from warpffrf.model.laps import LapSurface
 from warpffrf.model.reduced.check import check_body
 from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.model.reduced.contact_surface import ContactSurface, CrossCompliance, Recovery, Sampling, Tangential
@@ -29,6 +28,7 @@ from warpffrf.model.reduced.far_field import FarField
 from warpffrf.model.reduced.inertia import GeometricStiffness, InertiaTerms, SecondOrderMotion
 from warpffrf.model.reduced.local_mass import LocalMass
 from warpffrf.model.reduced.stress_field import StressField
+from warpffrf.model.small_sliding import MatchedSurface
 
 Body = TypeVar("Body", bound=ReducedBodyData)
 
@@ -38,7 +38,7 @@ _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than
 _INERTIA = ("first", "second", "gyroscopic")
 _PARTS = (
     "center_of_mass", "inertia", "frequencies", "surface", "interfaces", "contact_surfaces", "cross", "inertia_terms",
-    "stress", "laps", "lap_compliance",
+    "stress", "matched", "matched_compliance",
 )  # fmt: skip
 _COMPLEX = ("transfer",)  # of harmonics
 _CENTRIFUGAL = "inertia_terms/stiffening/centrifugal"
@@ -63,7 +63,7 @@ _UNITS = {
     "z": "m",
     "points": "m",
     "transfer": "m/N",
-    "lap_compliance": "m/N",
+    "matched_compliance": "m/N",
     "area": "m2",
     "membrane": "J(1/2)/m2",
     "forms": "1/m",
@@ -81,8 +81,8 @@ def _flatten(body: ReducedBodyData) -> tuple[dict[str, np.ndarray], dict[str, An
         "surface/triangles": body.surface.triangles,
         "surface/modes": body.surface.modes,
     }
-    if body.surface.laps is not None:
-        arrays["surface/laps"] = body.surface.laps
+    if body.surface.matched is not None:
+        arrays["surface/matched"] = body.surface.matched
     if body.surface.second_order is not None:
         arrays["surface/second_order"] = body.surface.second_order
     facts: dict[str, Any] = {"mass": float(body.mass), "interfaces": {}, "contact_surfaces": {}}
@@ -129,12 +129,12 @@ def _flatten(body: ReducedBodyData) -> tuple[dict[str, np.ndarray], dict[str, An
         arrays.update({f"{root}/{key}": array for key, array in cross.arrays().items()})
     if body.inertia_terms is not None:
         arrays.update(_inertia_arrays(body.inertia_terms))
-    if body.laps:
-        facts["laps"] = [[name, lap.facts()] for name, lap in body.laps.items()]
-    for name, lap in body.laps.items():
-        arrays.update({f"laps/{name}/{key}": array for key, array in lap.arrays().items()})
-    if body.lap_compliance is not None:
-        arrays["lap_compliance"] = body.lap_compliance
+    if body.matched:
+        facts["matched"] = [[name, face.facts()] for name, face in body.matched.items()]
+    for name, face in body.matched.items():
+        arrays.update({f"matched/{name}/{key}": array for key, array in face.arrays().items()})
+    if body.matched_compliance is not None:
+        arrays["matched_compliance"] = body.matched_compliance
     if body.stress:
         facts["stress"] = {name: field.facts() for name, field in body.stress.items()}
     for name, field in body.stress.items():
@@ -274,7 +274,7 @@ def _restore(
             arrays["surface/points"],
             arrays["surface/triangles"],
             arrays["surface/modes"],
-            arrays.get("surface/laps"),
+            arrays.get("surface/matched"),
             arrays.get("surface/second_order"),
         ),  # fmt: skip
         stress=stress,
@@ -285,8 +285,11 @@ def _restore(
             CrossCompliance(target, source, **_under(arrays, f"cross/{target}/{source}/"))
             for target, source in facts.get("cross", [])
         ),
-        laps={name: LapSurface.restore(name, _under(arrays, f"laps/{name}/"), f) for name, f in facts.get("laps", [])},
-        lap_compliance=arrays.get("lap_compliance"),
+        matched={
+            name: MatchedSurface.restore(name, _under(arrays, f"matched/{name}/"), f)
+            for name, f in facts.get("matched", [])
+        },
+        matched_compliance=arrays.get("matched_compliance"),
     )
 
 

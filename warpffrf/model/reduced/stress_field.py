@@ -1,4 +1,5 @@
-r"""Stress of a reduced body at chosen points, from its modal coordinates and the forces on contact surfaces and laps.
+r"""Stress of a reduced body at chosen points, from its modal coordinates and the forces on contact surfaces and matched
+faces.
 
 A stress is six numbers in the order xx, yy, zz, xy, yz, zx [Pa] (tensor components, no factor 2), axes of the user
 frame. At point x
@@ -9,9 +10,10 @@ with `q` the global coordinates, `f` the forces `f_i = int psi_i t dA` [N] of th
 outward normal ones (columns, rows) or tangential ones (2, columns, rows), `T` the response of the local modes, `s` the
 coefficients of the traction `t = sum_i psi_i s_i` equivalent to the forces, and `M` the Gram matrix. `W` is the part
 that follows from the traction alone, without any deformation: see `warpffrf.offline.stress.operator`. It makes the
-traction on a contact surface equal to the applied one. Forces s on the cells of laps add `sum_i laps_i(x) s_i`, the
-response of the residual flexibility to them; on the faces of a lap themselves it is the stress of the finite elements.
-Amplitudes e of the membrane energy (`warpffrf.model.reduced.inertia`) add `sum_r membrane_r(x) e_r`.
+traction on a contact surface equal to the applied one. Forces s on the cells of matched faces add `sum_i matched_i(x)
+s_i`, the response of the residual flexibility to them; on the faces of a matched face themselves it is the stress of
+the finite elements. Amplitudes e of the membrane energy (`warpffrf.model.reduced.inertia`) add `sum_r membrane_r(x)
+e_r`.
 
 On a rotationally periodic body `T` is stored for the `p0` distinct positions of the points in one sector, in the axes
 of that sector, per harmonic: `sigma_j = Re sum_k w_k e^{i k s_j phi} T_k f_k` at the position of point j, rotated into
@@ -202,7 +204,9 @@ class StressField:
     tangential: dict[str, LoadStress]
     place: np.ndarray
     sector: np.ndarray
-    laps: np.ndarray | None = None  # (N, p, 6) Pa/N, of each force on the body's laps; None without laps
+    matched: np.ndarray | None = (
+        None  # (N, p, 6) Pa/N, of each force on the body's matched faces; None without matched faces
+    )
     membrane: np.ndarray | None = None  # (R, p, 6) Pa/J^(1/2), of each amplitude of the membrane energy; None without
 
     def evaluate(
@@ -210,13 +214,13 @@ class StressField:
         q: np.ndarray,
         forces: dict[str, np.ndarray],
         tangential: dict[str, np.ndarray] | None = None,
-        laps: np.ndarray | None = None,
+        matched: np.ndarray | None = None,
         membrane: np.ndarray | None = None,
     ) -> np.ndarray:
         """Stress (p, 6) [Pa], user axes, at global coordinates `q` (m,) under outward normal `forces` (columns, rows)
-        and `tangential` ones (2, columns, rows) [N] on each contact surface that is loaded, and the forces `laps` (N,)
-        [N] on all cells of all laps, in the order of `ReducedBody.lap_compliance`, and the amplitudes `membrane` (R,)
-        [sqrt(J)] of the membrane energy.
+        and `tangential` ones (2, columns, rows) [N] on each contact surface that is loaded, and the forces `matched`
+        (N,) [N] on all cells of all matched faces, in the order of `ReducedBody.matched_compliance`, and the amplitudes
+        `membrane` (R,) [sqrt(J)] of the membrane energy.
 
         Raises `InputError` for an unknown surface, or an array of another shape.
         """
@@ -224,8 +228,8 @@ class StressField:
         if q.shape != (len(self.modes),):
             raise InputError(f"stress {self.name!r}: {len(self.modes)} modal coordinates are needed, got {q.shape}")
         stress = np.tensordot(q.astype(self.modes.dtype), self.modes, axes=1).astype(np.float64)
-        if laps is not None and np.any(laps):
-            stress = stress + self._of("forces on laps", self.laps, laps)
+        if matched is not None and np.any(matched):
+            stress = stress + self._of("forces on matched faces", self.matched, matched)
         if membrane is not None:
             stress = stress + self._of("amplitudes of the membrane energy", self.membrane, membrane)
         for what, parts, loads in (("normal", self.normal, forces), ("tangential", self.tangential, tangential or {})):
@@ -277,8 +281,8 @@ class StressField:
     def arrays(self) -> dict[str, np.ndarray]:
         """The arrays of the field by path; `restore` reads them back."""
         found = {"points": self.points, "modes": self.modes, "place": self.place, "sector": self.sector}
-        if self.laps is not None:
-            found["laps"] = self.laps
+        if self.matched is not None:
+            found["matched"] = self.matched
         if self.membrane is not None:
             found["membrane"] = self.membrane
         for root, part in self._loads.items():
@@ -315,7 +319,7 @@ class StressField:
             found[what][on] = replace(part, own=own)
         return cls(
             name, arrays["points"], arrays["modes"], found["normal"], found["tangential"], arrays["place"],
-            arrays["sector"], arrays.get("laps"), arrays.get("membrane"),
+            arrays["sector"], arrays.get("matched"), arrays.get("membrane"),
         )  # fmt: skip
 
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.laps import LapSurface
 from warpffrf.model.reduced.data import ReducedBodyData
 from warpffrf.model.reduced.inertia import InertiaTerms
+from warpffrf.model.small_sliding import MatchedSurface
 
 LARGEST_SHOWN = 3  # arrays named in the line about memory
 SLOWEST_SHOWN = 4  # stages named in the line about time
@@ -47,7 +47,7 @@ def summary(body: ReducedBodyData) -> str:
                 f"  sampling        {name}: {points.count} points between two columns, worst training error "
                 f"{points.training_error:.2g} (wanted {points.wanted_error:g})"
             )
-    lines += [_lap(name, s) for name, s in body.laps.items()]
+    lines += [_matched(name, s) for name, s in body.matched.items()]
     lines.append(f"  skin            {len(body.surface.points)} points, {len(body.surface.triangles)} triangles")
     for key, label in (("path", "path"), ("path_reason", "because"), ("dofs", "FE dofs"), ("seconds", "seconds")):
         if key in body.report:
@@ -149,9 +149,9 @@ def _inertia_terms(body: ReducedBodyData, terms: InertiaTerms, modes: int) -> st
     return text if forms is None else f"{text}, membrane energy in {len(forms)} squares"
 
 
-def _lap(name: str, s: LapSurface) -> str:
-    """One line for the cells of a lap."""
-    text = f"  lap             {name}: {s.cells} cells by {s.by}, edges {s.size[0]:.4g} to {s.size[1]:.4g} m"
+def _matched(name: str, s: MatchedSurface) -> str:
+    """One line for the cells of a matched face."""
+    text = f"  matched face    {name}: {s.cells} cells by {s.by}, edges {s.size[0]:.4g} to {s.size[1]:.4g} m"
     if not s.pair:
         return f"{text}, of a face"
     first, second = s.covered

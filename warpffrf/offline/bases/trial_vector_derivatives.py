@@ -18,7 +18,7 @@ base in the inner product of K and each set, scaled to unit energy, is replaced 
 
 They join the basis as coordinates without dynamics of their own. The omitted part of the derivatives is reported; it
 is no measure of the error of pressures and of loss per cycle, see docs/studies/joint_bases.md. Small-sliding contact
-(`reduce(laps=...)`) needs no such modes.
+(`surfaces.Matched`) needs no such modes.
 """
 
 from __future__ import annotations
@@ -170,7 +170,7 @@ class TrialVectorDerivatives(ModalBasis):
     mesh): derivatives of static and vibration modes with respect to the state of the joint (Witteveen, Pichler 2014).
 
     normal, tangential: number of joint modes from pressures and from tractions. For comparison with the published
-    method; small-sliding contact (`reduce(laps=...)`) resolves every cell without such modes. Raises `InputError`.
+    method; small-sliding contact (`surfaces.Matched`) resolves every cell without such modes. Raises `InputError`.
     """
 
     kind: ClassVar[str] = "trial_vector_derivatives"

@@ -46,10 +46,10 @@ from warpffrf.offline.inertia.invariants import (
 from warpffrf.offline.inertia.membrane import MEMBRANE, membrane_terms
 from warpffrf.offline.inertia.second_order import lifted_stiffness
 from warpffrf.offline.interfaces import BodyInterface, InterfaceSystem
-from warpffrf.offline.laps.compliance import BodyLaps
 from warpffrf.offline.products import Limits, MembraneTerms, PathProduct, mass_properties
 from warpffrf.offline.progress import Progress
 from warpffrf.offline.quality import sampled_residual
+from warpffrf.offline.small_sliding.compliance import MatchedFaces
 
 DEFAULT_MEMORY = 8 << 30  # bytes
 
@@ -74,7 +74,7 @@ def reduce_general(
     stiffening: bool | str = False,
     membrane_modes: int | None = None,
     centrifugal: bool = False,
-    laps: Mapping[str, Matched] | None = None,
+    matched: Mapping[str, Matched] | None = None,
     solver: str | None = None,
     checkpoint: Checkpoint | None = None,
 ) -> PathProduct:
@@ -86,7 +86,7 @@ def reduce_general(
     `sloping`: surfaces for which the compliance of slopes is stored;
     `local_dynamics`: also compute the mass of the normal local modes; `inertia_modes`: number of modes with inertia
     terms (None: `invariants.MODES`); `stiffening`: also their geometric stiffness, "membrane": and the membrane energy
-    of the first `membrane_modes` (None: `membrane.MODES`); `centrifugal`: also attachment modes of rotation; `laps`:
+    of the first `membrane_modes` (None: `membrane.MODES`); `centrifugal`: also attachment modes of rotation; `matched`:
     joint faces with cells, by name; `solver`: a name in `solvers.SOLVERS`, None: the default; `checkpoint`: work file
     of finished parts, whose context is entered by the caller.
     Raises `InputError` for a memory limit that is too small, a model that can move without deforming, a solver that is
@@ -106,12 +106,12 @@ def reduce_general(
     require_observers(seen, len(mesh.points))
     massed = [s.fields[0].count if local_dynamics else 0 for s in contacts]
     _check_results([s.count for s in contacts], seen, massed, limit)
-    lapped, beside_laps = None, []
-    if laps:
-        with progress.stage("cells of laps"):
-            lapped = BodyLaps.of(mesh, laps)
-            beside_laps = lapped.observers(seen[0], observers)
-            lapped.require_room(beside_laps, limit)
+    wanted_faces, beside_matched = None, []
+    if matched:
+        with progress.stage("cells of matched faces"):
+            wanted_faces = MatchedFaces.of(mesh, matched)
+            beside_matched = wanted_faces.observers(seen[0], observers)
+            wanted_faces.require_room(beside_matched, limit)
 
     # constrained model: K and M of the nodes, rigid interfaces eliminated by T, one factorisation
     with progress.stage("assembly"):
@@ -177,7 +177,7 @@ def reduce_general(
         loads = [UnitLoads(s.name, sp.csc_matrix(T.T @ b), n) for s, b, n in zip(contacts, B, massed, strict=True)]
     with progress.stage("residuals"):
         tested = [*(u.loads for u in loads), system.loads, turning]
-        tested += [] if lapped is None else [sp.csc_matrix(T.T @ lapped.loads())]
+        tested += [] if wanted_faces is None else [sp.csc_matrix(T.T @ wanted_faces.loads())]
         facts["worst_load_residual"] = max((sampled_residual(model, F) for F in tested), default=0.0)
     responses = ResponseSolver(model, omega, Phi, T, loads, seen, limit) if loads else None
     products = []
@@ -193,9 +193,9 @@ def reduce_general(
                 products.append(product)
                 cross += [cross_compliance(t, s, C) for t, C in zip(contacts[:i], found.cross, strict=True)]
 
-    lap_product = None
-    if lapped is not None:
-        lap_product = lapped.product(model, omega, Phi, T, beside_laps, limit, progress, checkpoint)
+    matched_product = None
+    if wanted_faces is not None:
+        matched_product = wanted_faces.product(model, omega, Phi, T, beside_matched, limit, progress, checkpoint)
     if responses is not None:
         facts |= {"block": responses.width, "threads": responses.workers}
     modes = {o.name: o.operator @ shape for o in [seen[0], *observers]}
@@ -214,7 +214,7 @@ def reduce_general(
         observed_modes=modes,
         inertia_terms=terms,
         cross=cross,
-        laps=lap_product,
+        matched=matched_product,
         membrane=membrane,
         skin_second_order=None if bent is None else bent.astype(np.float32),
     )

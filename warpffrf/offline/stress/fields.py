@@ -67,8 +67,8 @@ class StressRecovery:
                 if label in s.observed_tangential:
                     tangential[name] = (s.observed_tangential[label], span)
             field = plan.field(seen, contact, normal, tangential, sectors)
-            if product.laps is not None:
-                field = replace(field, laps=product.laps.by_force(label, 6))
+            if product.matched is not None:
+                field = replace(field, matched=product.matched.by_force(label, 6))
             if product.membrane is not None:
                 field = replace(field, membrane=membrane_stress(plan, product.membrane))
             found[plan.name] = field

@@ -1,4 +1,4 @@
-r"""Laps of a scene -> device tables of their groups (kernels of `laps`).
+r"""Small-sliding contacts of a scene -> device tables of their groups (kernels of `laps`).
 
 Laps that meet on a flexible body answer each other through it, and make a *group*. With P_b from the forces s of the
 cells of a group to those that the lap compliance C_b of body b knows (`face_loads`),
@@ -20,8 +20,8 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Body
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps import lap_surface
-from warpffrf.model.laps.sliding import LapCellsOf, cells_of, lap_notes, yields
+from warpffrf.model.small_sliding import matched_surface
+from warpffrf.model.small_sliding.sliding import MatchedCells, cells_of, small_sliding_notes, yields
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.inertia import outer_modes
 from warpffrf_kernels.core.model import Laps
@@ -38,7 +38,7 @@ STIFF = 1e4  # times the stiffness of cells on their own: no deformation is left
 
 
 def groups_of(laps: list[Contact]) -> list[list[int]]:
-    """Laps by number, gathered where they meet on a flexible body."""
+    """Small-sliding contacts by number, gathered where they meet on a flexible body."""
     found: list[tuple[set[int], list[int]]] = []
     for number, lap in enumerate(laps):
         bodies = {port.body.index for port in lap.ports if not port.rigid}
@@ -152,20 +152,20 @@ def _frames(lap: Contact) -> dict[str, Array]:
     return {"first_point": arms[0], "second_point": arms[1], "turn": turn}
 
 
-def _loads(lap: Contact, cells: LapCellsOf, body: Body) -> sp.csr_matrix | None:
+def _loads(lap: Contact, cells: MatchedCells, body: Body) -> sp.csr_matrix | None:
     """P of a lap on a body (unknowns of its lap compliance, 3 c); None where it does not load it."""
-    laps = body.flexible.laps
+    laps = body.flexible.matched
     if lap.a.body is body:
-        return lap_surface.on_own(laps, lap.a.name, cells.cell)
+        return matched_surface.on_own(laps, lap.a.name, cells.cell)
     if lap.b is None or lap.b.rigid or lap.b.body is not body or cells.weights is None:
         return None
     turn = rot.matrix(body.rotation).T @ rot.matrix(lap.a.body.rotation)
-    return lap_surface.on_partner(laps, lap.b.name, cells.weights, cells.frames @ turn.T)
+    return matched_surface.on_partner(laps, lap.b.name, cells.weights, cells.frames @ turn.T)
 
 
-def _all_loads(laps: list[Contact], cells: list[LapCellsOf], body: Body) -> sp.csr_matrix:
+def _all_loads(laps: list[Contact], cells: list[MatchedCells], body: Body) -> sp.csr_matrix:
     """P of all laps of a group on a body."""
-    total = lap_surface.count(body.flexible.laps)
+    total = matched_surface.count(body.flexible.matched)
     parts = []
     for lap, own in zip(laps, cells, strict=True):
         found = _loads(lap, own, body)
@@ -173,13 +173,13 @@ def _all_loads(laps: list[Contact], cells: list[LapCellsOf], body: Body) -> sp.c
     return sp.csr_matrix(sp.hstack(parts))
 
 
-def _compliance(laps: list[Contact], cells: list[LapCellsOf], bodies: list[Body]) -> Array:
+def _compliance(laps: list[Contact], cells: list[MatchedCells], bodies: list[Body]) -> Array:
     """G (3 c, 3 c) [m/N]."""
     n = 3 * sum(len(own.cell) for own in cells)
     G = np.zeros((n, n))
     for body in bodies:
         P = _all_loads(laps, cells, body)
-        G += P.T @ np.asarray(P.T @ body.flexible.lap_compliance).T
+        G += P.T @ np.asarray(P.T @ body.flexible.matched_compliance).T
     layers = [np.array(yields(lap))[[0, 1, 1]] / own.area[:, None] for lap, own in zip(laps, cells, strict=True)]
     G[np.diag_indices(n)] += np.concatenate(layers).ravel()
     return 0.5 * (G + G.T)
@@ -213,7 +213,7 @@ def _tell_apart(laps: list[Contact], G: Array, J: Array, kept: slice) -> list[st
     ]
 
 
-def _motion(laps: list[Contact], cells: list[LapCellsOf], bodies: list[Body]) -> Array:
+def _motion(laps: list[Contact], cells: list[MatchedCells], bodies: list[Body]) -> Array:
     """J (3 c, columns)."""
     starts = np.cumsum([0, *(3 * len(own.cell) for own in cells)])
     parts = []
@@ -227,16 +227,16 @@ def _motion(laps: list[Contact], cells: list[LapCellsOf], bodies: list[Body]) ->
         rigid[start : start + 3 * len(own.cell)] = block.reshape(-1, RIGID)
         parts.append(rigid)
     for body in bodies:
-        modes = np.concatenate([surface.modes for surface in body.flexible.laps.values()], axis=1)
+        modes = np.concatenate([surface.modes for surface in body.flexible.matched.values()], axis=1)
         parts.append(np.asarray(_all_loads(laps, cells, body).T @ modes.T))
     return np.concatenate(parts, axis=1)
 
 
-def _notes(laps: list[Contact], cells: list[LapCellsOf], lines: int) -> list[str]:
+def _notes(laps: list[Contact], cells: list[MatchedCells], lines: int) -> list[str]:
     """What the report of a run is to say of a group."""
     notes = []
     for lap, own in zip(laps, cells, strict=True):
-        notes.extend(lap_notes(lap, own))
+        notes.extend(small_sliding_notes(lap, own))
     count = sum(len(own.cell) for own in cells)
     if count > MANY:
         notes.append(

@@ -360,8 +360,8 @@ def _lines(body: Body, one: Deflection, touched: bool, at_rest: bool) -> list[st
         )
     if one.second > FLAG and touched:
         lines.append(
-            f"{name}: its contact surfaces and laps move by its modes alone, without the second-order motion, which is "
-            f"up to {percent(one.second)} of the deflection; split it into several bodies"
+            f"{name}: its contact surfaces and matched faces move by its modes alone, without the second-order motion, "
+            f"which is up to {percent(one.second)} of the deflection; split it into several bodies"
         )
     if one.strain > STRAINED:
         place = ", ".join(f"{x:.4g}" for x in one.place)

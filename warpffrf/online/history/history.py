@@ -206,7 +206,7 @@ class LumpedHistory(reprs.Rows):
 
 
 @dataclass(repr=False)
-class LapHistory(reprs.Rows):
+class SmallSlidingHistory(reprs.Rows):
     """One small-sliding contact: fields on its cells (c), in their frames (n, t_1, t_2), which rotate with body 1."""
 
     force: np.ndarray  # (T, 3) N, on the second face, world axes; the opposite acts on the first
@@ -278,7 +278,7 @@ class History(reprs.Shown):
     )  # dropped terms, capped counts, fallbacks: printed by Result.report()
     forces: dict[str, ForceHistory] = field(default_factory=dict)
     lumped_contacts: dict[str, LumpedHistory] = field(default_factory=dict)
-    laps: dict[str, LapHistory] = field(default_factory=dict)
+    small_sliding: dict[str, SmallSlidingHistory] = field(default_factory=dict)
     films: dict[str, FilmHistory] = field(default_factory=dict)
     sensors: dict[str, SensorHistory] = field(default_factory=dict)
     checkpoint: dict[str, np.ndarray] = field(default_factory=dict)  # the complete device state at the end
@@ -304,7 +304,7 @@ class History(reprs.Shown):
 
     def shown(self) -> dict[str, Any]:
         """Status and contents, name -> value, for a table."""
-        kinds = ("bodies", "joints", "forces", "contacts", "lumped_contacts", "films", "laps", "sensors")
+        kinds = ("bodies", "joints", "forces", "contacts", "lumped_contacts", "films", "small_sliding", "sensors")
         found = {kind: reprs.names(getattr(self, kind)) for kind in kinds if getattr(self, kind)}
         message = {"message": self.message} if self.message else {}
         return {"status": self.status, **message, "rows": len(self.time), **found}

@@ -36,8 +36,8 @@ from warpffrf.model.forces import SpringLaw
 from warpffrf.model.forces.notes import characteristic_notes
 from warpffrf.model.joints import Drive, Joint, Marker, Row
 from warpffrf.model.joints.base import gradient, value
-from warpffrf.model.laps.sliding import LapCellsOf, cells_of
 from warpffrf.model.scene import Scene
+from warpffrf.model.small_sliding.sliding import MatchedCells, cells_of
 from warpffrf.online.arrays.ring import SavedRows
 from warpffrf.online.compile.joint_friction import SlipTable
 from warpffrf.online.compile.laps import lap_order
@@ -55,8 +55,8 @@ from warpffrf.online.history.history import (
     History,
     JointFrictionHistory,
     JointHistory,
-    LapHistory,
     LumpedHistory,
+    SmallSlidingHistory,
 )
 from warpffrf.online.history.interface_motion import interface_motion, turned
 from warpffrf.online.history.sensors import force_histories, sensor_histories
@@ -100,7 +100,7 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
         scene=scene, time=time, step_size=rows["saved_step"],
         bodies=bodies, joints=joints, contacts=contacts, forces=forces,
         lumped_contacts=lumped_histories(compiled, rows, bodies), films=film_histories(compiled, rows, bodies),
-        laps=lap_histories(compiled, rows, bodies),
+        small_sliding=small_sliding_histories(compiled, rows, bodies),
         energy=energy, iterations=rows["saved_iterations"].astype(int),
         factorisations=rows["saved_solves"].astype(int),
         notes=left_out_notes(scene, compiled.joints.dropped, bodies, T)
@@ -312,7 +312,9 @@ def half_turn_notes(laws: dict[str, SpringLaw], bodies: dict[str, BodyHistory], 
     return notes
 
 
-def lap_histories(compiled: CompiledScene, rows: SavedRows, bodies: dict[str, BodyHistory]) -> dict[str, LapHistory]:
+def small_sliding_histories(
+    compiled: CompiledScene, rows: SavedRows, bodies: dict[str, BodyHistory]
+) -> dict[str, SmallSlidingHistory]:
     """By name, in the order of the scene."""
     laps = compiled.scene.small_sliding
     found, start = {}, 0
@@ -325,14 +327,16 @@ def lap_histories(compiled: CompiledScene, rows: SavedRows, bodies: dict[str, Bo
     return {lap.name: found[lap.name] for lap in laps}
 
 
-def _history(lap: Contact, cells: LapCellsOf, saved: np.ndarray, bodies: dict[str, BodyHistory]) -> LapHistory:
+def _history(
+    lap: Contact, cells: MatchedCells, saved: np.ndarray, bodies: dict[str, BodyHistory]
+) -> SmallSlidingHistory:
     """Of the numbers (T, c, `keeping.NUMBERS`) of its cells."""
     force = np.einsum("tck,cki->tci", saved[:, :, :3], cells.frames)
     arm = cells.points - lap.a.surface.points.mean(axis=0)
     rotation = bodies[lap.a.body.name].rotation
     area = cells.area[None, :]
     slipped = slice(int(keeping.SLIPPED), int(keeping.SLIPPED) + 2)
-    return LapHistory(
+    return SmallSlidingHistory(
         force=turned(rotation, force.sum(axis=1)), torque=turned(rotation, np.cross(arm, force).sum(axis=1)),
         normal_force=saved[:, :, 0].sum(axis=1), pressure=saved[:, :, 0] / area,
         traction=saved[:, :, 1:3] / area[:, :, None], gap=saved[:, :, int(keeping.GAP)].copy(),

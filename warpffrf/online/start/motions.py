@@ -1,4 +1,4 @@
-r"""Laps on the host: constants of their groups, and the motion that they see.
+r"""Small-sliding contacts on the host: constants of their groups, and the motion that they see.
 
 Bent gaps. Stiffness that a lumped contact under load has against motions which neither open nor close its gap.
 

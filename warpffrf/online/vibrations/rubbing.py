@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps.sliding import cells_of
+from warpffrf.model.small_sliding.sliding import cells_of
 from warpffrf.online.checkpoint import off_end_of
 from warpffrf.online.compile.laps import lap_order
 from warpffrf.online.engine import Engine
@@ -133,7 +133,10 @@ class RubbingMode:
         self.engine.put_back(self.state)
         f_0 = self.laps.at(np.zeros(len(self.T)))
         if f_0 is None:
-            raise InputError("equivalent_damping: the laps find no states about the state of the modes; load it anew")
+            raise InputError(
+                "equivalent_damping: the small-sliding contacts find no states about the state of the modes; load it "
+                "anew"
+            )
         self.f_0, self.eta, self.alpha, self.q = f_0, np.zeros(len(self.shape)), 0.0, 0.0
         self.laps.accept()
         lost, rows, slipping = [self._lost()], [(0.0, 0.0)], np.zeros(len(self._lost()), bool)
@@ -221,7 +224,7 @@ def rubbing_mode(modes: SceneModes, i: int) -> RubbingMode:
     """Mode i of `modes`. Raises `InputError` for scenes without laps, and for modes that are no standing vibration."""
     label, linear, value = "equivalent_damping", modes.linear, modes.eigenvalues[i]
     if not modes.scene.small_sliding:
-        raise InputError(f"{label}: the scene has no lap; damping_ratios has all that is linear")
+        raise InputError(f"{label}: the scene has no contact with small sliding; damping_ratios has all that is linear")
     if linear.turning:
         raise InputError(
             f"{label}: {', '.join(map(repr, linear.turning))} turns; take modes about an equilibrium, or the end of a "

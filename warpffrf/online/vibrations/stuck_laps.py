@@ -1,4 +1,5 @@
-r"""Laps in small motions: cells under pressure stick, also those that have slipped to get there; open ones stay open.
+r"""Small-sliding contacts in small motions: cells under pressure stick, also those that have slipped to get there; open
+ones stay open.
 
 With z the motion that laps see and B its gradients (`warpffrf_kernels.laps.motion`), `delta z = B delta x`, the forces
 s of the cells A that are under pressure keep their gaps closed and their slips as they are,
@@ -14,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.model.laps.sliding import cells_of
+from warpffrf.model.small_sliding.sliding import cells_of
 from warpffrf.online.compile.laps import lap_order
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.motions import gradients, lap_groups

@@ -24,14 +24,14 @@ yields there are hat forces too.
 Lap faces. Fields of a lap at the nodes of the skin of either of its bodies.
 
 A face carries the tractions of its cells, those of the lap's cells on the first face, the opposite ones on the second
-face of a pair, and on the second face of another body the forces that its own cells have (`model.laps.face_loads`) over
-their areas, so that both bodies carry the same force also where their meshes differ. A node has the mean of the cells
-that meet in it (`SkinNodes`); the state is that of the one nearest to sliding.
+face of a pair, and on the second face of another body the forces that its own cells have
+(`model.small_sliding.face_loads`) over their areas, so that both bodies carry the same force also where their meshes
+differ. A node has the mean of the cells that meet in it (`SkinNodes`); the state is that of the one nearest to sliding.
 
 Lap loads. The forces of laps on one flexible body at saved steps, as its responses to them know them.
 
-Pressure and traction of a cell times its area are its forces s on the second face; `model.laps.face_loads` has what
-they are on the cells of a body. Skin and stress follow from these and the body's own responses, beyond its global
+Pressure and traction of a cell times its area are its forces s on the second face; `model.small_sliding.face_loads` has
+what they are on the cells of a body. Skin and stress follow from these and the body's own responses, beyond its global
 modes: what cells yield by themselves.
 """
 
@@ -43,12 +43,12 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model.laps import lap_surface
-from warpffrf.model.laps.lap_surface import places
-from warpffrf.online.history.history import History, LapHistory
+from warpffrf.model.small_sliding import matched_surface
+from warpffrf.model.small_sliding.matched_surface import places
+from warpffrf.online.history.history import History, SmallSlidingHistory
 from warpffrf.output.bodies.patch_on_skin import NEAR, poses
 from warpffrf.output.geometry.places import CellPlaces, SkinSurface, grid_theta_offset, spread, wrapped
-from warpffrf.output.geometry.scene_view import BodyView, FilmView, LapView, PairView, SceneView
+from warpffrf.output.geometry.scene_view import BodyView, FilmView, PairView, SceneView, SmallSlidingView
 from warpffrf.output.geometry.skin_nodes import SkinNodes
 
 
@@ -207,22 +207,28 @@ def normal_loads(pair: PairView, history: Any, *, first: bool) -> NormalLoads:
 Array = np.ndarray
 
 
-class LapFace:
+class MatchedFace:
     """One face of a lap on the skin of its body."""
 
     def __init__(
-        self, lap: LapHistory, view: LapView, tractions: sp.csr_matrix, normals: Array, at: sp.csr_matrix, owner: Array
+        self,
+        contact: SmallSlidingHistory,
+        view: SmallSlidingView,
+        tractions: sp.csr_matrix,
+        normals: Array,
+        at: sp.csr_matrix,
+        owner: Array,
     ) -> None:
         """tractions (3 k, 3 c): from the forces of the lap's cells to tractions on the k cells of the face, user axes;
         normals (k, 3) of these, outwards; at (n, k): means of cells at nodes; owner (k,): the cell of the lap that
         each has its state of, -1 none."""
-        self._lap, self._area, self._tractions, self._normals = lap, view.area, tractions, normals
+        self._small_sliding, self._area, self._tractions, self._normals = contact, view.area, tractions, normals
         self._at, self._owner = at, owner
         self.rubs = view.friction > 0.0
 
     def _on_cells(self, i: int) -> tuple[Array, Array]:
         """Pressure (k,) and tangential traction (k, 3) [Pa]."""
-        t = (self._tractions @ cell_forces(self._lap, self._area, i)).reshape(-1, 3)
+        t = (self._tractions @ cell_forces(self._small_sliding, self._area, i)).reshape(-1, 3)
         pressure = -np.einsum("ki,ki->k", t, self._normals)
         return pressure, t + pressure[:, None] * self._normals
 
@@ -236,39 +242,41 @@ class LapFace:
 
     def state(self, i: int) -> Array:
         """State (n,) of the cells around each node, the largest of 0 open, 1 stick, 2 slip, at saved step `i`."""
-        own = np.where(self._owner >= 0, self._lap.state[i][self._owner], 0)
+        own = np.where(self._owner >= 0, self._small_sliding.state[i][self._owner], 0)
         around = sp.csr_matrix((own[self._at.indices], self._at.indices, self._at.indptr), self._at.shape, copy=True)
         return around.max(axis=1).toarray().ravel().astype(np.int8)
 
 
-def lap_faces(history: History, view: SceneView, body: str, points: Array, triangles: Array) -> list[LapFace]:
+def faces_on_skin(history: History, view: SceneView, body: str, points: Array, triangles: Array) -> list[MatchedFace]:
     """All faces of laps on a flexible body with the skin `points` (n, 3) [m, user frame], `triangles` (t, 3)."""
     skin, found = SkinNodes(points, triangles), []
-    for name, lap in view.laps.items():
-        own = history.laps[name]
-        if lap.first_body.name == body:
-            corners, cell = lap.triangles
-            every = np.arange(len(lap.cell))
-            out = _vectors(lap.frames, -1.0 / lap.area)
-            found.append(LapFace(own, lap, out, lap.frames[:, 0], skin.on(corners, cell, len(every)), every))
-            if lap.first.pair:
-                across = skin.across(corners, cell, lap.first.gap[lap.cell])
-                found.append(LapFace(own, lap, -out, -lap.frames[:, 0], across, every))
-        if lap.second is not None and lap.second_body.name == body:
-            found.append(_on_partner(own, lap, skin))
+    for name, contact in view.small_sliding.items():
+        own = history.small_sliding[name]
+        if contact.first_body.name == body:
+            corners, cell = contact.triangles
+            every = np.arange(len(contact.cell))
+            out = _vectors(contact.frames, -1.0 / contact.area)
+            found.append(
+                MatchedFace(own, contact, out, contact.frames[:, 0], skin.on(corners, cell, len(every)), every)
+            )
+            if contact.first.pair:
+                across = skin.across(corners, cell, contact.first.gap[contact.cell])
+                found.append(MatchedFace(own, contact, -out, -contact.frames[:, 0], across, every))
+        if contact.second is not None and contact.second_body.name == body:
+            found.append(_on_partner(own, contact, skin))
     return found
 
 
-def _on_partner(history: LapHistory, lap: LapView, skin: SkinNodes) -> LapFace:
+def _on_partner(history: SmallSlidingHistory, contact: SmallSlidingView, skin: SkinNodes) -> MatchedFace:
     """The second face, of another body."""
-    face = lap.second
-    own = places(lap.second_body.reduced.laps)[lap.second_surface_name]
-    tractions = sp.csr_matrix(_vectors(face.frames, 1.0 / face.area) @ on_second(lap)[own])
-    carried = sp.csc_matrix(lap.weights.multiply(lap.area[:, None]))
+    face = contact.second
+    own = places(contact.second_body.reduced.matched)[contact.second_surface_name]
+    tractions = sp.csr_matrix(_vectors(face.frames, 1.0 / face.area) @ on_second(contact)[own])
+    carried = sp.csc_matrix(contact.weights.multiply(contact.area[:, None]))
     most = np.asarray(carried.argmax(axis=0)).ravel()
     owner = np.where(carried.max(axis=0).toarray().ravel() > 0.0, most, -1)
     at = skin.on(face.triangles, face.cell, face.cells)
-    return LapFace(history, lap, tractions, face.frames[:, 0], at, owner)
+    return MatchedFace(history, contact, tractions, face.frames[:, 0], at, owner)
 
 
 def _vectors(frames: Array, factor: Array) -> sp.csr_matrix:
@@ -276,51 +284,55 @@ def _vectors(frames: Array, factor: Array) -> sp.csr_matrix:
     return sp.csr_matrix(sp.block_diag(list(np.swapaxes(frames, 1, 2) * factor[:, None, None]), format="csr"))
 
 
-def cell_forces(lap: LapHistory, area: np.ndarray, i: int) -> np.ndarray:
+def cell_forces(contact: SmallSlidingHistory, area: np.ndarray, i: int) -> np.ndarray:
     """Forces (3 c,) [N] of the cells with `area` (c,) [m2] on the second face, along their frames, at saved step
     `i`."""
-    return (np.column_stack([lap.pressure[i], lap.traction[i]]) * area[:, None]).ravel()
+    return (np.column_stack([contact.pressure[i], contact.traction[i]]) * area[:, None]).ravel()
 
 
-def on_first(lap: LapView) -> sp.csr_matrix:
+def on_first(contact: SmallSlidingView) -> sp.csr_matrix:
     """P (N, 3 c) of `face_loads` on the lap's first body."""
-    return lap_surface.on_own(lap.first_body.reduced.laps, lap.first_surface_name, lap.cell)
+    return matched_surface.on_own(contact.first_body.reduced.matched, contact.first_surface_name, contact.cell)
 
 
-def on_second(lap: LapView) -> sp.csr_matrix:
+def on_second(contact: SmallSlidingView) -> sp.csr_matrix:
     """P (N, 3 c) on the second body, which has to be another flexible one."""
-    laps = lap.second_body.reduced.laps
-    return lap_surface.on_partner(laps, lap.second_surface_name, lap.weights, lap.partner_frames)
+    small_sliding = contact.second_body.reduced.matched
+    return matched_surface.on_partner(
+        small_sliding, contact.second_surface_name, contact.weights, contact.partner_frames
+    )
 
 
-class LapLoads:
+class SmallSlidingLoads:
     """Of all laps that the body takes part in."""
 
     def __init__(self, history: History, view: SceneView, body: str) -> None:
         """body: name of a flexible one."""
-        self._parts: list[tuple[LapHistory, np.ndarray, sp.csr_matrix]] = []
-        for name, lap in view.laps.items():
-            if lap.first_body.name == body:
-                self._parts.append((history.laps[name], lap.area, on_first(lap)))
-            if lap.second is not None and lap.second_body.name == body:
-                self._parts.append((history.laps[name], lap.area, on_second(lap)))
+        self._parts: list[tuple[SmallSlidingHistory, np.ndarray, sp.csr_matrix]] = []
+        for name, contact in view.small_sliding.items():
+            if contact.first_body.name == body:
+                self._parts.append((history.small_sliding[name], contact.area, on_first(contact)))
+            if contact.second is not None and contact.second_body.name == body:
+                self._parts.append((history.small_sliding[name], contact.area, on_second(contact)))
 
     def forces(self, i: int) -> np.ndarray | None:
-        """Forces (N,) [N] on all cells of the body's laps, in the order of `ReducedBody.laps`, at saved step `i`; None
-        of a body without laps in the scene."""
-        parts = [P @ cell_forces(lap, area, i) for lap, area, P in self._parts]
+        """Forces (N,) [N] on all cells of the body's laps, in the order of `ReducedBody.small_sliding`, at saved step
+        `i`; None of a body without laps in the scene."""
+        parts = [P @ cell_forces(contact, area, i) for contact, area, P in self._parts]
         return np.sum(parts, axis=0) if parts else None
 
 
 def left_out(bodies: Any) -> list[str]:
     """A line for each of the `bodies`, views, whose skin does not know what forces on its laps do to it."""
     return [
-        _left_out(body) for body in bodies if body.reduced and body.reduced.laps and body.reduced.surface.laps is None
+        _left_out(body)
+        for body in bodies
+        if body.reduced and body.reduced.matched and body.reduced.surface.matched is None
     ]
 
 
 def _left_out(body: BodyView) -> str:
     return (
-        f"the skin of '{body.name}' moves by its modes alone: what forces on its laps do to it beside them was left "
-        "out of its file as too large; surfaces.Matched(size=, growth=) makes fewer cells"
+        f"the skin of '{body.name}' moves by its modes alone: what forces on its matched faces do to it besides was "
+        "left out of its file as too large; surfaces.Matched(size=, growth=) makes fewer cells"
     )

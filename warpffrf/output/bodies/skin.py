@@ -1,14 +1,15 @@
 r"""The deformed skin of a body at a saved step, and the pressure on it.
 
-    x_user = X + Phi_g(X) q + Theta(q, q)(X) + recover(f) + sum_i laps_i(X) s_i
+    x_user = X + Phi_g(X) q + Theta(q, q)(X) + recover(f) + sum_i matched_i(X) s_i
 
 Theta is the motion of second order of bodies with membrane energy that loads stiffen (`model.second_order_motion`).
 `recover` is the local modes' response to outward hat forces, those of `normal_loads`; with friction the tangential
 forces of `patch_on_skin` are recovered in the same way, of bodies that were reduced with tangential modes. Oil films
 load their first body by their pressure; their shear is left out. `laps` is what the forces s on the cells of laps do
-beside the global modes (`lap_loads`); where a body's file lacks it as too large, results say so (`lap_loads.left_out`).
-Pressure, traction and state of laps are those of `lap_faces`. Slip speed and wear are those of contacts: laps slip by
-distances, which `result.contact(name)` has. Stress is that of `skin_stress`, where the body was reduced with it.
+beside the global modes (`small_sliding_loads`); where a body's file lacks it as too large, results say so
+(`small_sliding_loads.left_out`). Pressure, traction and state of laps are those of `faces_on_skin`. Slip speed and wear
+are those of contacts: laps slip by distances, which `result.contact(name)` has. Stress is that of `skin_stress`, where
+the body was reduced with it.
 
 Skin stress. Stress at the nodes of a skin, of bodies that were reduced with stress points there.
 
@@ -32,7 +33,7 @@ from scipy.spatial import KDTree
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.reduced.inertia import skin_displacement
 from warpffrf.model.reduced.stress_field import von_mises
-from warpffrf.output.bodies.normal_loads import LapLoads, film_loads, lap_faces, normal_loads
+from warpffrf.output.bodies.normal_loads import SmallSlidingLoads, faces_on_skin, film_loads, normal_loads
 from warpffrf.output.bodies.patch_on_skin import PatchOnSkin, patch_on_skin, tangential_forces
 from warpffrf.output.bodies.stress import BodyStress
 from warpffrf.output.geometry.places import SkinSurface
@@ -40,7 +41,7 @@ from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView
 from warpffrf.output.geometry.skin_nodes import thinned
 
 CONTACT_FIELDS = ("pressure", "traction", "slip", "state", "wear")  # what a skin can show of its contacts
-LAP_FIELDS = ("pressure", "traction", "state")  # and of its laps
+SMALL_SLIDING_FIELDS = ("pressure", "traction", "state")  # and of its laps
 VON_MISES = "von_mises"  # of bodies that were reduced with stress points on their skin
 
 
@@ -57,8 +58,8 @@ class Skin:
         self._loads = {p.name: normal_loads(p, history, first=self._is_first(p)) for p in self._pairs}
         films = film_loads(view.films.values(), history, body.name)
         self._films = [(load, SkinSurface(load.surface, self.points)) for load in films]
-        self._lap_loads = LapLoads(history, view, body.name)
-        self._laps = lap_faces(history, view, body.name, self.points, self.triangles)
+        self._small_sliding_loads = SmallSlidingLoads(history, view, body.name)
+        self._small_sliding = faces_on_skin(history, view, body.name, self.points, self.triangles)
         self._rubbing = {
             p.name: patch_on_skin(p, history, self._on[p.name], self.points, first=self._is_first(p))
             for p in self._pairs
@@ -86,9 +87,9 @@ class Skin:
                 u = u + tangential.recover(tangential_forces(pair, contact, self.history.bodies, i, first=first))
         for load, _ in self._films:
             u = u + load.surface.recover(load.forces(i))
-        on_laps, responses = self._lap_loads.forces(i), self.body.reduced.surface.laps
-        if on_laps is not None and responses is not None:
-            u = u + np.tensordot(on_laps.astype(responses.dtype), responses, axes=1)
+        on_faces, responses = self._small_sliding_loads.forces(i), self.body.reduced.surface.matched
+        if on_faces is not None and responses is not None:
+            u = u + np.tensordot(on_faces.astype(responses.dtype), responses, axes=1)
         return u
 
     def pressure(self, i: int) -> np.ndarray:
@@ -100,7 +101,7 @@ class Skin:
             p[on.nodes] += self._loads[pair.name].pressure(i, on, self.points)
         for load, on in self._films:
             p[on.nodes] += load.pressure(i, on, self.points)
-        for face in self._laps:
+        for face in self._small_sliding:
             p += face.pressure(i)
         return p
 
@@ -110,13 +111,13 @@ class Skin:
         speed and wear, none without contact, oil film or lap."""
         if self._rubbing:
             return CONTACT_FIELDS
-        if any(face.rubs for face in self._laps):
-            return LAP_FIELDS
-        return CONTACT_FIELDS[:1] if self._pairs or self._films or self._laps else ()
+        if any(face.rubs for face in self._small_sliding):
+            return SMALL_SLIDING_FIELDS
+        return CONTACT_FIELDS[:1] if self._pairs or self._films or self._small_sliding else ()
 
     def traction(self, i: int) -> np.ndarray:
         """Tangential traction (n, 3) [Pa] on this body at the skin's nodes, user axes, at saved step `i`."""
-        parts = [on.traction(i) for on in (*self._rubbing.values(), *self._laps)]
+        parts = [on.traction(i) for on in (*self._rubbing.values(), *self._small_sliding)]
         return np.sum(parts, axis=0) if parts else np.zeros_like(self.points)
 
     def slip_speed(self, i: int) -> np.ndarray:
@@ -133,7 +134,7 @@ class Skin:
         found = np.zeros(len(self.points), dtype=np.int8)
         for patch in self._rubbing.values():
             found = np.maximum(found, patch.nearest(i, patch.contact.friction.state[i]).astype(np.int8))
-        for face in self._laps:
+        for face in self._small_sliding:
             found = np.maximum(found, face.state(i))
         return found
 

@@ -1,12 +1,12 @@
 r"""Stress of one body over a run, at points that were named when it was reduced.
 
-    sigma(t) = sum_i modes_i q_i(t) + sum_pairs [T f(t) + W s(t)] + sum_i laps_i s_i(t) + sum_r membrane_r e_r(t)
+    sigma(t) = sum_i modes_i q_i(t) + sum_pairs [T f(t) + W s(t)] + sum_i matched_i s_i(t) + sum_r membrane_r e_r(t)
 
 with the global coordinates `q`, and of every contact pair that the body takes part in, as first or as second body, the
 outward hat forces `f` and, with friction, the tangential forces of the cells (`StressField`); of oil films on the body
-their pressure, without their shear; of laps the forces `s` on their cells (`lap_loads`); of a body with membrane energy
-that loads stiffen its amplitudes `e_r = q.L_r q/2`. The tensor is in the axes of the body's user frame, which turns
-with the body; von Mises and principal stresses do not depend on axes. With membrane energy it is the second
+their pressure, without their shear; of laps the forces `s` on their cells (`small_sliding_loads`); of a body with
+membrane energy that loads stiffen its amplitudes `e_r = q.L_r q/2`. The tensor is in the axes of the body's user frame,
+which turns with the body; von Mises and principal stresses do not depend on axes. With membrane energy it is the second
 Piola-Kirchhoff stress: along fibres of the undeformed body, which turn with it, and Cauchy's stress but for a fraction
 of the size of strains.
 
@@ -62,7 +62,7 @@ from warpffrf.model.reduced.inertia import membrane_amplitudes, membrane_forms
 from warpffrf.model.reduced.stress_field import StressField, max_shear, principal, rotated, von_mises
 from warpffrf.online.history.history import History
 from warpffrf.output.bodies.half_space_stress import under_cells, under_hats
-from warpffrf.output.bodies.normal_loads import CellLoads, LapLoads, NormalLoads, film_loads, normal_loads
+from warpffrf.output.bodies.normal_loads import CellLoads, NormalLoads, SmallSlidingLoads, film_loads, normal_loads
 from warpffrf.output.bodies.patch_on_skin import poses, tangential_forces
 from warpffrf.output.geometry.places import grid_theta_offset, tangents
 from warpffrf.output.geometry.scene_view import SceneView
@@ -155,14 +155,14 @@ class BodyStress:
                 is_fine = isinstance(load, CellLoads)
                 self._loads.append(PatchStress(load, self.field, walls.get(load.surface.name)) if is_fine else load)
         self._loads += film_loads(view.films.values(), history, body)
-        self._laps = LapLoads(history, view, body)
+        self._small_sliding = SmallSlidingLoads(history, view, body)
 
     def tensor(self, i: int) -> np.ndarray:
         """Stress (p, 6) [Pa] in the order xx, yy, zz, xy, yz, zx, axes of the body's user frame, at saved step `i`."""
         modal, loads = self.history.bodies[self.body].modal[i], self._loads
         rubbing = tangential_surface_forces(self.history, self.view, self.body, i)
         stretched = None if self._squares is None else membrane_amplitudes(self._squares, modal)
-        tensor = self.field.evaluate(modal, surface_forces(loads, i), rubbing, self._laps.forces(i), stretched)
+        tensor = self.field.evaluate(modal, surface_forces(loads, i), rubbing, self._small_sliding.forces(i), stretched)
         for load in loads:
             if isinstance(load, PatchStress):
                 tensor = tensor + load.at(i, load.forces(i))

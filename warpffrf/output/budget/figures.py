@@ -126,8 +126,8 @@ def _values(history: History, view: SceneView) -> Iterator[tuple[str, str, Any]]
         yield "friction power", owner, film.friction_power
         yield "feed flow", owner, film.feed_flow
         yield "end flow", owner, film.end_flow
-    for name, lap in history.laps.items():
-        yield "peak pressure", f"contact {name!r}", lap.pressure.max(axis=1, initial=0.0)
+    for name, contact in history.small_sliding.items():
+        yield "peak pressure", f"contact {name!r}", contact.pressure.max(axis=1, initial=0.0)
     for name, joint in history.joints.items():
         yield "reaction", f"joint {name!r}", joint.force
         yield "reaction torque", f"joint {name!r}", joint.torque

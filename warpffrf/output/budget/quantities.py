@@ -55,7 +55,7 @@ def quantities(history: History) -> dict[str, Quantity]:
     """
     forces = [_of_force(f"contact {name!r}", contact.force) for name, contact in _contacts(history)]
     forces += [_of_force(f"film {name!r}", film.force) for name, film in history.films.items()]
-    forces += [_of_force(f"contact {name!r}", lap.force) for name, lap in history.laps.items()]
+    forces += [_of_force(f"contact {name!r}", contact.force) for name, contact in history.small_sliding.items()]
     least = LIGHT * max((quantity.size for quantity in forces), default=0.0)
     found = [quantity.at_least(least, f"{LIGHT:g} of the largest contact force") for quantity in forces]
     places = {body.name: _places(body, history) for body in history.scene.bodies}
@@ -70,8 +70,8 @@ def quantities(history: History) -> dict[str, Quantity]:
         if modal.size:
             strain = 2.0 * np.pi * np.asarray(body.reduced.frequencies) * modal
             found.append(_over_mean_square(f"deformation of body {body.name!r}", strain))
-    for name, lap in history.laps.items():
-        loss = lap.loss.sum(axis=1, keepdims=True)
+    for name, contact in history.small_sliding.items():
+        loss = contact.loss.sum(axis=1, keepdims=True)
         found.append(Quantity(f"loss of contact {name!r}", loss, float(loss.max(initial=0.0))))
     return {quantity.name: quantity for quantity in found if quantity.size > 0.0}
 

@@ -161,7 +161,7 @@ def going_on(d: Array, parts: float) -> float:
 def _unseen(history: History, step: float) -> str:
     """What is said of vibrations that the steps do not resolve, of a machine that can have them."""
     highest = RESOLVED / (2.0 * np.pi * COARSER * step)
-    touching = bool(history.contacts or history.lumped_contacts or history.films or history.laps)
+    touching = bool(history.contacts or history.lumped_contacts or history.films or history.small_sliding)
     if not touching and not any(np.any(body.reduced.frequencies > highest) for body in _flexible(history)):
         return ""
     return f"; vibrations above {highest:.3g} Hz, which it does not resolve, are not in it"

@@ -37,7 +37,7 @@ COMPONENTS = {
     "chart_axis": ("e_0", "e_1"),
     "along": ("t_1", "t_2"),
     "frame_axis": ("n", "t_1", "t_2"),
-    "side": ("lap", "second_face"),
+    "side": ("contact", "second_face"),
 }
 SIZES = {dim: len(names) for dim, names in COMPONENTS.items()}
 
@@ -154,42 +154,58 @@ FILM_SECOND_FIELDS = (
     ),
 )
 
-LAP_CELL, LAP_ALONG = ("lap_cell",), ("lap_cell", "along")  # along: t_1 and t_2 of the frame of a cell
-LAP_FRAME = "along t_1 and t_2 of the cells"
-LAP_FIELDS = (
-    Field("lap_force", "force", "N", "world, on the second face", AXIS),
-    Field("lap_torque", "torque", "N m", "world, on the second face, about the middle of the first face's cells", AXIS),
-    Field("lap_normal_force", "normal_force", "N", "along the normals, without regard to their direction"),
-    Field("lap_pressure", "pressure", "Pa", "means over the cells", LAP_CELL, stacked=False),
-    Field("lap_traction", "traction", "Pa", f"on the second face, {LAP_FRAME}", LAP_ALONG, stacked=False),
-    Field("lap_gap", "gap", "m", "along the normals", LAP_CELL, stacked=False),
-    Field("lap_slip", "slip", "m", f"of the second face so far, {LAP_FRAME}", LAP_ALONG, stacked=False),
-    Field("lap_state", "state", "0 open, 1 stick, 2 slip", "none", LAP_CELL, stacked=False),
-    Field("lap_cell_loss", "loss", "J", "by friction so far", LAP_CELL, stacked=False),
-)
-# Derived by `LapResult`, written so that readers without warpffrf have them, never read back.
-FIRST_USER = "user frame of the first body"
-LAP_DERIVED = (
-    Field("lap_loss", "loss", "J", "by friction so far"),
-    Field("lap_peak_pressure", "peak_pressure", "Pa", "mean over a cell"),
-    Field("lap_stick_area", "stick_area", "m2", "none"),
-    Field("lap_slip_area", "slip_area", "m2", "none"),
-    Field("lap_sliding", "sliding", "m", f"{FIRST_USER}, of the second face at the middle of the cells", AXIS),
-    Field("lap_turning", "turning", "rad", f"{FIRST_USER}, of the second face", AXIS),
-)
-# Of `LapView`: the cells, the same in all steps.
-LAP_CELLS = (
-    Field("lap_number", "cell", "1", "number of the cell on the first face", LAP_CELL, stacked=False),
-    Field("lap_point", "points", "m", f"{FIRST_USER}, middles of the cells", ("lap_cell", "axis"), stacked=False),
-    Field("lap_frame", "frames", "1", f"{FIRST_USER}, rows n, t_1, t_2", ("lap_cell", "frame_axis", "axis"), False),
-    Field("lap_area", "area", "m2", "none", LAP_CELL, stacked=False),
-    Field("lap_partner", "partners", "m", "user frame of the second body, likewise", ("lap_cell", "axis"), False),
+MATCHED_CELL = "small_sliding_cell"
+ON_CELLS, ALONG_CELLS = (MATCHED_CELL,), (MATCHED_CELL, "along")  # along: t_1 and t_2 of the frame of a cell
+OF_CELLS = "along t_1 and t_2 of the cells"
+SMALL_SLIDING_FIELDS = (
+    Field("small_sliding_force", "force", "N", "world, on the second face", AXIS),
     Field(
-        "lap_partner_frame", "partner_frames", "1", "second body, likewise", ("lap_cell", "frame_axis", "axis"), False
+        "small_sliding_torque", "torque", "N m",
+        "world, on the second face, about the middle of the first face's cells", AXIS,
     ),
-    Field("lap_share", "shares", "1", "of the force of a cell on one of a second flexible face", ("share",), False),
-    Field("lap_share_cell", "share_cells", "1", "numbers of both cells", ("share", "side"), False),
+    Field("small_sliding_normal_force", "normal_force", "N", "along the normals, without regard to their direction"),
+    Field("small_sliding_pressure", "pressure", "Pa", "means over the cells", ON_CELLS, stacked=False),
+    Field("small_sliding_traction", "traction", "Pa", f"on the second face, {OF_CELLS}", ALONG_CELLS, stacked=False),
+    Field("small_sliding_gap", "gap", "m", "along the normals", ON_CELLS, stacked=False),
+    Field("small_sliding_slip", "slip", "m", f"of the second face so far, {OF_CELLS}", ALONG_CELLS, stacked=False),
+    Field("small_sliding_state", "state", "0 open, 1 stick, 2 slip", "none", ON_CELLS, stacked=False),
+    Field("small_sliding_cell_loss", "loss", "J", "by friction so far", ON_CELLS, stacked=False),
+)  # fmt: skip
+# Derived by `SmallSlidingResult`, written so that readers without warpffrf have them, never read back.
+FIRST_USER = "user frame of the first body"
+SMALL_SLIDING_DERIVED = (
+    Field("small_sliding_loss", "loss", "J", "by friction so far"),
+    Field("small_sliding_peak_pressure", "peak_pressure", "Pa", "mean over a cell"),
+    Field("small_sliding_stick_area", "stick_area", "m2", "none"),
+    Field("small_sliding_slip_area", "slip_area", "m2", "none"),
+    Field(
+        "small_sliding_sliding", "sliding", "m", f"{FIRST_USER}, of the second face at the middle of the cells", AXIS
+    ),
+    Field("small_sliding_turning", "turning", "rad", f"{FIRST_USER}, of the second face", AXIS),
 )
+# Of `SmallSlidingView`: the cells, the same in all steps.
+SMALL_SLIDING_CELLS = (
+    Field("small_sliding_number", "cell", "1", "number of the cell on the first face", ON_CELLS, stacked=False),
+    Field("small_sliding_point", "points", "m", f"{FIRST_USER}, middles of the cells", (MATCHED_CELL, "axis"), False),
+    Field(
+        "small_sliding_frame", "frames", "1", f"{FIRST_USER}, rows n, t_1, t_2", (MATCHED_CELL, "frame_axis", "axis"),
+        False,
+    ),
+    Field("small_sliding_area", "area", "m2", "none", ON_CELLS, stacked=False),
+    Field(
+        "small_sliding_partner", "partners", "m", "user frame of the second body, likewise", (MATCHED_CELL, "axis"),
+        False,
+    ),
+    Field(
+        "small_sliding_partner_frame", "partner_frames", "1", "second body, likewise",
+        (MATCHED_CELL, "frame_axis", "axis"), False,
+    ),
+    Field(
+        "small_sliding_share", "shares", "1", "of the force of a cell on one of a second flexible face", ("share",),
+        False,
+    ),
+    Field("small_sliding_share_cell", "share_cells", "1", "numbers of both cells", ("share", "side"), False),
+)  # fmt: skip
 
 # Of the pairs that were run with friction: their own owners, `friction_pair`.
 CELLS = "cells of the contact grid of the first surface"

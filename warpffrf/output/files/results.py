@@ -5,8 +5,9 @@
     /lumped_force (time, lumped_contact, axis), ...   over the lumped contacts, where there are any
     /film_force (time, film, axis), /film_pressure/<film> (time, film_column, film_row), ...   over the oil films, where
                              there are any; /film_theta/<film>, /film_z/<film> the places of the nodes
-    /lap_force (time, lap, axis), /lap_pressure/<lap> (time, lap_cell), ...   over the laps, where there are any;
-                             /lap_point/<lap>, /lap_area/<lap>, ... their cells
+    /small_sliding_force (time, lap, axis), /small_sliding_pressure/<lap> (time, small_sliding_cell), ...   over the
+                             laps, where there are any; /small_sliding_point/<lap>, /small_sliding_area/<lap>, ... their
+                             cells
     /contact_friction_power (time, friction_pair), ...   over the pairs with friction, where there are any
     /contact_cell_half_width (time, cell_pair), /contact_cell_z/<pair> (time, row), ...   over the pairs whose pressure
                              stands on cells that travel with the patch, where there are any
@@ -63,9 +64,9 @@ from warpffrf.online.history.history import (
     History,
     JointFrictionHistory,
     JointHistory,
-    LapHistory,
     LumpedHistory,
     SensorHistory,
+    SmallSlidingHistory,
 )
 from warpffrf.output.files.fields import (
     BODY_FIELDS,
@@ -82,12 +83,12 @@ from warpffrf.output.files.fields import (
     FRICTION_FIELDS,
     JOINT_FIELDS,
     JOINT_FRICTION_FIELDS,
-    LAP_CELLS,
-    LAP_DERIVED,
-    LAP_FIELDS,
     LUMPED_FIELDS,
     RUN_FIELDS,
     SIZES,
+    SMALL_SLIDING_CELLS,
+    SMALL_SLIDING_DERIVED,
+    SMALL_SLIDING_FIELDS,
     Field,
     of_owner,
 )
@@ -97,9 +98,9 @@ from warpffrf.output.geometry.scene_view import (
     Anchor,
     BodyView,
     FilmView,
-    LapView,
     PairView,
     SceneView,
+    SmallSlidingView,
     ground_view,
 )
 
@@ -114,9 +115,9 @@ _GROUPS = (
     ("forces", "force", FORCE_FIELDS, ForceHistory),
     ("lumped_contacts", "lumped_contact", LUMPED_FIELDS, LumpedHistory),
     ("films", "film", FILM_FIELDS, FilmHistory),
-    ("laps", "lap", LAP_FIELDS, LapHistory),
+    ("small_sliding", "small_sliding", SMALL_SLIDING_FIELDS, SmallSlidingHistory),
 )
-_ONLY_WHERE_THERE = ("lumped_contact", "film", "lap")
+_ONLY_WHERE_THERE = ("lumped_contact", "film", "small_sliding")
 
 
 def write_results(result: Any, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
@@ -169,9 +170,16 @@ def put_result(file: Any, result: Any, *, bodies: bool = True, packing: dict[str
     if yielding:
         _put_group(file, "film", FILM_SECOND_FIELDS, yielding, steps, packing)
     _put_fixed(file, FILM_POSITIONS, {name: result.film(name) for name in history.films})
-    if history.laps:
-        _put_group(file, "lap", LAP_DERIVED, {name: result.contact(name) for name in history.laps}, steps, packing)
-    _put_fixed(file, LAP_CELLS, {name: result.view.laps[name] for name in history.laps})
+    if history.small_sliding:
+        _put_group(
+            file,
+            "small_sliding",
+            SMALL_SLIDING_DERIVED,
+            {name: result.contact(name) for name in history.small_sliding},
+            steps,
+            packing,
+        )
+    _put_fixed(file, SMALL_SLIDING_CELLS, {name: result.view.small_sliding[name] for name in history.small_sliding})
     lines = np.stack(list(history.energy.values()), axis=1) if history.energy else np.zeros((steps, 0))
     file.attrs["energy_lines"] = json.dumps(list(history.energy))
     _put(file, Field("energy", "energy", ENERGY_UNITS, "none", ("line",)), lines, (), packing)
@@ -355,14 +363,14 @@ def _put_scene(file: Any, view: SceneView, reduced: bool) -> None:
         for f in view.films.values()
     ]
     group.attrs["films"] = json.dumps(films)
-    laps = [
+    small_sliding = [
         [v.name, v.first_body.name, v.first_surface_name, v.second_body.name, v.second_surface_name, v.friction]
-        for v in view.laps.values()
+        for v in view.small_sliding.values()
     ]
-    group.attrs["laps"] = json.dumps(laps)
+    group.attrs["small_sliding"] = json.dumps(small_sliding)
     fixed = [
         b
-        for p in (*view.pairs.values(), *view.lumped.values(), *view.films.values(), *view.laps.values())
+        for p in (*view.pairs.values(), *view.lumped.values(), *view.films.values(), *view.small_sliding.values())
         for b in (p.first_body, p.second_body)
         if b.name not in view.bodies
     ]
@@ -403,19 +411,19 @@ def _get_scene(file: Any) -> SceneView:
         name: FilmView(name, known[first], first_surface, known[second], second_surface, clearance=clearance)
         for name, first, first_surface, second, second_surface, clearance in json.loads(group.attrs["films"])
     }
-    laps = {
-        name: LapView(
+    small_sliding = {
+        name: SmallSlidingView(
             name, known[first], first_surface, known[second], second_surface, friction,
-            **{field.attribute: read(file, f"{field.name}/{_key(name)}") for field in LAP_CELLS},
+            **{field.attribute: read(file, f"{field.name}/{_key(name)}") for field in SMALL_SLIDING_CELLS},
         )
-        for name, first, first_surface, second, second_surface, friction in json.loads(group.attrs["laps"])
+        for name, first, first_surface, second, second_surface, friction in json.loads(group.attrs["small_sliding"])
     }  # fmt: skip
     anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs["anchors"]))
     joints = tuple(json.loads(group.attrs["joints"]))
     bearings = json.loads(group.attrs["bearings"])
     told = read(file, "scene/description").tobytes()
     return SceneView(
-        str(group.attrs["content_hash"]), bodies, pairs, joints, anchors, lumped, films, laps, bearings,
+        str(group.attrs["content_hash"]), bodies, pairs, joints, anchors, lumped, films, small_sliding, bearings,
         dict(json.loads(told)),
     )  # fmt: skip
 
@@ -448,7 +456,7 @@ FINITE = {
         "void",
         "asperity",
     ),
-    "laps": ("force", "torque", "normal_force", "pressure", "traction", "gap", "slip", "loss"),
+    "small_sliding": ("force", "torque", "normal_force", "pressure", "traction", "gap", "slip", "loss"),
 }
 
 
@@ -476,9 +484,9 @@ def check_history(history: History) -> None:
         _check_owner(film, FILM_FIELDS, name, steps)
         _check_owner(film if film.load_second is not None else None, FILM_SECOND_FIELDS, name, steps)
         _check_film_grid(film, name, history.scene)
-    for name, lap in history.laps.items():
-        _check_owner(lap, LAP_FIELDS, name, steps)
-        _check_lap_cells(lap, name, history.scene)
+    for name, contact in history.small_sliding.items():
+        _check_owner(contact, SMALL_SLIDING_FIELDS, name, steps)
+        _check_small_sliding_cells(contact, name, history.scene)
     for name, contact in history.contacts.items():
         _check_owner(contact, [f for f in CONTACT_FIELDS if f.attribute != "load_second"], name, steps)
         _check_owner(contact, [f for f in CONTACT_FIELDS if f.attribute == "load_second"], name, steps)
@@ -509,15 +517,17 @@ def _check_film_grid(film: Any, name: str, scene: Any) -> None:
         )
 
 
-def _check_lap_cells(lap: Any, name: str, scene: Any) -> None:
+def _check_small_sliding_cells(contact: Any, name: str, scene: Any) -> None:
     """The fields of a lap against its cells, as a file has them."""
     if not isinstance(scene, SceneView):
         return
-    if name not in scene.laps:
-        raise InputError(f"lap '{name}' has a history, but the scene has no lap of this name")
-    cells, count = len(scene.laps[name].area), np.shape(lap.pressure)[1]
+    if name not in scene.small_sliding:
+        raise InputError(
+            f"contact '{name}' has a history, but the scene has no contact with small sliding of this name"
+        )
+    cells, count = len(scene.small_sliding[name].area), np.shape(contact.pressure)[1]
     if count != cells:
-        raise InputError(f"lap_pressure of '{name}' has {count} cells, the lap has {cells}")
+        raise InputError(f"small_sliding_pressure of '{name}' has {count} cells, the contact has {cells}")
 
 
 def _check_owner(owner: Any, fields: Any, name: str, steps: int) -> None:

@@ -52,12 +52,12 @@ from warpffrf.output.files.fields import (
     FRICTION_FIELDS,
     JOINT_FIELDS,
     JOINT_FRICTION_FIELDS,
-    LAP_CELLS,
-    LAP_DERIVED,
-    LAP_FIELDS,
     LUMPED_FIELDS,
     RUN_FIELDS,
     SIZES,
+    SMALL_SLIDING_CELLS,
+    SMALL_SLIDING_DERIVED,
+    SMALL_SLIDING_FIELDS,
     Field,
     of_owner,
 )
@@ -224,7 +224,7 @@ def owner_groups(result: Any) -> tuple[Group, ...]:
     rubbing = {name: contact.friction for name, contact in contacts.items() if contact.has_friction}
     cells = {name: contact.cells for name, contact in history.contacts.items() if contact.cells is not None}
     stuck = {name: force.friction for name, force in history.forces.items() if force.friction is not None}
-    laps = {name: result.contact(name) for name in history.laps}
+    small_sliding = {name: result.contact(name) for name in history.small_sliding}
     yielding = {name: film for name, film in history.films.items() if film.load_second is not None}
     return (
         ("body", BODY_FIELDS, history.bodies),
@@ -236,7 +236,14 @@ def owner_groups(result: Any) -> tuple[Group, ...]:
         *([("lumped_contact", LUMPED_FIELDS, history.lumped_contacts)] if history.lumped_contacts else []),
         *([("film", FILM_FIELDS, history.films)] if history.films else []),
         *([("film", FILM_SECOND_FIELDS, yielding)] if yielding else []),
-        *([("lap", LAP_FIELDS, history.laps), ("lap", LAP_DERIVED, laps)] if laps else []),
+        *(
+            [
+                ("small_sliding", SMALL_SLIDING_FIELDS, history.small_sliding),
+                ("small_sliding", SMALL_SLIDING_DERIVED, small_sliding),
+            ]
+            if small_sliding
+            else []
+        ),
         *([("cell_pair", CELL_FIELDS, cells)] if cells else []),
         *([("friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing)] if rubbing else []),
     )
@@ -259,11 +266,12 @@ def to_xarray(result: Any) -> Any:
         (coords if field.name == "time" else data)[field.name] = entry
     contacts = {name: result.contact(name) for name in history.contacts}
     cells = {name for name, contact in history.contacts.items() if contact.cells is not None}
-    laps = {name: result.contact(name) for name in history.laps}
+    small_sliding = {name: result.contact(name) for name in history.small_sliding}
     groups = owner_groups(result)
     present = {dim for dim, _, _ in groups}
     for dim, owner in (
-        ("slip", "joint_friction"), ("chart_axis", "film"), ("along", "lap"), ("frame_axis", "lap"), ("side", "lap")
+        ("slip", "joint_friction"), ("chart_axis", "film"), ("along", "small_sliding"), ("frame_axis", "small_sliding"),
+        ("side", "small_sliding"),
     ):  # fmt: skip
         if owner in present:
             coords[dim] = list(COMPONENTS[dim])
@@ -296,10 +304,10 @@ def to_xarray(result: Any) -> Any:
         for field in FILM_POSITIONS:
             dim = f"{field.dims[0]}_{name}"
             coords[dim] = ((dim,), getattr(result.film(name), field.attribute), _attributes(field))
-    for name, lap in laps.items():
-        for field in LAP_CELLS:
+    for name, contact in small_sliding.items():
+        for field in SMALL_SLIDING_CELLS:
             dims = tuple(d if d in SIZES else f"{d}_{name}" for d in field.dims)
-            coords[f"{field.name}_{name}"] = (dims, getattr(lap.view, field.attribute), _attributes(field))
+            coords[f"{field.name}_{name}"] = (dims, getattr(contact.view, field.attribute), _attributes(field))
     for name in result.sensor_names:
         sensor = result.sensor(name)
         coords[f"component_{name}"] = list(sensor.components)

@@ -32,7 +32,7 @@ from warpffrf.model.messages.progress import Progress
 from warpffrf.model.reduced.stress_field import rotated, von_mises
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.geometry.places import rotate
-from warpffrf.output.laps import LapOnSkin, LapResult
+from warpffrf.output.small_sliding import CellsOnSkin, SmallSlidingResult
 
 log = logging.getLogger("warpffrf")
 
@@ -74,11 +74,11 @@ def write_time_series(
     folder = target.with_suffix("")
     folder.mkdir(exist_ok=True)
     entries = []
-    laps = [result.contact(name) for name in result.small_sliding_names]
+    small_sliding = [result.contact(name) for name in result.small_sliding_names]
     parts = [(name, partial(body_mesh, result, name, skin)) for name, skin in skins.items()]
-    for lap in laps:
-        placed = LapOnSkin(lap.view, skins[lap.view.first_body.name])
-        parts.append((lap.name, partial(lap_mesh, result, lap, placed)))
+    for contact in small_sliding:
+        placed = CellsOnSkin(contact.view, skins[contact.view.first_body.name])
+        parts.append((contact.name, partial(cells_mesh, result, contact, placed)))
     rows = range(0, len(result.time), stride)
     bar = Progress("VTK files", len(rows), enabled=progress)
     for done, i in enumerate(rows):
@@ -122,19 +122,24 @@ def body_mesh(result: Any, name: str, skin: Skin, i: int) -> Any:
     )
 
 
-def lap_mesh(result: Any, lap: LapResult, placed: LapOnSkin, i: int) -> Any:
+def cells_mesh(result: Any, contact: SmallSlidingResult, placed: CellsOnSkin, i: int) -> Any:
     """The meshio mesh of the cells of one lap at saved step `i`."""
     meshio = meshio_package()
 
-    motion, cell = result.history.bodies[lap.view.first_body.name], placed.cell
-    rotation, along = motion.rotation[i], lap.frames[:, 1:]
+    motion, cell = result.history.bodies[contact.view.first_body.name], placed.cell
+    rotation, along = motion.rotation[i], contact.frames[:, 1:]
 
     def in_world(components: np.ndarray) -> np.ndarray:
         return rotate(rotation, np.einsum("ck,ckd->cd", components, along))[cell]
 
-    data = {"pressure": lap.pressure[i], "gap": lap.gap[i], "state": lap.state[i], "loss": lap.loss_density[i]}
+    data = {
+        "pressure": contact.pressure[i],
+        "gap": contact.gap[i],
+        "state": contact.state[i],
+        "loss": contact.loss_density[i],
+    }
     fields = {name: [values[cell]] for name, values in data.items()}
-    fields |= {"traction": [in_world(lap.traction[i])], "slip": [in_world(lap.slip[i])], "cell": [cell]}
+    fields |= {"traction": [in_world(contact.traction[i])], "slip": [in_world(contact.slip[i])], "cell": [cell]}
     return meshio.Mesh(
         points=np.asarray(motion.position[i]) + rotate(rotation, placed.corners.reshape(-1, 3)),
         cells=[("triangle", np.arange(3 * len(cell)).reshape(-1, 3))],

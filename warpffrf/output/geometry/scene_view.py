@@ -15,9 +15,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.laps.sliding import cells_of
 from warpffrf.model.reduced.inertia import interface_motion
 from warpffrf.model.rigid_surface import RigidSurface
+from warpffrf.model.small_sliding.sliding import cells_of
 
 GROUND = "ground"
 
@@ -73,7 +73,7 @@ class FilmView(PairView):
 
 
 @dataclass(frozen=True, eq=False)
-class LapView:
+class SmallSlidingView:
     """One lap: its bodies (of two faces of one body twice that body), the name of the first body's lap or face, that of
     the second face ("" of a pair), coefficient of friction [-], and its c cells at the initial pose: `cell` (c,) their
     numbers on the first face, `points` (c, 3) [m] and `frames` (c, 3, 3) with rows n, t_1, t_2 in user axes of the
@@ -99,14 +99,14 @@ class LapView:
 
     @property
     def first(self) -> Any:
-        """`LapSurface` of the first body, whose cells these are."""
-        return self.first_body.reduced.laps[self.first_surface_name]
+        """`MatchedSurface` of the first body, whose cells these are."""
+        return self.first_body.reduced.matched[self.first_surface_name]
 
     @property
     def second(self) -> Any:
-        """`LapSurface` of the second body, None of a pair and of a rigid surface."""
+        """`MatchedSurface` of the second body, None of a pair and of a rigid surface."""
         reduced = self.second_body.reduced
-        return reduced.laps[self.second_surface_name] if reduced is not None and self.second_surface_name else None
+        return reduced.matched[self.second_surface_name] if reduced is not None and self.second_surface_name else None
 
     @property
     def weights(self) -> sp.csr_matrix:
@@ -136,7 +136,7 @@ class SceneView:
     anchors: tuple[Anchor, ...] = ()
     lumped: dict[str, PairView] = field(default_factory=dict)
     films: dict[str, FilmView] = field(default_factory=dict)
-    laps: dict[str, LapView] = field(default_factory=dict)
+    small_sliding: dict[str, SmallSlidingView] = field(default_factory=dict)
     bearings: dict[str, dict[str, Any]] = field(default_factory=dict)  # as `model.bearings.Bearing.describe` says
     description: dict[str, Any] = field(default_factory=dict)
 
@@ -163,25 +163,35 @@ def scene_view(scene: Any) -> SceneView:
         for film in scene.films
     }  # fmt: skip
     joints = tuple(joint.name for joint in scene.joints)
-    laps = {lap.name: _lap(lap, known) for lap in scene.small_sliding}
+    small_sliding = {contact.name: _small_sliding(contact, known) for contact in scene.small_sliding}
     bearings = {bearing.name: bearing.describe() for bearing in scene.bearings}
     return SceneView(
-        scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped, films, laps, bearings,
+        scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped, films, small_sliding, bearings,
         scene.describe(),
     )  # fmt: skip
 
 
-def _lap(lap: Any, known: dict[str, BodyView]) -> LapView:
-    cells = cells_of(lap)
-    other = lap.a if lap.b is None else lap.b
-    turn = rot.matrix(other.body.rotation).T @ rot.matrix(lap.a.body.rotation)
+def _small_sliding(contact: Any, known: dict[str, BodyView]) -> SmallSlidingView:
+    cells = cells_of(contact)
+    other = contact.a if contact.b is None else contact.b
+    turn = rot.matrix(other.body.rotation).T @ rot.matrix(contact.a.body.rotation)
     shares = sp.coo_matrix((len(cells.cell), 0)) if cells.weights is None else cells.weights.tocoo()
-    return LapView(
-        lap.name, known[lap.a.body.name], lap.a.name, known[other.body.name], "" if lap.b is None else lap.b.name,
-        lap.friction.static_coefficient, cells.cell, cells.points, cells.frames, cells.area,
-        other.body.to_user(lap.a.body.to_world(cells.points)), cells.frames @ turn.T, shares.data,
+    return SmallSlidingView(
+        contact.name,
+        known[contact.a.body.name],
+        contact.a.name,
+        known[other.body.name],
+        "" if contact.b is None else contact.b.name,
+        contact.friction.static_coefficient,
+        cells.cell,
+        cells.points,
+        cells.frames,
+        cells.area,
+        other.body.to_user(contact.a.body.to_world(cells.points)),
+        cells.frames @ turn.T,
+        shares.data,
         np.stack([shares.row, shares.col], axis=1).astype(np.int64),
-    )  # fmt: skip
+    )
 
 
 def _pairs(contacts: Any, known: dict[str, BodyView]) -> dict[str, PairView]:

@@ -16,9 +16,9 @@ from warpffrf.output.plots.bearing import BEARING_PLOTS, POLAR, the_bearing
 from warpffrf.output.plots.colors import LEAST, ROUND_OFF, about_zero, from_zero
 from warpffrf.output.plots.films import FILM_PLOTS, has_orbit
 from warpffrf.output.plots.friction import FRICTION_PLOTS, draw_depth, has_material, rubbing
-from warpffrf.output.plots.laps import LAP_PLOTS, the_lap
 from warpffrf.output.plots.panels import HISTORY_PLOTS, draw_bars, draw_numbers, numbers_of, the_channel
 from warpffrf.output.plots.picture import write_drawing, write_picture
+from warpffrf.output.plots.small_sliding import SMALL_SLIDING_PLOTS, the_small_sliding
 
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
@@ -47,7 +47,8 @@ def _contact(result: Any) -> Any:
     if not result.finite_sliding_names:
         raise InputError(
             f"plot: the scene has no contact with finite sliding, or another one is named; 'energy' can be drawn, of "
-            f"contacts with small sliding {', '.join(map(repr, LAP_PLOTS))}, and plots of films if it has some"
+            f"contacts with small sliding {', '.join(map(repr, SMALL_SLIDING_PLOTS))}, and plots of films if it has "
+            "some"
         )
     return result.contact(result.finite_sliding_names[0])
 
@@ -301,16 +302,16 @@ def plot(
     without them, and of histories without a name.
     """
     known = {**PLOTS, **FRICTION_PLOTS}
-    kinds = tuple(dict.fromkeys((*known, *FILM_PLOTS, *LAP_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS)))
+    kinds = tuple(dict.fromkeys((*known, *FILM_PLOTS, *SMALL_SLIDING_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS)))
     if kind not in kinds:
         cure = "; the page with all of them is result.summary()" if kind == SUMMARY else ""
         raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join(kinds)}{cure}")
     result, row = _shown(result, contact, row)
     known |= {name: _of_film(draw, film, row) for name, draw in FILM_PLOTS.items()}
     if result.small_sliding_names and not result.finite_sliding_names:
-        known |= {name: _of_lap(draw, row) for name, draw in LAP_PLOTS.items()}
+        known |= {name: _of_small_sliding(draw, row) for name, draw in SMALL_SLIDING_PLOTS.items()}
     else:
-        known = {name: _of_lap(draw, row) for name, draw in LAP_PLOTS.items()} | known
+        known = {name: _of_small_sliding(draw, row) for name, draw in SMALL_SLIDING_PLOTS.items()} | known
     known |= {name: _of_bearing(draw, bearing, row) for name, draw in BEARING_PLOTS.items()}
     if kind in HISTORY_PLOTS:
         known[kind] = _of_history(HISTORY_PLOTS[kind], the_channel(kind, channel), speed)
@@ -338,8 +339,8 @@ def _of_film(draw: Callable[[Any, Any, int], None], film: str | None, row: int) 
     return lambda result, ax: draw(_film(result, film), ax, row)
 
 
-def _of_lap(draw: Callable[[Any, Any, int], None], row: int) -> Draw:
-    return lambda result, ax: draw(the_lap(result), ax, row)
+def _of_small_sliding(draw: Callable[[Any, Any, int], None], row: int) -> Draw:
+    return lambda result, ax: draw(the_small_sliding(result), ax, row)
 
 
 def _of_history(draw: Callable[[Any, Any, str, str | None], None], channel: str, speed: str | None) -> Draw:
@@ -364,16 +365,16 @@ def drawable(result: Any, film: str | None = None, row: int = -1) -> dict[str, D
         kinds = [kind for kind in FILM_PLOTS if kind != "film_orbit" or has_orbit(_film(result, film))]
         drawn |= {kind: _of_film(FILM_PLOTS[kind], film, row) for kind in kinds}
     if result.small_sliding_names:
-        frictionless = the_lap(result).friction == 0.0
-        kinds = [kind for kind in LAP_PLOTS if kind != "friction_loss" or not frictionless]
-        drawn = {kind: _of_lap(LAP_PLOTS[kind], row) for kind in kinds} | drawn
+        frictionless = the_small_sliding(result).friction == 0.0
+        kinds = [kind for kind in SMALL_SLIDING_PLOTS if kind != "friction_loss" or not frictionless]
+        drawn = {kind: _of_small_sliding(SMALL_SLIDING_PLOTS[kind], row) for kind in kinds} | drawn
     return drawn if len(result.time) > 1 else {kind: draw for kind, draw in drawn.items() if kind not in OVER_TIME}
 
 
 def about_kinds() -> dict[str, str]:
     """Every kind of plot, and in a sentence what it shows."""
     draws: dict[str, Callable[..., None]] = {
-        **LAP_PLOTS, **PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **BEARING_PLOTS, **HISTORY_PLOTS
+        **SMALL_SLIDING_PLOTS, **PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **BEARING_PLOTS, **HISTORY_PLOTS
     }  # fmt: skip
     said = {kind: " ".join((draw.__doc__ or "").split("\n\n")[0].split()) for kind, draw in draws.items()}
     return said | {SUMMARY: "Everything that the run has data for, on one page."}
@@ -422,7 +423,7 @@ def _numbers(result: Any, ax: Any, film: str | None) -> None:
         _contact(result) if result.finite_sliding_names else None,
         rubbing(result) if any(result.contact(name).has_friction for name in result.finite_sliding_names) else None,
         _film(result, film) if result.film_names else None,
-        the_lap(result) if result.small_sliding_names else None,
+        the_small_sliding(result) if result.small_sliding_names else None,
     )
     draw_numbers(ax, numbers, f"Numbers at {_at(result, 0)}")
 

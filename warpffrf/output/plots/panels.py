@@ -212,7 +212,7 @@ def draw_numbers(ax: Any, numbers: Mapping[str, str], title: str) -> None:
     ax.set_title(title, fontsize=10)
 
 
-def numbers_of(result: Any, contact: Any, friction: Any, film: Any, lap: Any) -> dict[str, str]:
+def numbers_of(result: Any, contact: Any, friction: Any, film: Any, small: Any) -> dict[str, str]:
     """What histories of the run have in its row; contact, friction, film, lap: those whose figures are drawn, or None
     (friction: the pair that rubs)."""
     found: dict[str, str] = {}
@@ -230,9 +230,9 @@ def numbers_of(result: Any, contact: Any, friction: Any, film: Any, lap: Any) ->
     if film is not None:
         found["smallest film"] = f"{film.smallest_gap[0] * 1e6:.4g} µm"
         found["largest pressure of the film"] = f"{film.largest_pressure[0] * 1e-6:.4g} MPa"
-    if lap is not None:
-        found[f"normal force of {lap.name!r}"] = f"{lap.normal_force[0] * 1e-3:.4g} kN"
-        found[f"slipping area of {lap.name!r}"] = f"{lap.slip_area[0] * 1e6:.4g} mm²"
+    if small is not None:
+        found[f"normal force of {small.name!r}"] = f"{small.normal_force[0] * 1e-3:.4g} kN"
+        found[f"slipping area of {small.name!r}"] = f"{small.slip_area[0] * 1e6:.4g} mm²"
     found["energy at hand"] = f"{result.energy_scale:.4g} J"
     return found
 

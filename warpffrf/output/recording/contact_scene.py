@@ -46,18 +46,18 @@ def relief_name(field: str) -> str:
 class ContactColors:
     """Colours of the contact fields, one range for all pairs of a run; `fields` are those that some pair has."""
 
-    def __init__(self, contacts: list[Any], films: list[Any], laps: list[Any], rows: np.ndarray) -> None:
+    def __init__(self, contacts: list[Any], films: list[Any], small_sliding: list[Any], rows: np.ndarray) -> None:
         """films, laps: their pressures, and the tractions of laps, have the colours of those of contacts."""
         rubbing = [c.friction for c in contacts if c.has_friction]
-        pressing = "contact" if contacts else "film" if films else "lap"
+        pressing = "contact" if contacts else "film" if films else "small-sliding contact"
         self.fields = (["pressure"] if contacts else []) + (list(FRICTION_FIELDS) if rubbing else [])
 
         def top(arrays: list[np.ndarray]) -> float:
             return largest([a[rows] for a in arrays])
 
         tops = {
-            "pressure": top([c.peak_pressure for c in contacts] + [o.pressure for o in (*films, *laps)]),
-            "traction": top([o.traction_magnitude for o in (*rubbing, *laps)]),
+            "pressure": top([c.peak_pressure for c in contacts] + [o.pressure for o in (*films, *small_sliding)]),
+            "traction": top([o.traction_magnitude for o in (*rubbing, *small_sliding)]),
             "slip": top([f.slip_speed for f in rubbing]),
             "wear": top([f.wear_index for f in rubbing]),
             "state": 0.0,
@@ -251,9 +251,9 @@ MACHINE_PLOTS = {
     "film_force": "Forces of oil films [N]",
     "film_gap": "Smallest films [µm]",
     "film_pressure": "Largest pressures of films [MPa]",
-    "lap_force": "Normal forces of laps [N]",
-    "lap_slip": "Slipping areas of laps [mm²]",
-    "lap_loss": "Losses of laps by friction [J]",
+    "small_sliding_force": "Normal forces of small-sliding contacts [N]",
+    "small_sliding_slip": "Slipping areas of small-sliding contacts [mm²]",
+    "small_sliding_loss": "Losses of small-sliding contacts by friction [J]",
     "joint_force": "Reactions of the joints [N]",
     "applied_force": "Applied and spring forces [N]",
     "joint_friction": "Friction in joints, and its bounds [N]",
@@ -281,11 +281,11 @@ def machine_series(result: Any) -> list[Series]:
         found.append((("plots", "film_gap", name), f"{name} [µm]", film.smallest_gap * 1e6))
         found.append((("plots", "film_pressure", name), f"{name} [MPa]", film.largest_pressure * 1e-6))
     for name in result.small_sliding_names:
-        lap = result.contact(name)
-        found.append((("plots", "lap_force", name), f"{name} [N]", lap.normal_force))
-        if lap.friction > 0.0:
-            found.append((("plots", "lap_slip", name), f"{name} [mm²]", lap.slip_area * 1e6))
-            found.append((("plots", "lap_loss", name), f"{name} [J]", lap.loss))
+        contact = result.contact(name)
+        found.append((("plots", "small_sliding_force", name), f"{name} [N]", contact.normal_force))
+        if contact.friction > 0.0:
+            found.append((("plots", "small_sliding_slip", name), f"{name} [mm²]", contact.slip_area * 1e6))
+            found.append((("plots", "small_sliding_loss", name), f"{name} [J]", contact.loss))
     for name, force in history.forces.items():
         if force.friction is not None:
             size = np.linalg.norm(force.friction.traction, axis=1)

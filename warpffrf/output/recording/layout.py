@@ -43,7 +43,7 @@ def blueprint(recorder: Any) -> Any:
     contents = [*bodies, *forces, *hidden] if recorder.contacts else [*bodies, *arrows]
     machine = _machine_view(recorder, contents)
     close_ups = [_close_up(recorder, scene, field) for scene in recorder.scenes for field in scene.fields]
-    close_ups += [scene.view(field) for scene in recorder.lap_scenes for field in scene.fields]
+    close_ups += [scene.view(field) for scene in recorder.small_sliding_scenes for field in scene.fields]
     maps = [_map(scene, field) for scene in recorder.scenes for field in scene.fields]
     contacts = recorder.contacts
     series = machine_series(result)

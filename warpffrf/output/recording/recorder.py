@@ -6,8 +6,8 @@ where it is rigid; `/world/joint_arrows`, `/world/force_arrows`, `/world/lumped_
 lumped contacts do, see `glyphs`;
 `/world/contacts/<pair>` is a frame that stays with the patch (x along the arc, y along the axis, z outwards) and
 carries the pressure relief, `/patch_map/<pair>` the unwrapped patch, see `contact_scene`; `/world/forces/<pair>` the
-contact's arrows; `/world/laps/<lap>` the cells of a lap, see `lap_scene`; `/plots`, `/solver` scalars over all saved
-rows.
+contact's arrows; `/world/small_sliding/<contact>` the cells of a contact with small sliding, see `small_sliding_scene`;
+`/plots`, `/solver` scalars over all saved rows.
 
 Every array is handed over as a fresh copy: rerun sends later than it is called, and a buffer changed in between is
 sent changed.
@@ -42,8 +42,8 @@ from warpffrf.output.recording import frames as fr
 from warpffrf.output.recording.contact_scene import ContactColors, ContactScene, contact_series, machine_series
 from warpffrf.output.recording.frames import close_stream, in_memory, new_stream
 from warpffrf.output.recording.glyphs import Glyphs, RigidShapes, force_text, rigid_size
-from warpffrf.output.recording.lap_scene import LAP_TEXT, LapColors, LapScene
 from warpffrf.output.recording.layout import blueprint
+from warpffrf.output.recording.small_sliding_scene import SMALL_SLIDING_TEXT, SmallSlidingColors, SmallSlidingScene
 from warpffrf.output.result import Result
 
 MAX_POINTS = 8000  # a body: 16 bytes a point and frame, so 300 frames of two bodies stay under 80 MB
@@ -149,7 +149,9 @@ def _row_is_finite(result: Any, bodies: dict[str, fr.BodyFrames], f: int, i: int
     owners = (*history.joints.values(), *history.forces.values(), *history.lumped_contacts.values())
     arrays += [a.force[i] for a in owners]
     arrays += [a[i] for f in history.films.values() for a in (f.force, f.pressure)]
-    arrays += [a[i] for lap in history.laps.values() for a in (lap.force, lap.pressure, lap.loss)]
+    arrays += [
+        a[i] for contact in history.small_sliding.values() for a in (contact.force, contact.pressure, contact.loss)
+    ]
     arrays += [a[i] for c in history.contacts.values() for a in (c.force, c.pressure, c.center_column)]
     rubbing = [c.friction for c in history.contacts.values() if getattr(c, "friction", None) is not None]
     arrays += [a[i] for f in rubbing for a in (f.traction, f.slip_velocity)]
@@ -195,18 +197,20 @@ class _Recorder:
         self.factor = float(factor) if factor is not None else automatic_factor(top, smallest)
         self.top_force = largest([c.force_magnitude[rows[good]] for c in self.contacts])
         films = list(result.history.films.values())
-        laps = [result.contact(name) for name in result.small_sliding_names]
-        self.color, self.contact_colors = color, ContactColors(self.contacts, films, laps, rows[good])
+        small_sliding = [result.contact(name) for name in result.small_sliding_names]
+        self.color, self.contact_colors = color, ContactColors(self.contacts, films, small_sliding, rows[good])
         self.skin_scale = self._skin_scale(top)
         self.scenes = [ContactScene(self, contact) for contact in self.contacts]
-        self.lap_colors = LapColors(laps, rows[good])
-        self.lap_scenes = [LapScene(self, lap, skins[lap.view.first_body.name]) for lap in laps]
+        self.small_sliding_colors = SmallSlidingColors(small_sliding, rows[good])
+        self.small_sliding_scenes = [
+            SmallSlidingScene(self, contact, skins[contact.view.first_body.name]) for contact in small_sliding
+        ]
         self.glyphs, self.shapes = Glyphs(self, self.size), RigidShapes(self)
         fields = self.contact_colors.fields
         self.scales: list[ColorScale | ColorClasses] = [self.contact_colors.scale(name) for name in fields]
         if bodies and color not in fields:
             self.scales.insert(0, self.skin_scale)
-        self.scales += [self.lap_colors.scale(name) for name in self.lap_colors.fields]
+        self.scales += [self.small_sliding_colors.scale(name) for name in self.small_sliding_colors.fields]
         self.notes = self._notes()
 
     def _skin_scale(self, top: float) -> ColorScale | ColorClasses:
@@ -244,7 +248,7 @@ class _Recorder:
                 self.stream.set_time("time", duration=float(self.result.time[i]))
                 self._bodies(f, int(i))
                 self.glyphs.frame(int(i))
-                for scene in (*self.scenes, *self.lap_scenes):
+                for scene in (*self.scenes, *self.small_sliding_scenes):
                     scene.frame(int(i))
         bar.close()
 
@@ -285,7 +289,7 @@ class _Recorder:
                 self.path("world", name, "surface"),
                 rr.Mesh3D.from_fields(triangle_indices=triangles, vertex_normals=normals),
             )
-        for scene in (*self.scenes, *self.lap_scenes):
+        for scene in (*self.scenes, *self.small_sliding_scenes):
             scene.static()
         self.shapes.static()
         self.glyphs.static()
@@ -313,7 +317,7 @@ class _Recorder:
             f"one length for all, the largest is {force_text(self.glyphs.top_force)}.",
             *([CONTACT_TEXT] if self.contacts else []),
             *([FILM_TEXT] if self.result.film_names else []),
-            *([LAP_TEXT] if self.lap_scenes else []),
+            *([SMALL_SLIDING_TEXT] if self.small_sliding_scenes else []),
             *([FRICTION_TEXT] if any(c.has_friction for c in self.contacts) else []),
             "\n".join(contacts),
             "## Notes",

@@ -256,27 +256,26 @@ def _film(name: str, film: Any, time: Any) -> str:
     return line + f"; feeds {_mean(film.feed_flow, time) * 1e6:.5g} cm3/s on average"
 
 
-def _small_sliding(lap: Any) -> list[str]:
+def _small_sliding(contact: Any) -> list[str]:
     """Force and pressure, cells by state, what slid and what that took, and what makes it uncertain."""
-    force, peak = lap.normal_force, lap.peak_pressure * 1e-6
-    count, area = lap.counts[-1], lap.slip_area * 1e6
-    line = f"contact '{lap.name}': normal force {force[-1]:.5g} N (largest {np.max(force):.5g})"
+    force, peak = contact.normal_force, contact.peak_pressure * 1e-6
+    count, area = contact.counts[-1], contact.slip_area * 1e6
+    line = f"contact '{contact.name}': normal force {force[-1]:.5g} N (largest {np.max(force):.5g})"
     line += f"; peak pressure {peak[-1]:.5g} MPa (largest {np.max(peak):.5g})"
-    line += f"; of {lap.cells} cells {count[0]} open, {count[1]} stick, {count[2]} slip"
-    ratio = lap.shift_distance / lap.size
+    line += f"; of {contact.cells} cells {count[0]} open, {count[1]} stick, {count[2]} slip"
+    ratio = contact.shift_distance / contact.size
     row, cell = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
-    slid, turned = (np.linalg.norm(values[-1]) for values in (lap.sliding, lap.turning))
-    zone = lap.slip_zone()
-    slips = (
-        f"  slid            largest {lap.shift_distance[row, cell] * 1e6:.5g} um, {ratio[row, cell]:.2g} of the cell"
-    )
+    slid, turned = (np.linalg.norm(values[-1]) for values in (contact.sliding, contact.turning))
+    zone = contact.slip_zone()
+    largest = contact.shift_distance[row, cell] * 1e6
+    slips = f"  slid            largest {largest:.5g} um, {ratio[row, cell]:.2g} of the cell"
     slips += f"; as a whole {slid * 1e6:.5g} um and {turned:.3g} rad at the end"
-    warnings = [f"  warning         {warning}" for warning in lap.warnings()]
-    if lap.friction == 0.0:
+    warnings = [f"  warning         {warning}" for warning in contact.warnings()]
+    if contact.friction == 0.0:
         return [line, slips, *warnings]
     slips += f"; slipping area {area[-1]:.5g} mm2 (largest {np.max(area):.5g})"
     across = f", {zone.across:.2g} across" if np.isfinite(zone.across) else ""
-    loss = f"  loss            {lap.loss[-1]:.5g} J by friction, in {zone.cells} cells{across}"
+    loss = f"  loss            {contact.loss[-1]:.5g} J by friction, in {zone.cells} cells{across}"
     return [line, slips, loss, *warnings]
 
 
