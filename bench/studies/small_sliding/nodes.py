@@ -279,7 +279,7 @@ def motion_rows() -> list[list[str]]:
 
 def page() -> str:
     """Markdown."""
-    return f"""# Laps beside full finite elements
+    return f"""# Small-sliding contacts compared with full finite elements
 
 {MADE}
 Steel sheets, {SIZE[0] * 1e3:g} mm long and {SIZE[2] * 1e3:g} mm high together, in one body that hangs together at its
