@@ -308,10 +308,8 @@ def plot(
         raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join(kinds)}{cure}")
     result, row = _shown(result, contact, row)
     known |= {name: _of_film(draw, film, row) for name, draw in FILM_PLOTS.items()}
-    if result.small_sliding_names and not result.finite_sliding_names:
-        known |= {name: _of_small_sliding(draw, row) for name, draw in SMALL_SLIDING_PLOTS.items()}
-    else:
-        known = {name: _of_small_sliding(draw, row) for name, draw in SMALL_SLIDING_PLOTS.items()} | known
+    taken = _kinds_of_finite_sliding(result) if result.small_sliding_names else known
+    known |= {name: _of_small_sliding(draw, row) for name, draw in SMALL_SLIDING_PLOTS.items() if name not in taken}
     known |= {name: _of_bearing(draw, bearing, row) for name, draw in BEARING_PLOTS.items()}
     if kind in HISTORY_PLOTS:
         known[kind] = _of_history(HISTORY_PLOTS[kind], the_channel(kind, channel), speed)
@@ -343,6 +341,13 @@ def _of_small_sliding(draw: Callable[[Any, Any, int], None], row: int) -> Draw:
     return lambda result, ax: draw(the_small_sliding(result), ax, row)
 
 
+def _kinds_of_finite_sliding(result: Any) -> set[str]:
+    """The kinds of plots that show a contact with finite sliding; those with small sliding have some in common."""
+    names = result.finite_sliding_names
+    rubs = any(result.contact(name).has_friction for name in names)
+    return {*(PLOTS if names else ()), *(FRICTION_PLOTS if rubs else ())}
+
+
 def _of_history(draw: Callable[[Any, Any, str, str | None], None], channel: str, speed: str | None) -> Draw:
     return lambda result, ax: draw(result, ax, channel, speed)
 
@@ -367,7 +372,7 @@ def drawable(result: Any, film: str | None = None, row: int = -1) -> dict[str, D
     if result.small_sliding_names:
         frictionless = the_small_sliding(result).friction == 0.0
         kinds = [kind for kind in SMALL_SLIDING_PLOTS if kind != "friction_loss" or not frictionless]
-        drawn = {kind: _of_small_sliding(SMALL_SLIDING_PLOTS[kind], row) for kind in kinds} | drawn
+        drawn |= {kind: _of_small_sliding(SMALL_SLIDING_PLOTS[kind], row) for kind in kinds if kind not in drawn}
     return drawn if len(result.time) > 1 else {kind: draw for kind, draw in drawn.items() if kind not in OVER_TIME}
 
 
@@ -388,6 +393,9 @@ def summary(result: Any, contact: str | None = None, film: str | None = None, ro
 
     result, row = _shown(result, contact, row)
     drawn = drawable(result, film, row)
+    if result.small_sliding_names:  # what a contact with finite sliding has in common with them is drawn of both
+        both = [kind for kind in SMALL_SLIDING_PLOTS if kind in _kinds_of_finite_sliding(result)]
+        drawn |= {f"{kind}, small sliding": _of_small_sliding(SMALL_SLIDING_PLOTS[kind], row) for kind in both}
     if len(result.time) == 1:
         numbers: dict[str, Draw] = {"numbers": lambda result, ax: _numbers(result, ax, film)}
         drawn = {"force": drawn.pop("force")} | numbers | drawn if "force" in drawn else numbers | drawn
