@@ -145,5 +145,5 @@ def test_what_cannot_be_rubbed_is_refused() -> None:
             modes.equivalent_damping(0, **given)
     free = Scene()
     free.add_rigid_body(1.0, (1, 1, 1), name="stone")
-    with pytest.raises(InputError, match="no lap"):
+    with pytest.raises(InputError, match="no contact with small sliding"):
         eigenmodes(free, about="initial").equivalent_damping(0, 1e-6)
