@@ -87,7 +87,8 @@ belongs to one."""
     ratio = np.median([theirs.milliseconds / max(mine.milliseconds, 1e-9) for theirs, mine in pairs])
     said = f"""Study and engine differ by {apart:.0e} at most, which is the turning of bolts; the engine's load step
 takes 1/{ratio:.0f} of the time in the middle of the rows."""
-    return f"## Small-sliding contacts of the engine\n\n{textwrap.fill(what, 120)}\n\n{table(head, rows)}\n{textwrap.fill(said, 120)}\n"
+    title = "## Small-sliding contacts of the engine"
+    return f"{title}\n\n{textwrap.fill(what, 120)}\n\n{table(head, rows)}\n{textwrap.fill(said, 120)}\n"
 
 
 def page(joint: Joint, found: Sequence[Space], results: Sequence[Compared], both: Sequence[Both]) -> str:
