@@ -20,7 +20,7 @@ STRUCTURES = {
     "Shape", "InputError", "Sensor", "Integrator", "from_description", "as_oil", "as_law",
     "Coefficients", "Marker", "Row", "Signal", "basis_options", "ONE_TEN_HUNDRED", "damping_ratios", "default_damping",
     "roots_at_infinity", "coincident_within", "as_signal", "Bearing", "Cage", "Example", "AxialPreload", "RunError",
-    "BasisProblem", "RawBasis", "Force", "Pieces", "scalar_law", "Approach", "RevolutionShape",
+    "Status", "BasisProblem", "RawBasis", "Force", "Pieces", "scalar_law", "Approach", "RevolutionShape",
 }  # fmt: skip
 WRONG = "no_argument_of_this_name"
 

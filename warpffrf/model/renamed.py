@@ -6,7 +6,7 @@ from __future__ import annotations
 # old -> new, of which one is known where the old one is not; ARGUMENT=... is a new argument that takes the old one
 RENAMED: dict[str, tuple[str, ...]] = {
     # surfaces and grids of contact
-    "patch_grid": ("contact_fixed", "grid=wf.ContactGrid(contact_fixed=...)"),
+    "patch_grid": ("contact_fixed",),
     "patch": ("contact_fixed",), "material": ("body_fixed", "materials"),
     "gaps": ("kinematics",), "points": ("closest_point",),
     "evaluation": ("quadrature",), "semi": ("full",), "hyper": ("reduced",),
@@ -17,7 +17,7 @@ RENAMED: dict[str, tuple[str, ...]] = {
     # runs and studies of runs
     "GeneralizedAlpha": ("integrators.GeneralizedAlpha",),
     "local": ("local_modes",), "LocalDynamics": ("LocalModes",),
-    "local_dynamics": ("local_modes", "options=wf.ReductionOptions(local_dynamics=...)"),
+    "local_dynamics": ("local_modes",),
     "stages": ("duration",), "device": ("workers=['cuda:0', ...]",),
     "simulate": ("run=functools.partial(wf.simulate, ...)",), "equilibrium": ("run=wf.equilibrium",),
     **{name: (f"run=functools.partial(wf.simulate, {name}=...)",) for name in ("duration", "step", "start")},
@@ -44,13 +44,7 @@ RENAMED: dict[str, tuple[str, ...]] = {
     "powers": ("axial_degrees",),
     "mass_conserving": ("jfo",), "half": ("half_sommerfeld",), "none": ("full_sommerfeld",),
     # reductions
-    "hats": ("nodes",), "traction_spacing": ("spacing", "grid=wf.ContactGrid(spacing=...)"),
-    "contact_error": ("force_error", "grid=wf.ContactGrid(force_error=...)"),
-    **{name: (f"grid=wf.ContactGrid({name}=...)",)
-       for name in ("expected_half_width", "traction", "tangential", "contact_fixed", "sampling_error")},
-    **{name: (f"options=wf.ReductionOptions({name}=...)",)
-       for name in ("inertia_modes", "stiffening", "membrane_modes", "centrifugal", "periodic",
-                    "solver", "memory_limit")},
+    "hats": ("nodes",), "traction_spacing": ("spacing",), "contact_error": ("force_error",),
     # laws, forces, cages
     "StribeckCoulomb": ("Stribeck",), "TableCoulomb": ("TabulatedFriction",), "TableLayer": ("TabulatedLayer",),
     "ForceTable": ("TabulatedForce",), "RollingLever": ("RollingResistanceArm",), "Bearing": ("BearingSpring",),

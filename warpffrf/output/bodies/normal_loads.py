@@ -333,6 +333,6 @@ def left_out(bodies: Any) -> list[str]:
 
 def _left_out(body: BodyView) -> str:
     return (
-        f"the skin of '{body.name}' moves by its modes alone: its local response to the forces of its matched faces was "
-        "left out of its file as too large; surfaces.Matched(size=, growth=) makes fewer cells"
+        f"the skin of '{body.name}' moves by its modes alone: its local response to the forces of its matched faces "
+        "was left out of its file as too large; surfaces.Matched(size=, growth=) makes fewer cells"
     )
