@@ -28,8 +28,8 @@ from studies.contact.evaluations import (
     STEP,
     STIFFER,
     compare,
-    hat_means,
     layer_of,
+    node_means,
     points_of,
     run_at_nodes,
     run_quadrature,
@@ -49,7 +49,7 @@ HARD = 300.0  # a layer that is hardly there; `STIFFER` is one as penalties are 
 MESHES = ((2400, 17, 4, 120, 40e-6), (2400, 17, 4, 140, 60e-6), (3840, 20, 4, 200, 40e-6), (3840, 20, 4, 220, 60e-6))
 OTHER = {2400: (2000, 16), 3840: (3200, 19)}  # sectors and layers of an upper roller with a wider grid
 SWING, RATE, STEPS = 0.01, 10.0, 15  # rad, rad/s: the patch runs over four to six columns
-SERIES = (960, 14, 8, 444, 60e-6)  # 444 x 9 hats, 3,996 a roller
+SERIES = (960, 14, 8, 444, 60e-6)  # 444 x 9 shape functions, 3,996 a roller
 COLUMNS_A_STEP = 0.25
 SEPARATED_STEPS, ROUNDS = 150, 15  # the fastest round counts, all in turn: other work on the machine only slows down
 FULL_STEPS = {"low_rank": 10, "modified": 2, "full": 1}
@@ -183,7 +183,7 @@ def under_layers(unit: float) -> list[dict[str, Any]]:
         full = results[law, "full"]
         contact, beside = result.history.contacts[PAIR], full.history.contacts[PAIR]
         force, reference = (np.linalg.norm(c.force, axis=1) for c in (contact, beside))
-        pairs = zip(hat_means(body, result, False), hat_means(body, full, False), strict=True)
+        pairs = zip(node_means(body, result, False), node_means(body, full, False), strict=True)
         row = {
             "law": law, "quadrature": name, "points": points_of(body, name),
             "active": float(contact.active_nodes.mean()), "iterations": result.history.counters["mean_iterations"],

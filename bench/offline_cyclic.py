@@ -21,7 +21,7 @@ from offline import peak_memory
 ROWS = [
     {"name": "normal", "tangential": None, "bent": 0.0},
     {"name": "normal, tangential cells", "tangential": "cells", "bent": 0.0},
-    {"name": "normal, tangential hats", "tangential": "nodes", "bent": 0.0},
+    {"name": "normal, tangential nodes", "tangential": "nodes", "bent": 0.0},
     {"name": "normal, complex", "tangential": None, "bent": 0.05},
 ]
 SHORT = 2  # rows of a run without --large

@@ -1,6 +1,6 @@
 """Step time of many rigid bodies and joints: `python bench/rigid_bodies.py [--json FILE] [--steps N] [--bodies N]`.
 
-Scenes without flexible bodies or contact, one world: a step is the outer system and what is around it. *chain*: a
+Scenes without flexible bodies or contact, one world: a step is the retained system and what is around it. *chain*: a
 pendulum of links that swings in space, its joints in turn spherical and revolute. *loop*: the same links hang between
 two points of the ground, one joint more, so that every body is part of a closed loop. *planar*: revolute joints only,
 axes parallel, the scene with the most rows of the three.
@@ -110,7 +110,7 @@ def time_scene(name: str, count: int, steps: int) -> dict:
         "scene": name,
         "bodies": count,
         "joints": len(scene.joints),
-        "rows": int(c["outer_columns"]) - 6 * count,
+        "rows": int(c["retained_columns"]) - 6 * count,
         "seconds_per_step": min(times),
         "middle_seconds_per_step": float(np.median(times)),
         "iterations": c["mean_iterations"],

@@ -39,12 +39,12 @@ from warpffrf.online import GeneralizedAlpha, run
 from warpffrf.study.machine import machine
 
 SECTORS, LAYERS, AXIAL = 1920, 18, 4  # near-square cells, about five elements a half-width, as in the demo
-COLUMNS = 100  # with 5 hats each: 495 local modes a roller
-APPROACH = 60e-6  # m: about 45 active hats
+COLUMNS = 100  # with 5 shape functions each: 495 local modes a roller
+APPROACH = 60e-6  # m: about 45 active nodes
 RATE = 20.0  # rad/s
 SWING = 0.08  # rad: the patch stays on the tread
 STEP = 1e-4  # s
-DEMO = two_rollers.Size(sectors=100, layers=7, axial=4)  # 500 hats
+DEMO = two_rollers.Size(sectors=100, layers=7, axial=4)  # 500 shape functions
 SERIES = ((960, 14, 8, 56), (1920, 18, 4, 100), (2880, 20, 4, 150), (3840, 22, 4, 200))  # sectors ... columns
 STIFF = 100.0  # times the default layer
 RHO = 0.8
@@ -136,7 +136,7 @@ def compare(name: str, scene: Any, steps: int, unit: float, rounds: int, laws: S
 
 def series() -> list[dict[str, Any]]:
     """Forces of both laws while the rollers roll over several elements, on finer and finer grids."""
-    print("sectors  elements a half-width  force of hats  ripple  of nodes  ripple  mean off  worst off  layer")
+    print("sectors  elements a half-width  force of nodes  ripple  of nodes  ripple  mean off  worst off  layer")
     found = []
     for sectors, layers, axial, columns in SERIES:
         body = tread_body(columns, sectors=sectors, layers=layers, axial=axial, modes=0)
@@ -156,12 +156,12 @@ def series() -> list[dict[str, Any]]:
             forces[law] = np.linalg.norm(history.contacts[PAIR].force, axis=1)[1:]
             if law == "hats":
                 active = float(history.contacts[PAIR].active.mean()) / (axial + 1)
-        hats, nodes = forces["hats"], forces["nodes"]
+        grid_nodes, nodes = forces["hats"], forces["nodes"]
         row = {
             "sectors": sectors, "elements": 0.5 * active,
-            "hats": hats.mean(), "hats_ripple": np.ptp(hats) / hats.mean(),
+            "hats": grid_nodes.mean(), "hats_ripple": np.ptp(grid_nodes) / grid_nodes.mean(),
             "nodes": nodes.mean(), "nodes_ripple": np.ptp(nodes) / nodes.mean(),
-            "mean_off": nodes.mean() / hats.mean() - 1.0, "worst_off": np.abs(nodes / hats - 1.0).max(),
+            "mean_off": nodes.mean() / grid_nodes.mean() - 1.0, "worst_off": np.abs(nodes / grid_nodes - 1.0).max(),
             "layer": nodes.mean() / forces["stiff"].mean() - 1.0, "layer_factor": STIFFER,
         }  # fmt: skip
         found.append({name: float(value) for name, value in row.items()})

@@ -94,7 +94,7 @@ class Patch:
         held = self.body.interfaces[self.interface]
         places, normals = s.shape.point(theta, self.z), s.shape.normal(theta, self.z)
         rigid = np.concatenate([normals, np.cross(places - held.point, normals)], axis=1)
-        modes = P @ splines.of_hats(s.mode_normal) - rigid @ held.modes.T
+        modes = P @ splines.of_nodes(s.mode_normal) - rigid @ held.modes.T
         omega = 2.0 * np.pi * self.body.frequencies
         self.near = 0.5 * (H + H.T)
         self.far = P[:, used] @ S @ P[:, used].T

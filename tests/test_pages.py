@@ -54,9 +54,9 @@ def test_every_question_of_a_first_user_is_answered() -> None:
 
 def test_words_of_reports_are_explained() -> None:
     """Those in which reports count, and those that were asked for."""
-    said = {"active nodes", "traces", "window", "capacity", "attachment modes", "outer_columns", "grid defect"}
+    said = {"active nodes", "traces", "window", "capacity", "attachment modes", "retained_columns", "grid defect"}
     said |= {"creepage"}
-    said |= {TOLD["outer_columns"], *(WHERE_THERE[f"{kind}_steps"] for kind in ("coarse", "rejected", "impulsive"))}
+    said |= {TOLD["retained_columns"], *(WHERE_THERE[f"{kind}_steps"] for kind in ("coarse", "rejected", "impulsive"))}
     assert all(re.search(rf"^\| [^|]*{re.escape(word)}", WORDS, re.M) for word in said), said
     rows = re.findall(r"^\| ([^|]+) \| (.+) \|$", WORDS, re.M)
     assert len(rows) > 50 and all(len(meaning.split()) >= 4 for word, meaning in rows if word not in ("word",))

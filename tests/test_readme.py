@@ -25,8 +25,8 @@ HALF_WIDTH_TOLERANCE = 0.04  # four elements a half-width
 
 LONGEST = 25  # lines of an example that one still reads at a glance
 # largest von Mises stress under a line contact over the largest pressure, Poisson's ratio 0.3 (Johnson 1985, 4.2)
-SHORT_LINE_CONTACT = 0.632  # 0.558 of an infinite line; 0.638 and 0.626 on cells half as large, by hats and patches
-FINER_CELLS = 0.012  # what is left between hats and patches
+SHORT_LINE_CONTACT = 0.632  # 0.558 of an infinite line; 0.638 and 0.626 on cells half as large, by nodes and patches
+FINER_CELLS = 0.012  # what is left between nodes and patches
 STRESS_TOLERANCE = 0.03  # what the cells add to peak and stress, and the mesh of 0.4 half-widths
 
 
@@ -74,7 +74,7 @@ def test_the_deck_of_ones_own_runs(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("contact_fixed", [False, True])
 def test_the_stress_under_the_pad_is_that_of_finer_cells(tmp_path: Path, contact_fixed: bool) -> None:
-    """What `SHORT_LINE_CONTACT` is: cells half as large, by hats and by patches."""
+    """What `SHORT_LINE_CONTACT` is: cells half as large, by nodes and by patches."""
     wf.examples.copy("machine", tmp_path)
     make = runpy.run_path(str(tmp_path / "make_machine.py"))
     (tmp_path / "machine.inp").write_text(make["deck"]((40, 40, 16)), encoding="utf-8")

@@ -20,7 +20,7 @@ from warpffrf.study.machine import machine
 SECTORS = 480  # 4,320 local modes of each roller, 9 a sector
 COUNTS = (0, 50, 100, 200, 500, 1000, 2000)
 TREATMENTS = ("hht", "exponential")
-APPROACH = 60e-6  # m: about 18 active hats
+APPROACH = 60e-6  # m: about 18 active nodes
 ROUNDS = 3  # the fastest counts: other work on the machine only slows down
 
 
@@ -51,7 +51,7 @@ def main() -> None:
     for i, local in enumerate(cases):
         found, count = best[i], local.count or 0
         rows.append({"treatment": local.treatment, "count": count, **found.row(), "unit_seconds": unit})
-        counts = f"{local.treatment:13s} {count:12d} {found.active_hats:7.1f} {found.iterations:11.2f}"
+        counts = f"{local.treatment:13s} {count:12d} {found.active_nodes:7.1f} {found.iterations:11.2f}"
         seconds = found.seconds_per_step
         print(f"{counts} {seconds * 1e6:8.1f} {seconds / unit:8.2f}  {found.status}")
     if given.json:

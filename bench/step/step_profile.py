@@ -45,7 +45,7 @@ CHUNK = 200  # steps of a replay
 WARM_UP = 4  # steps that do not count
 COARSE = demo.Size(sectors=80, layers=8, axial=5)  # hexahedra of 4 mm
 SCENES: dict[str, tuple[demo.Size, str, tuple[int, int] | None]] = {
-    "hats of the mesh": (demo.QUICK, "body_fixed", None),
+    "nodes of the mesh": (demo.QUICK, "body_fixed", None),
     "cells, as many as are chosen": (demo.QUICK, "contact_fixed", None),
     "9 x 7 cells over 4 mm": (COARSE, "contact_fixed", (9, 7)),
 }
@@ -56,9 +56,9 @@ PHASES = {  # of `online.step.phases`, as a reader of docs/method.md knows them
     "locate few shift cells": "gaps: place, area, wrench, splines",
     "displace close slide sum push": "displacements and forces of contact",
     "balance store mean unbalanced": "is it balanced?",
-    "assemble eliminate": "outer matrix",
+    "assemble eliminate": "retained matrix",
     "respond condense": "compliance G, gradients L",
-    "press": "factor, pressures, outer increments",
+    "press": "factor, pressures, retained increments",
     "increase follow correct stick increase_again answer advance": "increments, active set",
 }  # all others: what ends an attempt
 AFTER = "ledger, state, record"

@@ -53,7 +53,7 @@ def time_train(body: ReducedBody, count: int, steps: int) -> dict:
     return {
         "bodies": count, "pairs": count - 1, "local_modes": body.local_modes, "status": best.status,
         "active": float(np.sum([contact.active_nodes.mean() for contact in best.contacts.values()])),
-        "outer_columns": int(c["outer_columns"]), "iterations": c["mean_iterations"],
+        "retained_columns": int(c["retained_columns"]), "iterations": c["mean_iterations"],
         "seconds_per_step": c["seconds_in_graph"] / max(c["steps"], 1),
     }  # fmt: skip
 
@@ -68,7 +68,7 @@ def main() -> None:
     unit = about["unit_seconds"]
     body = tread_body(None, sectors=SECTORS, layers=LAYERS, axial=AXIAL)
     print(f"U = {unit * 1e6:.1f} us, {body.local_modes} local modes a body")
-    print("bodies  pairs  active  outer columns  iterations  us/step   U/step  per body  status")
+    print("bodies  pairs  active  retained columns  iterations  us/step   U/step  per body  status")
     rows: list[dict] = []
     for count in given.bodies:
         row = time_train(body, count, given.steps)
@@ -76,7 +76,8 @@ def main() -> None:
         first = rows[0]
         row["per_body"] = row["seconds_per_step"] / count / (first["seconds_per_step"] / first["bodies"])
         print(
-            f"{count:6d} {row['pairs']:6d} {row['active']:7.1f} {row['outer_columns']:14d} {row['iterations']:11.2f} "
+            f"{count:6d} {row['pairs']:6d} {row['active']:7.1f} {row['retained_columns']:14d} "
+            f"{row['iterations']:11.2f} "
             f"{row['seconds_per_step'] * 1e6:8.1f} {row['seconds_per_step'] / unit:8.2f} {row['per_body']:9.2f}  "
             f"{row['status']}",
             flush=True,

@@ -79,9 +79,9 @@ def main() -> None:
         found = time_cells(one, cells, steps=given.steps, rounds=given.rounds).row()
         rows.append({"table": "cells", "cells": cells, "unit_seconds": unit, **found})
     print(f"U = {unit * 1e6:.1f} us")
-    print("  cells  active  outer columns  iterations  factorisations  us/step   U/step  status")
+    print("  cells  active  retained columns  iterations  factorisations  us/step   U/step  status")
     for r in rows:
-        place = f"{r['cells'][0]:3d}x{r['cells'][1]:<3d} {r['active_nodes']:7.1f} {r['outer_columns']:14d}"
+        place = f"{r['cells'][0]:3d}x{r['cells'][1]:<3d} {r['active_nodes']:7.1f} {r['retained_columns']:14d}"
         counts = f"{r['iterations']:11.2f} {r['factorisations']:15.2f}"
         print(f"{place} {counts} {r['seconds_per_step'] * 1e6:8.1f} {r['seconds_per_step'] / unit:8.2f}  {r['status']}")
     if given.json:

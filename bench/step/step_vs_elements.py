@@ -66,7 +66,7 @@ def time_bearing(count: int, rounds: int) -> dict:
             raise SystemExit(f"{count} elements: {histories[-1].status}: {histories[-1].message}")
     c = min(histories, key=lambda h: h.counters["seconds_in_graph"]).counters
     return {
-        "elements": count, "outer_columns": int(c["outer_columns"]), "iterations": c["mean_iterations"],
+        "elements": count, "retained_columns": int(c["retained_columns"]), "iterations": c["mean_iterations"],
         "steps": int(c["steps"]), "rejected_steps": int(c["rejected_steps"]),
         "seconds_per_step": c["seconds_in_graph"] / max(c["steps"], 1),
     }  # fmt: skip
@@ -103,7 +103,7 @@ def main() -> None:
     about = machine()
     unit = about["unit_seconds"]
     print(f"U = {unit * 1e6:.1f} us")
-    print("elements  outer columns  iterations  us/step   U/step  per element")
+    print("elements  retained columns  iterations  us/step   U/step  per element")
     rows: list[dict] = []
     for count in given.elements:
         row = time_bearing(count, given.rounds)
@@ -111,7 +111,7 @@ def main() -> None:
         first = rows[0]
         row["per_element"] = row["seconds_per_step"] / count / (first["seconds_per_step"] / first["elements"])
         print(
-            f"{count:8d} {row['outer_columns']:14d} {row['iterations']:11.2f} {row['seconds_per_step'] * 1e6:8.1f} "
+            f"{count:8d} {row['retained_columns']:14d} {row['iterations']:11.2f} {row['seconds_per_step'] * 1e6:8.1f} "
             f"{row['seconds_per_step'] / unit:8.2f} {row['per_element']:12.2f}",
             flush=True,
         )

@@ -37,10 +37,10 @@ def main() -> None:
                 best[body.local_modes] = found
     rows = [{**found.row(), "unit_seconds": unit} for found in best.values()]
     print(f"U = {unit * 1e6:.1f} us")
-    print("local modes  active  outer columns  iterations  us/step   U/step  outside graph  status")
+    print("local modes  active  retained columns  iterations  us/step   U/step  outside graph  status")
     for r in rows:
         steps = f"{r['seconds_per_step'] * 1e6:8.1f} {r['seconds_per_step'] / unit:8.2f}"
-        counts = f"{r['local_modes']:11d} {r['active_nodes']:7.1f} {r['outer_columns']:14d} {r['iterations']:11.2f}"
+        counts = f"{r['local_modes']:11d} {r['active_nodes']:7.1f} {r['retained_columns']:14d} {r['iterations']:11.2f}"
         print(f"{counts} {steps} {r['outside_graph']:13.1%}  {r['status']}")
     print(f"last over first: {rows[-1]['seconds_per_step'] / rows[0]['seconds_per_step']:.3f}")
     if given.json:

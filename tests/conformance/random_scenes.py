@@ -174,7 +174,7 @@ def mechanisms(draw: st.DrawFn, *, grounded: bool = True) -> Mechanism:
 
 # --- a roller that something hits
 
-PLASTIC = Material(3e9, 0.35, 1200.0)  # patches of several hats at small loads
+PLASTIC = Material(3e9, 0.35, 1200.0)  # patches of several nodes at small loads
 RADIUS, OTHER, WIDTH, THICK = 0.05, 0.035, 0.02, 0.01  # m
 LAWS: dict[str, Any] = {
     "hard": laws.Unilateral(),

@@ -166,7 +166,7 @@ def test_gradient_agrees_with_differences_and_action_with_reaction(name: str) ->
 
 @pytest.mark.parametrize("name", ALL)
 def test_geometric_stiffness_agrees_with_differences(name: str) -> None:
-    """Rigid blocks of the outer matrix against differences of C^T lambda at fixed lambda, rows of joints included. A
+    """Rigid blocks of the retained matrix against differences of C^T lambda at fixed lambda, rows of joints included. A
     bushing's is of first order in its rotation, here 1e-3 rad."""
     scene, _ = spring_scene(name)
     evaluate = Rows(scene)

@@ -42,10 +42,10 @@ WITHIN = {"velocity": RATES, "spin": RATES, "load": PULLED, "pressure": PRESSED}
 # are skew by some milliradians; of forces the square
 SKEW, SKEW_FORCE = 5e-3, 2.5e-5
 ORDINARY = Settings(
-    most_made=0.0
-)  # patches of few hats gain from their grid: that is `contact_grid`, and not looked at
+    gain_limit=0.0
+)  # patches of few nodes gain from their grid: that is `contact_grid`, and not looked at
 # energies at hand, of which steps may gain a part, are others for who drifts along
-BLIND = Settings(most_made=0.0, energy_tolerance=1e9)
+BLIND = Settings(gain_limit=0.0, energy_tolerance=1e9)
 
 
 def of(examples: int) -> Any:

@@ -67,14 +67,14 @@ class Forces:
 
 @dataclass(frozen=True)
 class Kept(State):
-    """The state of an earlier step, with what widened the gap at the hats then beside the pressures."""
+    """The state of an earlier step, with what widened the gap at the nodes then beside the pressures."""
 
     widened: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass
 class LoadedBore(ElasticJournal):
-    """A bore that is also displaced by other loads: by `widened` (hats,) [m] in the step that is being solved."""
+    """A bore that is also displaced by other loads: by `widened` (nodes,) [m] in the step that is being solved."""
 
     widened: np.ndarray = field(init=False)
 
@@ -85,8 +85,8 @@ class LoadedBore(ElasticJournal):
     def gap(self, state: State) -> np.ndarray:
         return super().gap(state) + self.basis.between @ self._widened(state)
 
-    def gap_at_hats(self, state: State) -> np.ndarray:
-        return super().gap_at_hats(state) + self._widened(state)
+    def gap_at_nodes(self, state: State) -> np.ndarray:
+        return super().gap_at_nodes(state) + self._widened(state)
 
     def turns(self, speed: float) -> None:
         """The pin's speed in the bore [rad/s]."""
@@ -104,7 +104,7 @@ class LoadedBore(ElasticJournal):
 @dataclass(frozen=True)
 class Dense:
     """By the reference at crank angles (T,) [deg]: smallest film [m], peak pressure [Pa], pressure (T, columns, rows)
-    at the hats."""
+    at the nodes."""
 
     degrees: np.ndarray
     thinnest: np.ndarray
@@ -135,7 +135,7 @@ def dense(reduced: wf.ReducedBody, step: float, *, last: float = 360.0 * TURNS) 
             raise RuntimeError(f"the reference of the demo did not converge at {angle:g} degrees")
         earlier, state = (state, seconds), film.kept(new)
         states.append(state)
-    pressure = np.array([(film.basis.to_hats @ s.pressure).reshape(grid.columns, grid.rows) for s in states])
+    pressure = np.array([(film.basis.to_nodes @ s.pressure).reshape(grid.columns, grid.rows) for s in states])
     return Dense(degrees, np.array([film.gap(s).min() for s in states]), pressure.max(axis=(1, 2)), pressure)
 
 
@@ -324,7 +324,7 @@ def test_a_bore_widened_everywhere_is_a_wider_bore() -> None:
         ends.append(state)
     assert ends[0].place == pytest.approx(ends[1].place, rel=1e-6)
     assert ends[0].pressure == pytest.approx(ends[1].pressure, rel=1e-6, abs=1e-3)
-    assert films[0].gap_at_hats(ends[0]) == pytest.approx(films[1].gap_at_hats(ends[1]), rel=1e-6)
+    assert films[0].gap_at_nodes(ends[0]) == pytest.approx(films[1].gap_at_nodes(ends[1]), rel=1e-6)
 
 
 def test_the_run_begins_with_velocities_that_agree_and_a_film_that_comes_to_carry() -> None:

@@ -44,7 +44,7 @@ GROWTH, FREQUENCY, NO_GROWTH = 1.5e-3, 0.01, 0.02  # of the speed; of the freque
 def rest_checks(result: wf.Result, film: ElasticJournal, state: State) -> list[Check]:
     """An equilibrium beside the reference at rest."""
     found, e, exact = result.film(FILM), place(result)[0], state.place / CLEARANCE
-    peak = (film.basis.to_hats @ state.pressure).max()
+    peak = (film.basis.to_nodes @ state.pressure).max()
     source = "dense reference"
     return [
         Check("at rest: force of the film", float(found.force[0, 0]), HEAVY, "statics", 1e-6, "N"),
@@ -84,7 +84,7 @@ def orbit(film: ElasticJournal, degrees: float, turns: float) -> Orbit:
         states.append(state)
     return Orbit(
         np.array([s.place for s in states]) / CLEARANCE, np.array([film.gap(s).min() for s in states]),
-        np.array([(film.basis.to_hats @ s.pressure).max() for s in states]),
+        np.array([(film.basis.to_nodes @ s.pressure).max() for s in states]),
     )  # fmt: skip
 
 

@@ -36,7 +36,7 @@ def pressure_around(result: wf.Result, i: int) -> tuple[np.ndarray, np.ndarray, 
     p, raw = pair.mean_pressure[i] @ share, pair.history.pressure[i] @ share
     pitch = pair.spacing / RADIUS
     center = (raw @ angle) / raw.sum()
-    second = raw @ ((angle - center) ** 2 + pitch**2 / 6.0) / raw.sum()  # hats, see `output.contact.result`
+    second = raw @ ((angle - center) ** 2 + pitch**2 / 6.0) / raw.sum()  # nodes, see `output.contact.result`
     return angle, p, 2.0 * float(np.sqrt(second))
 
 

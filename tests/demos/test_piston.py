@@ -69,7 +69,7 @@ def side_force(theta: np.ndarray, mass: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Given:
-    """What liner and skirt give at the hats of the thrust film (columns, rows) [m], and the liner's full model at rest
+    """What liner and skirt give at the nodes of the thrust film (columns, rows) [m], and the liner's full model at rest
     under the same pressures."""
 
     liner: np.ndarray
@@ -100,14 +100,14 @@ def _in_world(result: wf.Result, row: int, points: np.ndarray) -> np.ndarray:
 
 
 def _pushes(result: wf.Result, piston_is: wf.ReducedBody, name: str, row: int) -> tuple[np.ndarray, np.ndarray]:
-    """Places (n, 3) and forces (n,) [N] of a film's pressure on the bore, at Gauss points between its hats."""
+    """Places (n, 3) and forces (n,) [N] of a film's pressure on the bore, at Gauss points between its nodes."""
     shape, film = piston_is.contact_surfaces[name].shape, result.film(name)
     pressure = film.pressure[row] + film.asperity[row]
     x, w = np.polynomial.legendre.leggauss(3)
     part, weight = 0.5 * (x + 1.0), 0.5 * w
-    hats = np.stack([1.0 - part, part])  # (2, points)
+    grid_nodes = np.stack([1.0 - part, part])  # (2, points)
     corners = np.stack([[pressure[:-1, :-1], pressure[:-1, 1:]], [pressure[1:, :-1], pressure[1:, 1:]]])
-    at = np.einsum("abij,ap,bq->ipjq", corners, hats, hats)
+    at = np.einsum("abij,ap,bq->ipjq", corners, grid_nodes, grid_nodes)
     steps, lengths = np.diff(film.theta), np.diff(film.z)
     theta = film.theta[:-1, None] + steps[:, None] * part
     z = film.z[:-1, None] + lengths[:, None] * part

@@ -20,7 +20,7 @@ from warpffrf.study.machine import ONE_THREAD, unit_seconds
 SMALL = demo.Size(sectors=1600, layers=18, axial=2)
 LOAD, LOAD_AFTER = 80e3, 84e3  # N
 BALANCE = 1e-9  # of the force: what Newton leaves of the balance
-HALF_WIDTH, PEAK = 0.02, 0.03  # against Hertz: hats of a fifth of the half-width, three nodes along the axis
+HALF_WIDTH, PEAK = 0.02, 0.03  # against Hertz: nodes of a fifth of the half-width, three nodes along the axis
 
 
 @pytest.fixture(scope="module")

@@ -34,7 +34,7 @@ STEP, STEPS = 2e-5, 5
 RESISTANCE = laws.RollingResistanceArm(1e-4, 1.0)
 RADIUS, BALL = 0.05, 0.02  # m
 ALUMINIUM = Material(70e9, 0.34, 2700.0)
-WIDE = Settings(window_strain=0.3)  # patches of many hats on coarse grids
+WIDE = Settings(window_strain=0.3)  # patches of many nodes on coarse grids
 
 
 # --- bodies
@@ -278,12 +278,12 @@ def ball_on(
 def roller_in_ring(**contact: Any) -> Scene:
     """A roller that rolls on the inside of a ring, both flexible: gaps at points."""
     scene = Scene(gravity=(0.0, 0.0, -9.81))
-    outer = scene.add_body(ring(), name="ring")
-    scene.add(joints.Fixed(scene.ground, outer["rim"]))
+    retained = scene.add_body(ring(), name="ring")
+    scene.add(joints.Fixed(scene.ground, retained["rim"]))
     inner = scene.add_body(
         rubbing(), name="roller", position=(0.0, 0.003, -0.005 - 1e-5), angular_velocity=(0.0, 10.0, 0.0)
     )
-    scene.add(Contact(inner["rim"], outer["bore"], **contact))
+    scene.add(Contact(inner["rim"], retained["bore"], **contact))
     return scene
 
 

@@ -1,7 +1,7 @@
 """The contact snippets against NumPy, written from the equations, on the arrays of an engine inside a step.
 
 sum_hat: the sums over Gauss points of the module docstring of `line_of_centres_weights`; couple: G of
-`contact_compliance` from the dense compliance of both surfaces, without the tables; the elimination of the active hats
+`contact_compliance` from the dense compliance of both surfaces, without the tables; the elimination of the active nodes
 put back into the whole system."""
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ ROUND_OFF = 1e-12  # relative to the largest entry: sums of some hundred terms
 def slots(engine: Engine) -> tuple[np.ndarray, int]:
     """Hats of the window that have a slot, and their number."""
     count = int(engine.word("slots")[0])
-    return engine.scratch.slot_hat.numpy()[0, :count, 1].copy(), count
+    return engine.scratch.slot_node.numpy()[0, :count, 1].copy(), count
 
 
 def surfaces(engine: Engine):
@@ -27,8 +27,8 @@ def surfaces(engine: Engine):
     return contact.a.surface, contact.b.surface
 
 
-def hats_of_points(engine: Engine) -> dict[str, np.ndarray]:
-    """What `weigh` sums, point by point: every Gauss point adds to four hats of A, and there to four hats of B."""
+def nodes_of_points(engine: Engine) -> dict[str, np.ndarray]:
+    """What `weigh` sums, point by point: every Gauss point adds to four nodes of A, and there to four nodes of B."""
     m, x = engine.compiled.model, engine.scratch
     a, b = surfaces(engine)
     rows, rows_b, NT, NZ = a.grid.rows, b.grid.rows, m.quadrature.theta_points, m.quadrature.z_points
@@ -69,12 +69,12 @@ def hats_of_points(engine: Engine) -> dict[str, np.ndarray]:
 
 
 def stencils(engine: Engine) -> np.ndarray:
-    """Loads on B's hats of the second window under unit pressure hats, (columns, rows, columns of B, rows of B)."""
+    """Loads on B's nodes of the second window under unit pressure nodes, (columns, rows, columns of B, rows of B)."""
     m, x = engine.compiled.model, engine.scratch
     a, b = surfaces(engine)
     rows, rows_b, SC, SR = a.grid.rows, b.grid.rows, m.window.stencil_columns, m.window.stencil_rows
     weight, at = x.stencil.numpy()[0, 0], x.stencil_at.numpy()[0, 0]
-    load = np.zeros((m.window.hats, m.window.second_columns, rows_b + SR))
+    load = np.zeros((m.window.grid_nodes, m.window.second_columns, rows_b + SR))
     low, high = x.window.numpy()[0, 0] + m.window.half
     for i in range(low * rows, (high + 1) * rows):
         if x.area.numpy()[0, 0, i] > 0.0:
@@ -90,9 +90,9 @@ def close(found: np.ndarray, expected: np.ndarray, tolerance: float = ROUND_OFF)
     return bool(np.abs(found - expected).max() <= tolerance * np.abs(expected).max())
 
 
-def test_sum_hat(engine: Engine) -> None:
+def test_sum_node(engine: Engine) -> None:
     m, x = engine.compiled.model, engine.scratch
-    expected = hats_of_points(engine)
+    expected = nodes_of_points(engine)
     rows = surfaces(engine)[0].grid.rows
     low, high = x.window.numpy()[0, 0] + m.window.half
     inside = slice(low, high + 1)
@@ -103,7 +103,7 @@ def test_sum_hat(engine: Engine) -> None:
 
 
 def test_stencil_holds_a_row_that_only_inner_points_reach(engine: Engine) -> None:
-    """The lowest row of B under a hat may lie under any of its points: the load of a hat is its area all the same."""
+    """The lowest row of B under a node may lie under any of its points: the load of a node is its area all the same."""
     m, x = engine.compiled.model, engine.scratch
     a = surfaces(engine)[0]
     rows, NT = a.grid.rows, m.quadrature.theta_points
@@ -154,10 +154,10 @@ def test_couple(engine: Engine) -> None:
     assert np.linalg.eigvalsh(G).min() > 0.0
 
 
-def test_the_outer_matrix_with_the_pressures(engine: Engine) -> None:
-    """A + L^T G^-1 L over the active hats; and z, ds of the eliminated system solve the whole one."""
+def test_the_retained_matrix_with_the_pressures(engine: Engine) -> None:
+    """A + L^T G^-1 L over the active nodes; and z, ds of the eliminated system solve the whole one."""
     m, x = engine.compiled.model, engine.scratch
-    N = m.outer.count
+    N = m.retained.count
     start, count = x.block.numpy()[0, 0, :2]
     order = x.order.numpy()[0, start : start + count]
     columns = m.pairs.coupled.numpy()[0, : m.pairs.coupled_count.numpy()[0]]
@@ -184,4 +184,4 @@ def test_first_rigid_columns_of_the_gradient(engine: Engine) -> None:
     _, count = slots(engine)
     L = x.L.numpy()[0, :count]
     assert close(L[:, 6:9], -L[:, 0:3])
-    assert m.outer.count == 6 * m.bodies.count + m.dense.count + m.rows.count
+    assert m.retained.count == 6 * m.bodies.count + m.dense.count + m.rows.count

@@ -81,32 +81,32 @@ def cells_of(engine: Engine) -> int:
 
 
 def operators(engine: Engine) -> tuple[np.ndarray, ...]:
-    """G and L_n of the active slots, in the order of the last solve; L and G of the lines of cells; the outer matrix
-    with the pressures, inverted; L over the outer columns."""
+    """G and L_n of the active slots, in the order of the last solve; L and G of the lines of cells; the retained matrix
+    with the pressures, inverted; L over the retained columns."""
     m, x, state = engine.compiled.model, engine.scratch, engine.state
-    lines, N, width = 2 * cells_of(engine), m.outer.count, int(m.pairs.coupled_count.numpy()[0])
+    lines, N, width = 2 * cells_of(engine), m.retained.count, int(m.pairs.coupled_count.numpy()[0])
     place = np.zeros((width, N))
     place[np.arange(width), m.pairs.coupled.numpy()[0, :width]] = 1.0
     n = int(x.answer_state.numpy()[0, 0])
     order = x.order.numpy()[0, :n]
-    hats = x.slot_hat.numpy()[0, order, 1]
-    np.testing.assert_array_equal(np.sort(hats), np.flatnonzero(state.active.numpy()[0, 0]))
-    np.testing.assert_array_equal(hats, x.answer_hat.numpy()[0, :n])
+    grid_nodes = x.slot_node.numpy()[0, order, 1]
+    np.testing.assert_array_equal(np.sort(grid_nodes), np.flatnonzero(state.active.numpy()[0, 0]))
+    np.testing.assert_array_equal(grid_nodes, x.answer_node.numpy()[0, :n])
     L_n, L = x.L.numpy()[0, order, :width] @ place, x.cell_L.numpy()[0, 0, :lines, :width] @ place
     H = np.linalg.inv(x.bordered.numpy()[0])
-    pushed = m.pairs.coupled.numpy()[0, :width]  # the columns that tractions push: no others of the mobility are made
-    found = x.mobility.numpy().reshape(N, N).T[:, pushed]
+    pushed = m.pairs.coupled.numpy()[0, :width]  # the columns that tractions push: no others of the receptance are made
+    found = x.friction_receptance.numpy().reshape(N, N).T[:, pushed]
     np.testing.assert_allclose(found, H[:, pushed], rtol=0.0, atol=ROUND_OFF * np.abs(H).max())
-    return x.soft.numpy()[0][np.ix_(order, order)], L_n, L, x.cell_G.numpy()[0, 0, :lines, :lines], H, hats
+    return x.soft.numpy()[0][np.ix_(order, order)], L_n, L, x.cell_G.numpy()[0, 0, :lines, :lines], H, grid_nodes
 
 
 def coupling(engine: Engine) -> np.ndarray:
-    """N^T (active slots, lines of the cells) without the outer coordinates: how the gaps open with each traction by the
-    local modes, evaluated, and by the global ones."""
+    """N^T (active slots, lines of the cells) without the retained coordinates: how the gaps open with each traction by
+    the local modes, evaluated, and by the global ones."""
     x, state, width = engine.scratch, engine.state, engine.compiled.model.pairs.most_modes
     n, cells = int(x.answer_state.numpy()[0, 0]), cells_of(engine)
     order = x.order.numpy()[0, :n]
-    hats = x.slot_hat.numpy()[0, order, 1]
+    grid_nodes = x.slot_node.numpy()[0, order, 1]
     rows = len(engine.scene.contacts[0].a.surface.grid.z)
     kept, bound, number = state.traction.numpy().copy(), x.bound.numpy()[0, 0].copy(), x.cell_slot.numpy()[0, 0, :cells]
     found = []
@@ -119,7 +119,7 @@ def coupling(engine: Engine) -> np.ndarray:
                 state.traction.assign(trial)
                 engine.control(run=1, moved=1)
                 engine.graph.evaluate()
-                gaps.append(x.opened.numpy()[0, 0, hats])
+                gaps.append(x.opened.numpy()[0, 0, grid_nodes])
             found.append((gaps[0] - gaps[1]) / max(bound[m], np.finfo(float).tiny))
     state.traction.assign(kept)
     engine.control(run=1, moved=1)
@@ -129,8 +129,8 @@ def coupling(engine: Engine) -> np.ndarray:
 
 
 def test_the_answer_of_the_pressures_is_condensed(stopped: Engine, request: pytest.FixtureRequest) -> None:
-    G, L_n, L, K, H, hats = operators(stopped)
-    n, lines = len(hats), len(L)
+    G, L_n, L, K, H, grid_nodes = operators(stopped)
+    n, lines = len(grid_nodes), len(L)
     assert n > 3
     near = coupling(stopped)
     loaded = np.repeat(
@@ -139,7 +139,9 @@ def test_the_answer_of_the_pressures_is_condensed(stopped: Engine, request: pyte
     U = np.triu(stopped.scratch.factor.numpy()[0, :n, :n])
     Y = stopped.scratch.cell_Y.numpy()[0, :n, :lines]
     # N^T against differences of evaluations: of like rollers next to nothing beside what moves the bodies
-    free = np.linalg.inv(np.linalg.inv(H) - L_n.T @ np.linalg.solve(G, L_n))  # the outer mobility without pressures
+    free = np.linalg.inv(
+        np.linalg.inv(H) - L_n.T @ np.linalg.solve(G, L_n)
+    )  # the retained receptance without pressures
     scale = np.abs(L_n @ free @ L.T).max()
     assert np.abs((U.T @ Y - near)[:, loaded]).max() < ROUND_OFF * scale
     # the whole Schur complement from the operators

@@ -9,14 +9,14 @@ from zero_topics import given, zeros
 
 from references.half_space.friction_program import residual, solve
 from warpffrf.online.arrays.declaration import host_structs
-from warpffrf.online.compile.outer_pattern import find_pattern, on_device
+from warpffrf.online.compile.retained_pattern import find_pattern, on_device
 from warpffrf.online.device import chosen_device
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.friction_scratch import FrictionSolve, SlipSpeedSolve
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import BLOCK
-from warpffrf_kernels.core.scratch import OuterSystem
+from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.friction import stick_slip_solve
 
 SAME = 1e-10  # of the largest bound: both stop at 1e-12 of it, and the compliances' condition is below 100
@@ -34,7 +34,7 @@ def compliance(count: int, generator: np.random.Generator) -> np.ndarray:
 
 def device_solve(D, right, bound, start, softness=None, L=None, M=None) -> tuple[np.ndarray, np.ndarray]:
     """Tractions and control words after one solve on the device, of pairs with a block of D (pairs, 2 cells, 2 cells)
-    and lines of L (pairs, 2 cells, 6) each over the coordinates of one body, and its mobility M (6, 6)."""
+    and lines of L (pairs, 2 cells, 6) each over the coordinates of one body, and its receptance M (6, 6)."""
     D, bound = np.atleast_3d(np.asarray(D, float).T).T, np.atleast_2d(bound)
     P, n, N = *bound.shape, 6
     M = np.eye(N) if M is None else np.asarray(M, float)
@@ -44,7 +44,7 @@ def device_solve(D, right, bound, start, softness=None, L=None, M=None) -> tuple
     blocks = np.stack([whole[:, 2 * i : 2 * i + 2, 2 * i : 2 * i + 2] for i in range(n)], axis=1)
     model = Model()
     model.capacity.cells, model.pairs.count, model.pairs.coupled_capacity = n, P, N
-    model.outer.count = model.outer.row_offset = N
+    model.retained.count = model.retained.row_offset = N
 
     def put(values, kind: type = float) -> wp.array:
         return wp.array(np.asarray(values, kind), dtype=wp.float64 if kind is float else wp.int32)
@@ -59,8 +59,9 @@ def device_solve(D, right, bound, start, softness=None, L=None, M=None) -> tuple
     pattern = find_pattern(1, np.zeros(1, int), np.zeros((0, 2), int), np.zeros((0, 2), bool))
     owner, patterns = on_device(pattern, chosen_device(None))
     sizes = {
-        "pair": P, "friction_pair": P, "speed_pair": P, "cell": n, "speed_cell": n, "coupled": N, "friction_outer": N,
-        "speed_outer": N, "friction_factor": pattern.factor_size, "friction_line": BLOCK * pattern.widest,
+        "pair": P, "friction_pair": P, "speed_pair": P, "cell": n, "speed_cell": n, "coupled": N,
+        "friction_retained": N,
+        "speed_retained": N, "friction_factor": pattern.factor_size, "friction_line": BLOCK * pattern.widest,
     }  # fmt: skip
     run, slopes, cells = Run(), zeros(SlipSpeedSolve, sizes), zeros(FrictionSolve, sizes)
     run.models, run.ctl = wp.array([model], dtype=Model), wp.array(words, dtype=k.Control)
@@ -69,7 +70,7 @@ def device_solve(D, right, bound, start, softness=None, L=None, M=None) -> tuple
     slopes.speed_right, slopes.speed_tau = flat(right), flat(start)
     cells.cell_block = put(np.tile([0, n, 0], (1, P, 1)), int)
     soft = np.zeros(P * n) if softness is None else softness
-    topics = [(run, Run), (slopes, SlipSpeedSolve), (zeros(OuterSystem, {}), OuterSystem), (cells, FrictionSolve)]
+    topics = [(run, Run), (slopes, SlipSpeedSolve), (zeros(RetainedSystem, {}), RetainedSystem), (cells, FrictionSolve)]
     inputs = [*(given(*topic) for topic in topics), patterns, flat(bound), flat(soft)]
     wp.launch_tiled(stick_slip_solve.solve_tractions, dim=(1,), block_dim=BLOCK, inputs=inputs)
     del kept, owner

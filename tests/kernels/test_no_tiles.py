@@ -1,5 +1,5 @@
 """Kernels have no tiles: on the CPU those share memory by a static pointer, and graphs replay in several threads
-(`warpffrf.online.turn`)."""
+(`warpffrf.online.warp_lock`)."""
 
 import re
 from pathlib import Path

@@ -45,7 +45,7 @@ def engine() -> Engine:
 
 def cells(engine: Engine) -> np.ndarray:
     """Those that have a slot."""
-    return engine.scratch.slot_hat.numpy()[0, : int(engine.word("slots")[0]), 1].copy()
+    return engine.scratch.slot_node.numpy()[0, : int(engine.word("slots")[0]), 1].copy()
 
 
 def test_modes_open_cells(engine: Engine) -> None:
@@ -68,7 +68,7 @@ def test_pressures_open_cells(engine: Engine) -> None:
     G = scratch.G.numpy()[0, : len(slots), : len(slots)]
     J = scratch.J.numpy().reshape(-1, engine.compiled.model.pairs.most_modes)[: len(slots)]
     pressure, active = engine.state.pressure.numpy().copy(), engine.state.active.numpy().copy()
-    hats = active.shape[-1]
+    grid_nodes = active.shape[-1]
     local = []
     for m in slots:
         unit, on = np.zeros_like(pressure), np.zeros_like(active)
@@ -76,7 +76,7 @@ def test_pressures_open_cells(engine: Engine) -> None:
         engine.state.pressure.assign(unit)
         engine.state.active.assign(on)
         engine.graph.program.run(("displace",))
-        local.append(scratch.first_local.numpy()[:hats][slots])
+        local.append(scratch.first_local.numpy()[:grid_nodes][slots])
     engine.state.pressure.assign(pressure)
     engine.state.active.assign(active)
     expected = np.transpose(local) + (J * scratch.receptance.numpy()[0]) @ J.T

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import warp as wp
 
-from warpffrf.online.compile.outer_pattern import find_pattern, on_device
+from warpffrf.online.compile.retained_pattern import find_pattern, on_device
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real
 from warpffrf_kernels.linear import block_elimination, general_elimination
-from warpffrf_kernels.linear.outer_solve import PIVOT_TOLERANCE, invert
+from warpffrf_kernels.linear.retained_solve import PIVOT_TOLERANCE, invert
 from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.normal.pair_elimination import block_at, gather_block, gather_lines, lines_at
 
@@ -118,10 +118,10 @@ def test_axpy_and_dot(n: int) -> None:
 
 
 def pair(capacity: int, coupled: int) -> tuple[Model, wp.array]:
-    """A model with one pair and the outer columns 1, 3, 5, ... behind its gaps, which has to be kept, and an array of
-    it."""
+    """A model with one pair and the retained columns 1, 3, 5, ... behind its gaps, which has to be kept, and an array
+    of it."""
     model = Model()
-    model.capacity.slots, model.outer.count = capacity, 2 * coupled
+    model.capacity.slots, model.retained.count = capacity, 2 * coupled
     model.pairs.count, model.pairs.coupled_capacity = 1, coupled
     model.pairs.coupled_count = device(np.array([coupled]), int)
     model.pairs.coupled = device(np.arange(1, 2 * coupled, 2)[None], int)
@@ -195,7 +195,7 @@ def inverted(matrix: np.ndarray, bodies: int, hold: np.ndarray) -> tuple[np.ndar
     transposed, bad = device(np.zeros(n * n)), device(np.zeros(1, int), int)
     wp.launch_tiled(
         inverse, dim=(1,),
-        inputs=[models(outer__count=n, bodies__count=bodies, outer__row_offset=6 * bodies), patterns,
+        inputs=[models(retained__count=n, bodies__count=bodies, retained__row_offset=6 * bodies), patterns,
                 device(matrix[None]), device(motions), len(hold)],
         outputs=[device(np.zeros((1, n))), device(np.zeros((1, n)), int), device(np.zeros((1, n, n))), transposed, bad],
         block_dim=64, device=DEVICE,

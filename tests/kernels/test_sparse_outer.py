@@ -1,4 +1,4 @@
-"""The sparse outer solve against a dense one: random systems on many graphs, and what it does when it fails."""
+"""The sparse retained solve against a dense one: random systems on many graphs, and what it does when it fails."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import warp as wp
 from zero_topics import given, zeros
 
 from warpffrf.online.arrays.declaration import host_structs
-from warpffrf.online.compile.outer_pattern import GROUND, OuterPattern, find_pattern, on_device
+from warpffrf.online.compile.retained_pattern import GROUND, RetainedPattern, find_pattern, on_device
 from warpffrf.online.device import chosen_device
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import BLOCK
-from warpffrf_kernels.core.scratch import OuterSystem
-from warpffrf_kernels.linear import outer_solve
+from warpffrf_kernels.core.scratch import RetainedSystem
+from warpffrf_kernels.linear import retained_solve
 
 DEVIATION = 1e-13  # of the solution, times the condition number: some hundred times round-off
 
@@ -41,7 +41,7 @@ def graphs() -> dict[str, list[tuple[int, int, int]]]:
 
 def system(
     joints: list[tuple[int, int, int]], seed: int, modes: int = 0, flexible: bool = False
-) -> tuple[OuterPattern, np.ndarray]:
+) -> tuple[RetainedPattern, np.ndarray]:
     """Pattern and a random matrix [[S, C^T], [C, -E]] on it, S unsymmetric with a positive definite symmetric part."""
     rng = np.random.default_rng(seed)
     bodies = 1 + max([b for joint in joints for b in joint[:2]], default=0)
@@ -50,7 +50,7 @@ def system(
     dense[::2] = modes
     ends = (rows != GROUND) & flexible
     pattern = find_pattern(bodies, dense, rows, ends)
-    size, offset = pattern.outer_count, pattern.outer_count - len(rows)
+    size, offset = pattern.retained_count, pattern.retained_count - len(rows)
     owner = np.concatenate([np.repeat(np.arange(bodies), 6), np.repeat(np.arange(bodies), dense)])
     A = np.zeros((size, size))
     for b in range(bodies):
@@ -72,11 +72,13 @@ def system(
     return pattern, A
 
 
-def solve(pattern: OuterPattern, A: np.ndarray, b: np.ndarray, refresh: int = 1) -> tuple[np.ndarray, np.ndarray, int]:
-    """z, fallback words and failure bits of `solve_outer`."""
-    size = pattern.outer_count
+def solve(
+    pattern: RetainedPattern, A: np.ndarray, b: np.ndarray, refresh: int = 1
+) -> tuple[np.ndarray, np.ndarray, int]:
+    """z, fallback words and failure bits of `solve_retained`."""
+    size = pattern.retained_count
     m = Model()
-    m.outer.count, m.outer.row_offset = (
+    m.retained.count, m.retained.row_offset = (
         size,
         int(np.flatnonzero(np.diag(A) <= 0.0)[0]) if np.any(np.diag(A) <= 0) else size,
     )
@@ -86,13 +88,13 @@ def solve(pattern: OuterPattern, A: np.ndarray, b: np.ndarray, refresh: int = 1)
     run: Any = Run()
     run.models, run.ctl = wp.array([m], dtype=Model), wp.array(ctl, dtype=k.Control)
     lines = BLOCK * pattern.widest
-    outer = zeros(OuterSystem, {"outer": size, "factor_number": pattern.factor_size, "factor_line": lines})
-    outer.tangent = wp.array(A[None], dtype=wp.float64)
-    inputs = [given(run, Run), given(outer, OuterSystem), patterns, wp.array(b, dtype=wp.float64)]
-    wp.launch_tiled(outer_solve.solve_outer, dim=(1,), block_dim=BLOCK, inputs=inputs)
+    retained = zeros(RetainedSystem, {"retained": size, "factor_number": pattern.factor_size, "factor_line": lines})
+    retained.tangent = wp.array(A[None], dtype=wp.float64)
+    inputs = [given(run, Run), given(retained, RetainedSystem), patterns, wp.array(b, dtype=wp.float64)]
+    wp.launch_tiled(retained_solve.solve_retained, dim=(1,), block_dim=BLOCK, inputs=inputs)
     del kept
     words: Any = run.ctl.numpy()
-    return outer.z.numpy(), outer.fallback.numpy()[0], int(words["failure"][0])
+    return retained.z.numpy(), retained.fallback.numpy()[0], int(words["failure"][0])
 
 
 @pytest.mark.parametrize("modes, flexible", [(0, False), (0, True), (3, True)])
@@ -119,7 +121,7 @@ def test_pattern_holds_every_entry_once() -> None:
         assert np.array_equal(np.sort(pattern.order), np.arange(len(A)))
 
 
-def operations(pattern: OuterPattern) -> int:
+def operations(pattern: RetainedPattern) -> int:
     """Multiplications of one factorisation, about: s^3/3 + s^2 w + s w^2 a node."""
     s, w = pattern.size.astype(np.int64), pattern.width.astype(np.int64)
     return int((s**3 // 3 + s**2 * w + s * w**2).sum())

@@ -30,8 +30,8 @@ def splines(*, turn: int = 12, z=UNEVEN, columns: int = 12, crowned: bool = Fals
     return FarSplines(grid, shape, turn)
 
 
-def hat_coefficients(s: FarSplines, field) -> np.ndarray:
-    """Coefficients (columns rows,) of the L2 projection of `field(theta, z)` on the hats."""
+def node_coefficients(s: FarSplines, field) -> np.ndarray:
+    """Coefficients (columns rows,) of the L2 projection of `field(theta, z)` on the nodes."""
     g = s.grid
     x, w = np.polynomial.legendre.leggauss(8)
     x, w = 0.5 * (x + 1.0), 0.5 * w
@@ -47,7 +47,7 @@ def hat_coefficients(s: FarSplines, field) -> np.ndarray:
 
 
 def evaluate(s: FarSplines, values: np.ndarray, theta, z) -> np.ndarray:
-    c = s.of_hats(values).reshape(s.grid.columns, s.grid.rows)
+    c = s.of_nodes(values).reshape(s.grid.columns, s.grid.rows)
     return np.einsum("nj,nk,jk->n", s.around(theta), s.along(z), c)
 
 
@@ -59,7 +59,7 @@ def test_parabolas_come_back(z, crowned) -> None:
     at = np.linspace(z[0], z[-1], 41)
     theta = np.linspace(0.0, 7.0, 41)
     for power in range(min(len(z), 3)):
-        found = evaluate(s, hat_coefficients(s, lambda t, x, p=power: (x / 9e-3) ** p + 0.0 * t), theta, at)
+        found = evaluate(s, node_coefficients(s, lambda t, x, p=power: (x / 9e-3) ** p + 0.0 * t), theta, at)
         assert np.max(np.abs(found - (at / 9e-3) ** power)) < ROUNDING
 
 
@@ -71,7 +71,7 @@ def test_parabolas_on_a_plane() -> None:
     def field(t, x):
         return 1.0 + 30.0 * t - 40.0 * x + 3e3 * t * t - 5e3 * t * x + 1e5 * t * t * x * x
 
-    assert np.max(np.abs(evaluate(s, hat_coefficients(s, field), theta, z) - field(theta, z))) < ROUNDING
+    assert np.max(np.abs(evaluate(s, node_coefficients(s, field), theta, z) - field(theta, z))) < ROUNDING
 
 
 def test_what_alternates_is_not_seen() -> None:
@@ -79,12 +79,12 @@ def test_what_alternates_is_not_seen() -> None:
     even = splines(z=np.linspace(-9e-3, 9e-3, 9))
     g = even.grid
     for sign in ((-1.0) ** np.arange(g.columns)[:, None] * np.ones(g.rows),):
-        assert np.max(np.abs(even.of_hats(sign.ravel()))) < ROUNDING
-    # along the rows the L2 projection of the alternation has end effects: means alternate, so hats are made from these
+        assert np.max(np.abs(even.of_nodes(sign.ravel()))) < ROUNDING
+    # along the rows the L2 projection of the alternation has end effects: means alternate, so nodes are made from these
     means = np.ones(g.columns)[:, None] * (-1.0) ** np.arange(g.rows)
     area = g.gram_z(even.shape).sum(axis=1)
-    hats = np.linalg.solve(g.gram_z(even.shape), (area * means).T).T
-    assert np.max(np.abs(even.of_hats(hats.ravel()))) < ROUNDING
+    grid_nodes = np.linalg.solve(g.gram_z(even.shape), (area * means).T).T
+    assert np.max(np.abs(even.of_nodes(grid_nodes.ravel()))) < ROUNDING
 
 
 def test_full_turn_converges() -> None:
@@ -93,14 +93,14 @@ def test_full_turn_converges() -> None:
     for columns in (24, 48):
         s = splines(turn=columns, columns=columns)
         theta = np.linspace(0.0, 2.0 * np.pi, 97)
-        found = evaluate(s, hat_coefficients(s, lambda t, x: np.sin(2.0 * t) + 0.0 * x), theta, np.zeros(97))
+        found = evaluate(s, node_coefficients(s, lambda t, x: np.sin(2.0 * t) + 0.0 * x), theta, np.zeros(97))
         errors.append(np.max(np.abs(found - np.sin(2.0 * theta))))
     assert errors[0] / errors[1] > 7.0  # 8 for the third power
 
 
 def test_slope_is_continuous() -> None:
     s = splines(turn=0)
-    field = hat_coefficients(s, lambda t, x: np.sin(500.0 * t) * np.cos(300.0 * x))
+    field = node_coefficients(s, lambda t, x: np.sin(500.0 * t) * np.cos(300.0 * x))
     knot = s.theta_knots[4]
     step = 1e-7
     slopes = [
@@ -137,7 +137,7 @@ def _dense(body, lags) -> np.ndarray:
 
 
 def test_arc_of_a_turn() -> None:
-    """On an arc of a full turn the splines are those of the turn: a field whose hats are the turn's is the same."""
+    """On an arc of a full turn the splines are those of the turn: a field whose nodes are the turn's is the same."""
     whole = splines(turn=24, columns=24)
     g = whole.grid
     part = SurfaceGrid(g.e_0, g.theta_start + 5 * g.pitch, g.pitch, 9, False, g.z, 1)
@@ -145,5 +145,5 @@ def test_arc_of_a_turn() -> None:
     theta = part.theta_start + g.pitch * np.linspace(1.5, 6.5, 20)  # the splines of both ends reach 1.5 columns in
     assert np.max(np.abs(arc.around(theta) - whole.around(theta)[:, 5:14])) < ROUNDING
     values = np.linspace(0.0, 1.0, 9)[:, None] ** 2 * np.ones(g.rows)
-    inner = arc.of_hats(values.ravel()).reshape(9, -1)
+    inner = arc.of_nodes(values.ravel()).reshape(9, -1)
     assert np.isfinite(inner).all()

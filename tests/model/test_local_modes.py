@@ -25,10 +25,10 @@ def surface(D, N, W, sectors=1, rows=2, mode_normal=None):
     c = D.shape[1] // rows
     columns = c * sectors
     grid = SurfaceGrid(np.eye(3)[0], 0.0, 2.0 * np.pi / columns, columns, True, np.linspace(0.0, 1.0, rows), c)
-    hats = columns * rows
-    transfer = np.zeros((1, 3 * hats, hats))
-    transfer[0, 3 * np.arange(hats), np.arange(hats)] = 1.0
-    normal = np.zeros((hats, W.shape[1])) if mode_normal is None else mode_normal
+    grid_nodes = columns * rows
+    transfer = np.zeros((1, 3 * grid_nodes, grid_nodes))
+    transfer[0, 3 * np.arange(grid_nodes), np.arange(grid_nodes)] = 1.0
+    normal = np.zeros((grid_nodes, W.shape[1])) if mode_normal is None else mode_normal
     recovery = Recovery(transfer, 1, np.eye(3))
     return ContactSurface("rim", None, grid, D, normal, recovery, local_mass=LocalMass(N, W))
 
@@ -38,12 +38,12 @@ def dense(s, lags):
     return replace(s, lags=lags).compliance(np.arange(s.grid.columns))
 
 
-def spring_mass(size=60, hats=24, vibrations=4, attached=3, seed=0):
+def spring_mass(size=60, grid_nodes=24, vibrations=4, attached=3, seed=0):
     """K, M, loads B, and global modes: vibration modes and responses to `attached` loads, made orthonormal."""
     rng = np.random.default_rng(seed)
     K, M = (A @ A.T / size + 0.3 * np.eye(size) for A in rng.standard_normal((2, size, size)))
     K *= 1e4
-    B = rng.standard_normal((size, hats))
+    B = rng.standard_normal((size, grid_nodes))
     F = rng.standard_normal((size, attached))
     V = sla.eigh(K, M)[1][:, :vibrations]
     Q = np.concatenate([V, np.linalg.solve(K, F)], axis=1)
@@ -113,7 +113,7 @@ def test_frequencies_are_ritz_values_from_above():
 
 
 def test_loads_do_work_on_the_trace():
-    """The modal force of hat forces f is phi^T B f."""
+    """The modal force of node forces f is phi^T B f."""
     _, _, B, _, _, _, U, s = reduced()
     modes = dynamic_modes(s)
     assert modes.trace == pytest.approx(B.T @ (U @ modes.shape), abs=ROUND_OFF * np.abs(modes.trace).max())

@@ -15,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 @pytest.fixture(scope="session")
 def roller() -> ReducedBody:
-    """96 hats around, four along, eight global modes."""
+    """96 shape functions around, four along, eight global modes."""
     return roller_body(96, layers=4, axial=3, grading=1.6, order=1, max_frequency=15e3, cache=False)
 
 

@@ -19,7 +19,7 @@ from warpffrf.online import GeneralizedAlpha, Settings, run
 
 INTEGRATOR = GeneralizedAlpha(0.8)
 # the separated solver leaves the grids where they are while an iteration turns them by less than 2e-7 columns, and a
-# column changes the force of a patch of two hats by a tenth
+# column changes the force of a patch of two nodes by a tenth
 AGREE = 2e-8
 MEETING = 5e-3  # of the largest force, at 1/25 of the time that it takes to grow
 
@@ -38,14 +38,14 @@ def pressing(first: Any, second: Any, **more: Any) -> Scene:
 
 
 @pytest.mark.parametrize("pair", ["equal", "crowned", "crowned first"])
-def test_hats_agree_with_the_separated_solver(pair: str, roller, other_roller) -> None:
+def test_nodes_agree_with_the_separated_solver(pair: str, roller, other_roller) -> None:
     bodies = {"crowned": (roller, other_roller), "crowned first": (other_roller, roller)}.get(pair, (roller, roller))
     scene, options = pressing(*bodies), {"step": 1e-4, "start": "equilibrium", "integrator": INTEGRATOR}
     a = run(
         scene,
         1e-3,
         progress=False,
-        settings=Settings(residual_tolerance=1e-11, window_strain=0.3, most_made=0.0),
+        settings=Settings(residual_tolerance=1e-11, window_strain=0.3, gain_limit=0.0),
         **options,
     )
     b = monolithic.run(scene, 1e-3, progress=False, tolerance=1e-11, **options)
@@ -102,7 +102,7 @@ def pressed(first: Any, approach: float, **options: Any) -> float:
     return float(np.linalg.norm(history.contacts[PAIR].force[0]))
 
 
-def test_force_of_nodes_converges_with_the_layer_and_to_that_of_hats() -> None:
+def test_force_of_nodes_converges_with_the_layer_and_to_that_of_nodes() -> None:
     """A patch of ten elements: a layer three times as stiff changes a third, the default less than 0.5 %."""
     body = roller_body(150, layers=4, axial=2, grading=1.6, order=1, max_frequency=15e3, cache=False)
     k = default_layer(body.contact_surfaces["rim"])

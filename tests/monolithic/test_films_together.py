@@ -25,7 +25,7 @@ from warpffrf.offline import reduce
 from warpffrf.online import GeneralizedAlpha, Settings, run
 from warpffrf.online.run import find_equilibrium
 
-HATS = (32, 7)
+GRID_NODES = (32, 7)
 TIGHT = 1e-11  # tolerance of both solvers
 AT_REST = 1e-8  # of the largest value: each stops at 1e-9 of the forces and flows, and powers have both in them
 FLOWS_AT_REST = 1e-8  # of what the shaft carries around
@@ -34,7 +34,7 @@ MOVING = 1e-6  # of the largest value of a run: the tolerance times what some te
 # from tiny steps of sizes of their own
 STARTED = 1e-5
 DIFFERENCES = 1e-6  # of the largest entry: central differences, round-off beside truncation
-NODES = 0.03  # at nodes beside hats, on six columns a radian: triangles and hats differ by the square of the pitch
+NODES = 0.03  # at nodes beside nodes, on six columns a radian: triangles and nodes differ by the square of the pitch
 STEP = float(np.radians(2.0)) / SPEED  # s
 FIELDS = ("pressure", "gap", "void")
 SUMS = (
@@ -61,7 +61,7 @@ def constant(scene: Scene) -> Scene:
 def journal(load: Any = (20e3, 0.0), **film: Any) -> Scene:
     """A shaft in an elastic bore that is fed by a groove."""
     given: dict[str, Any] = {"feeds": [GROOVE]} | film
-    return constant(bearing(bore(HATS), load, mass=0.1, **given))
+    return constant(bearing(bore(GRID_NODES), load, mass=0.1, **given))
 
 
 def off(x: Any, y: Any) -> float:
@@ -171,7 +171,7 @@ def test_a_plane_pad_is_that_of_the_separated_solver() -> None:
 def test_a_bore_that_turns_around_a_shaft_of_the_ground() -> None:
     """The second surface moves nothing, and the grid turns over the film: no steady state in its frame."""
     scene = Scene(gravity=(0.0, 0.0, 0.0))
-    sleeve = scene.add_body(bore(HATS), name="sleeve", inertia="constant", angular_velocity=(0.0, SPEED, 0.0))
+    sleeve = scene.add_body(bore(GRID_NODES), name="sleeve", inertia="constant", angular_velocity=(0.0, SPEED, 0.0))
     axle = surfaces.Cylinder(
         radius=0.025 - CLEARANCE, axis_point=(0.5 * CLEARANCE, 0, 0), axis_direction=(0, 1, 0)
     )  # fmt: skip
@@ -238,7 +238,7 @@ def test_nodes_have_the_whole_surface_and_linear_pressures() -> None:
     along = b.place[:, 1]
     assert np.abs(b.along @ along - 1.0).max() < 1e-9 and np.abs(b.around @ along).max() < 1e-9
     assert np.abs(b.to_grid @ along - np.tile(film.grid.z, film.grid.columns)).max() < 1e-12
-    assert b.held.sum() == 2 * HATS[0] + (HATS[1] - 2)  # both ends and the groove
+    assert b.held.sum() == 2 * GRID_NODES[0] + (GRID_NODES[1] - 2)  # both ends and the groove
     closed = np.zeros((b.functions, 2))  # faces around an inner node close
     np.add.at(closed, b.faces[:, 0], b.normals)
     np.add.at(closed, b.faces[:, 1], -b.normals)
@@ -250,13 +250,13 @@ def test_nodes_have_the_whole_surface_and_linear_pressures() -> None:
 
 
 @pytest.mark.parametrize("load", [2e3, 20e3])
-def test_pressures_at_nodes_are_near_those_of_hats(load: float) -> None:
-    hats, nodes = (rest(journal((load, 0.0)), at_nodes=at_nodes).films["film"] for at_nodes in (False, True))
-    assert off(hats.force[0], nodes.force[0]) < 1e-6  # of a given load
-    assert off(hats.eccentricity[0], nodes.eccentricity[0]) < NODES
-    assert nodes.largest_pressure[0] == pytest.approx(hats.largest_pressure[0], rel=NODES)
-    assert nodes.end_flow[0] == pytest.approx(hats.end_flow[0], rel=NODES)
-    assert nodes.void_fraction[0] == pytest.approx(hats.void_fraction[0], rel=NODES)
+def test_pressures_at_nodes_are_near_those_of_nodes(load: float) -> None:
+    grid_nodes, nodes = (rest(journal((load, 0.0)), at_nodes=at_nodes).films["film"] for at_nodes in (False, True))
+    assert off(grid_nodes.force[0], nodes.force[0]) < 1e-6  # of a given load
+    assert off(grid_nodes.eccentricity[0], nodes.eccentricity[0]) < NODES
+    assert nodes.largest_pressure[0] == pytest.approx(grid_nodes.largest_pressure[0], rel=NODES)
+    assert nodes.end_flow[0] == pytest.approx(grid_nodes.end_flow[0], rel=NODES)
+    assert nodes.void_fraction[0] == pytest.approx(grid_nodes.void_fraction[0], rel=NODES)
 
 
 # --- a run like any other
@@ -266,7 +266,7 @@ def test_a_result_of_it_reads_like_any_other() -> None:
     found = simulate(journal(), 4 * STEP, step=STEP, start="equilibrium", at_nodes=True, progress=False)
     assert found.status == "completed", found.message
     film = found.film("film")
-    assert film.force.shape == (5, 3) and film.pressure.shape == (5, *HATS)
+    assert film.force.shape == (5, 3) and film.pressure.shape == (5, *GRID_NODES)
     assert not film.asperity_force.any()
     assert film.force[-1, 0] == pytest.approx(20e3, rel=1e-3)
 

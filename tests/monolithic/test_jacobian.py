@@ -135,7 +135,8 @@ def test_force_elements(name: str, stiffening: bool) -> None:
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("swapped", [False, True])
 def test_contact_of_tilted_and_crowned_rollers(law: str, swapped: bool, roller, other_roller) -> None:
-    """Gaps and forces with the turn of the grids, tilted pair, at pressures that are given (hats) or follow (nodes)."""
+    """Gaps and forces with the turn of the grids, tilted pair, at pressures that are given (nodes) or follow
+    (nodes)."""
     pair = (other_roller, roller) if swapped else (roller, other_roller)
     scene = guided_pair(*pair)
     for body in scene.bodies:

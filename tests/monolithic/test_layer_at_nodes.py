@@ -1,4 +1,4 @@
-"""At nodes: the law of the contact at every node, beside the same layer in hats."""
+"""At nodes: the law of the contact at every node, beside the same layer in nodes."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_it_is_the_layer_of_the_contact_at_the_nodes(roller) -> None:
 
 
 def test_semi_comes_to_it_as_the_grid_becomes_finer() -> None:
-    """The same approach on finer and finer rims: the nodes and the hats differ by what both discretise."""
+    """The same approach on finer and finer rims: the nodes and the nodes differ by what both discretise."""
     errors, elements = [], []
     for sectors in (100, 200):
         body = roller_body(sectors, layers=5, axial=2, grading=1.5, order=1, max_frequency=10e3, cache=False)

@@ -307,12 +307,12 @@ def test_what_it_refuses(steel_space: ReducedBody, rigid_space: ReducedBody) -> 
 
     scene, _ = on_half_space(steel_space, BALL, 1.0, law=laws.Unilateral())
     refused(scene, "has no unilateral; use laws.LinearLayer")
-    hats = {"at_nodes": False}
-    refused(scene, "a rigid partner, partner\\['face'\\], with the law at nodes only; use at_nodes=True", **hats)
+    grid_nodes = {"at_nodes": False}
+    refused(scene, "a rigid partner, partner\\['face'\\], with the law at nodes only; use at_nodes=True", **grid_nodes)
     scene.contacts[0].kinematics = "closest_point"
-    refused(scene, 'has kinematics="closest_point" with the law at nodes only', **hats)
+    refused(scene, 'has kinematics="closest_point" with the law at nodes only', **grid_nodes)
     scene.contacts[0].friction = 0.1
-    refused(scene, "has friction with the law at nodes only; use at_nodes=True", **hats)
+    refused(scene, "has friction with the law at nodes only; use at_nodes=True", **grid_nodes)
     scene, _ = on_half_space(steel_space, BALL, 1.0, law=laws.LinearLayer(1e16), friction=0.1)
     refused(scene, "friction is there for quasi-static local modes only", local="hht")
     refused(scene, "stick_stiffness", stick_stiffness=0.0)

@@ -182,7 +182,7 @@ def test_action_is_reaction(name: str, scenes: dict[str, Scene]) -> None:
     assert size > 1.0
     assert np.array_equal(wrench[:3], -wrench[6:9])
     assert np.abs(total).max() < 1e-12 * size * 10.0
-    # what B's hats get is what the nodes give, as far as they lie within its grid
+    # what B's nodes get is what the nodes give, as far as they lie within its grid
     if pair.over.cells is not None:
         assert pair.second_loads()[0].sum() == pytest.approx(pair.force.sum(), rel=1e-9)
     assert system.nodal

@@ -36,7 +36,7 @@ def body() -> Any:
 
 
 def pressed(body: Any) -> Scene:
-    """Two rollers, pressed together harder; the patch keeps its hats, so that the motion is smooth in time."""
+    """Two rollers, pressed together harder; the patch keeps its nodes, so that the motion is smooth in time."""
     load = signals.SmoothStep(20e3, 24e3, duration=DURATION)
     scene = guided_pair(body, body, load=load, speed=None)
     for item in scene.bodies:

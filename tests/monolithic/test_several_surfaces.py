@@ -29,7 +29,7 @@ THICKNESS, LOAD = 0.004, 1e4  # m, N
 TIGHT = 1e-12  # tolerance of the forces
 MODES_AGREE = 1e-8  # static states are exact for any number of modes; at four sheets 1e-12 was seen
 ROUND_OFF = 1e-12
-PARTS_AGREE = 1e-9  # modes of an arc are projected on its own hats; 1e-11 was seen, and 0.01 for arcs that are apart
+PARTS_AGREE = 1e-9  # modes of an arc are projected on its own nodes; 1e-11 was seen, and 0.01 for arcs that are apart
 SOLVERS_AGREE = 1e-10  # of the largest force: round-off of some ten steps
 STEP, STEPS = 1e-5, 10
 

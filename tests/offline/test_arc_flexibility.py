@@ -1,4 +1,5 @@
-"""Hats on an arc: their whole static flexibility, global modes and local ones, is that of the same hats of the turn."""
+"""Hats on an arc: their whole static flexibility, global modes and local ones, is that of the same nodes of the
+turn."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ from offline_bodies import reduced
 from warpffrf.model.mesh import Mesh, roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.online.compile.compliance_tables import hat_gram, modal_moments, product
+from warpffrf.online.compile.compliance_tables import modal_moments, node_gram, product
 
 ROUND_OFF = 1e-9  # of the largest entry: two paths, or two sets of modes, that are exact both
 COARSE = {"spacing": 0.019}  # a column every second of the 24 sectors
@@ -31,18 +32,18 @@ def blocks(lags: np.ndarray, columns: np.ndarray, per_sector: int) -> np.ndarray
 
 
 def flexibility(body: ReducedBody, name: str, columns: np.ndarray) -> np.ndarray:
-    """Weak displacement [m^3] of hat i under a unit pressure hat j, of global and local modes."""
+    """Weak displacement [m^3] of node i under a unit pressure hat j, of global and local modes."""
     surface = body.contact_surfaces[name]
     moments = modal_moments(surface)[columns].reshape(len(columns) * surface.grid.rows, -1)
     omega = 2.0 * np.pi * body.frequencies
-    M = hat_gram(surface)
+    M = node_gram(surface)
     local = product(M, surface.lags, M)
     return (moments / omega**2) @ moments.T + blocks(local, columns, surface.grid.columns_per_sector)
 
 
 @pytest.mark.parametrize("modes", [0, 6])
 @pytest.mark.parametrize("grid", [{}, COARSE], ids=["a column a sector", "coarser"])
-def test_an_arc_is_as_soft_as_the_same_hats_of_the_turn(mesh, modes, grid) -> None:
+def test_an_arc_is_as_soft_as_the_same_nodes_of_the_turn(mesh, modes, grid) -> None:
     whole = reduced(mesh, modes=modes, **grid)
     arc = reduced(mesh, modes=modes, contact={"pad": Cylinder()}, **grid)
     assert arc.report["path"] == whole.report["path"] == "cyclic"

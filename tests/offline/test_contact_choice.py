@@ -33,18 +33,18 @@ def test_the_choice_scales_with_the_patch():
 
 
 def test_a_body_is_reduced_with_it():
-    """Fewer hats and fewer points where less is wanted, and what was trained keeps the promise."""
+    """Fewer nodes and fewer points where less is wanted, and what was trained keeps the promise."""
     mesh = roller(0.05, 0.015, 0.02, sectors=90, layers=3, axial=4, order=1)
-    hats, points = [], []
+    grid_nodes, points = [], []
     for error in (0.3, 0.02):
         choice = contact_choice(7e-3, error=error)
         spacing = max(choice.spacing, 3.5e-3)  # that of the mesh
         rim = reduced(mesh, spacing=spacing, sampling_error=choice.sampling_error)
         surface = rim.contact_surfaces["rim"]
         assert surface.sampling is not None and surface.sampling.training_error <= choice.sampling_error
-        hats.append(surface.grid.columns)
+        grid_nodes.append(surface.grid.columns)
         points.append(surface.sampling.count)
-    assert points[0] <= points[1] and hats[0] < hats[1]
+    assert points[0] <= points[1] and grid_nodes[0] < grid_nodes[1]
 
 
 def test_what_is_refused():

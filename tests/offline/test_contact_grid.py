@@ -14,12 +14,12 @@ from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.model.reduced.contact_grid import meridian_gram
 from warpffrf.model.surfaces import CrownedCylinder, Cylinder
 from warpffrf.offline.contact.contact_grid import facet_chart, nodal_plan, spaced_plan, thinned_rows
-from warpffrf.offline.contact.hat_loads import (
+from warpffrf.offline.contact.node_loads import (
     BEND,
     ContactFacets,
     TractionField,
     cut_points,
-    hat_loads,
+    node_loads,
     surface_vectors,
 )
 
@@ -31,7 +31,7 @@ def loads_of(mesh, shape, spacing=None):
     chart = facet_chart(mesh.points, kind, nodes, shape)
     plan = nodal_plan(chart, "rim") if spacing is None else spaced_plan(chart, shape, "rim", spacing)
     assert plan is not None
-    return shape, plan, hat_loads(kind, nodes, chart, shape, plan)
+    return shape, plan, node_loads(kind, nodes, chart, shape, plan)
 
 
 @pytest.mark.parametrize("spacing", [None, 0.021])
@@ -47,19 +47,19 @@ def test_constant_pressure_is_applied_exactly(order, spacing):
     assert np.abs(loads.value.sum(axis=0)).max() < 1e-14 * area * 1e2
     theta, z, _ = shape.chart(mesh.points[loads.node])
     outward = np.einsum("ed,ed->e", loads.value, shape.normal(theta, z)).sum()
-    assert outward == pytest.approx(area, rel=0.05)  # normals turn over the 30 degrees of a hat
+    assert outward == pytest.approx(area, rel=0.05)  # normals turn over the 30 degrees of a node
 
 
 def test_nodal_loads_on_linear_mesh_are_the_gram_matrix(small_roller):
     """N_a = psi_a: the load's size on node a by hat i is M_ai, up to the turn of the normal over a facet."""
     shape, plan, loads = loads_of(small_roller, Cylinder())
     theta, z, _ = shape.chart(small_roller.points)
-    hat_of_node = np.rint((theta - plan.theta_start) / plan.pitch).astype(int) % plan.columns * len(plan.z)
-    hat_of_node += np.argmin(np.abs(plan.z[:, None] - z), axis=0)
-    hats = plan.columns * len(plan.z)
-    b = np.zeros((hats, hats))
-    hat = loads.column % plan.columns * len(plan.z) + loads.row
-    np.add.at(b, (hat, hat_of_node[loads.node]), loads.area)
+    grid_node_of = np.rint((theta - plan.theta_start) / plan.pitch).astype(int) % plan.columns * len(plan.z)
+    grid_node_of += np.argmin(np.abs(plan.z[:, None] - z), axis=0)
+    grid_nodes = plan.columns * len(plan.z)
+    b = np.zeros((grid_nodes, grid_nodes))
+    grid_node = loads.column % plan.columns * len(plan.z) + loads.row
+    np.add.at(b, (grid_node, grid_node_of[loads.node]), loads.area)
     circulant = np.eye(plan.columns) * 2.0 / 3.0
     circulant += (np.roll(np.eye(plan.columns), 1, axis=0) + np.roll(np.eye(plan.columns), -1, axis=0)) / 6.0
     M = np.kron(plan.pitch * circulant, meridian_gram("nodes", shape, plan.z))
@@ -83,8 +83,8 @@ def test_axial_gram_sums_to_the_area():
         (0.12, np.eye(3)),  # rows 60 mm apart, further than the spacing: all are kept
     ],
 )
-def test_coarse_grid_is_the_sum_of_fine_hats(width, Z):
-    """Every third column: D_c = M_c^-1 W^T M D M W M_c^-1, with W the fine coefficients of the coarse hats."""
+def test_coarse_grid_is_the_sum_of_fine_nodes(width, Z):
+    """Every third column: D_c = M_c^-1 W^T M D M W M_c^-1, with W the fine coefficients of the coarse nodes."""
     mesh = roller(0.05, 0.015, width, sectors=18, layers=2, axial=2, order=1)
     fine = reduced(mesh, modes=4).contact_surfaces["rim"]
     coarse = reduced(mesh, modes=4, spacing=0.0525).contact_surfaces["rim"]
@@ -156,7 +156,7 @@ def test_arc_is_a_part_of_the_full_turn(order):
     among = (first + columns) % whole.grid.columns
     assert np.allclose(arc.compliance(columns), whole.compliance(among), rtol=1e-12, atol=0.0)
     rows = whole.grid.rows
-    # what the global modes do to its hats, which the Gram matrix of each makes of it
+    # what the global modes do to its nodes, which the Gram matrix of each makes of it
     weak = whole.grid.along_theta(whole.mode_normal.reshape(whole.grid.columns, rows, -1))[among]
     assert np.allclose(arc.grid.along_theta(arc.mode_normal.reshape(len(among), rows, -1)), weak, rtol=1e-10)
     forces = np.random.default_rng(0).standard_normal((arc.grid.columns, rows))
@@ -166,7 +166,7 @@ def test_arc_is_a_part_of_the_full_turn(order):
 
 
 @pytest.mark.parametrize("general", [False, True])
-def test_arc_hats_lie_inside_the_facets(small_roller, general):
+def test_arc_nodes_lie_inside_the_facets(small_roller, general):
     mesh = small_roller.select("tread", "rim", lambda c: c[:, 0] > 0.02)
     facets = mesh.facets("tread")
     body = reduced(mesh, general=general, contact={"tread": Cylinder()})
@@ -316,7 +316,7 @@ def test_a_checkerboard_of_cells_between_nodes_loads_nothing(small_roller):
     chart = facet_chart(small_roller.points, kind, nodes, shape)
     found = {}
     for name, lines in (("between", plan), ("around", plan.lines("cells"))):
-        loads = hat_loads(kind, nodes, chart, shape, lines, basis="cells")
+        loads = node_loads(kind, nodes, chart, shape, lines, basis="cells")
         sign = (-1.0) ** (loads.column + loads.row)
         found[name] = np.bincount(loads.node, weights=sign * loads.area)
     assert np.abs(found["between"]).max() < 1e-12 * np.abs(found["around"]).max()

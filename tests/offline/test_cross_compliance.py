@@ -70,7 +70,7 @@ def relative(a: np.ndarray, b: np.ndarray) -> float:
 # --- against full finite elements ---
 
 
-def hat_mass(nodes: np.ndarray) -> np.ndarray:
+def node_mass(nodes: np.ndarray) -> np.ndarray:
     """Mass matrix of the piecewise linear functions on the line of `nodes`."""
     M = np.zeros((len(nodes), len(nodes)))
     for i, h in enumerate(np.diff(nodes)):
@@ -79,12 +79,12 @@ def hat_mass(nodes: np.ndarray) -> np.ndarray:
 
 
 def face_loads(mesh: Mesh, body: ReducedBody, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """On a face of linear hexahedra the hats are the shape functions: loads B (3 n, 3 hats) of unit normal pressures
-    and tangential tractions, and the Gram matrix of the hats."""
+    """On a face of linear hexahedra the nodes are the shape functions: loads B (3 n, 3 shape functions) of unit normal
+    pressures and tangential tractions, and the Gram matrix of the nodes."""
     s = body.contact_surfaces[name]
     theta = s.grid.theta
     whole = np.concatenate([[theta[0] - s.grid.pitch], theta, [theta[-1] + s.grid.pitch]])
-    M = np.kron(hat_mass(whole), hat_mass(s.grid.z))  # all nodes of the face
+    M = np.kron(node_mass(whole), node_mass(s.grid.z))  # all nodes of the face
     places = s.shape.point(*np.meshgrid(whole, s.grid.z, indexing="ij")).reshape(-1, 3)
     node = [int(np.argmin(np.linalg.norm(mesh.points - x, axis=1))) for x in places]
     assert np.abs(mesh.points[node] - places).max() < 1e-12
@@ -254,7 +254,7 @@ def test_grids_coarser_than_the_sectors(inner: float, planes: float, strides: tu
 
 
 def _sums(columns: int, stride: int, rows: int) -> np.ndarray:
-    """Coarse hats (columns/stride rows) as sums of fine ones, around."""
+    """Coarse nodes (columns/stride rows) as sums of fine ones, around."""
     place = np.arange(columns)
     away = np.abs(place[:, None] - place[::stride])
     away = np.minimum(away, columns - away)

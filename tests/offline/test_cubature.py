@@ -44,7 +44,7 @@ def crowned():
 
 
 def row_weights(points, rows: int) -> np.ndarray:
-    """Sum of the weights by row (rows,) [m^2]: a hat of the row has twice half of it, so this is its area."""
+    """Sum of the weights by row (rows,) [m^2]: a node of the row has twice half of it, so this is its area."""
     out = np.zeros(rows)
     np.add.at(out, points.row, points.weight * (1.0 - points.zeta))
     np.add.at(out, points.row + 1, points.weight * points.zeta)
@@ -105,7 +105,7 @@ def test_weights_are_positive_and_areas_exact(surface, request):
 
 
 def test_a_constant_pressure_has_its_resultant_and_its_moment(rim):
-    """Hats sum to one, and a linear function of z is a sum of hats: both are integrated exactly on a cylinder."""
+    """Hats sum to one, and a linear function of z is a sum of nodes: both are integrated exactly on a cylinder."""
     points = choose_sampling(rim, 0.1)
     z, rows = rim.grid.z, rim.grid.rows
     measure = rim.grid.pitch * rim.shape.radius

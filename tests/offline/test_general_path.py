@@ -161,10 +161,10 @@ def rim(mesh):
 
 
 def test_little_memory_gives_small_blocks_and_the_same_result(mesh, reference):
-    hats = reference.surfaces[0].lags.shape[1]
+    grid_nodes = reference.surfaces[0].lags.shape[1]
     needed = needed_memory(mesh)
     found = general(mesh, memory_limit=needed + (1 << 19))
-    assert found.facts["block"] < hats / 4 and found.facts["block"] < reference.facts["block"]
+    assert found.facts["block"] < grid_nodes / 4 and found.facts["block"] < reference.facts["block"]
     assert relative(found.surfaces[0].lags, reference.surfaces[0].lags) < AGREE
 
 

@@ -35,7 +35,7 @@ CASES = [(t, p) for t in KINDS for p in PATCHES]
 
 
 def _states(patch, traction: str, low: float, high: float, count: int, seed: int) -> np.ndarray:
-    """(n, 5) absolute errors at random b/s, positions and, with hats, positions of the opposite grid."""
+    """(n, 5) absolute errors at random b/s, positions and, with nodes, positions of the opposite grid."""
     random = np.random.default_rng(seed)
     dimension, found = len(patch.axes), []
     for _ in range(count):
@@ -74,14 +74,14 @@ def test_errors_fall_at_the_rates_of_the_rule() -> None:
 
 
 def test_centred_loads_promise_too_much() -> None:
-    """Peak pressure of a line at four spacings in a half-width, on a hat and between: the reason for the sweep."""
+    """Peak pressure of a line at four spacings in a half-width, on a node and between: the reason for the sweep."""
     patch = LinePatch(DEPTH)
     centred = abs(grid_errors(patch, "nodes", (0.25,), (0.0,)).peak_pressure)
     worst = max(abs(grid_errors(patch, "nodes", (0.25,), (x,)).peak_pressure) for x in np.linspace(0.0, 0.5, 5))
     assert worst > 2.0 * centred
 
 
-def test_hats_and_cells_are_made_of_finer_ones() -> None:
+def test_nodes_and_cells_are_made_of_finer_ones() -> None:
     """A coarse function is a sum of finer ones, in the plane and with unequal spacings in space."""
     tent = np.concatenate([np.arange(1, 10), np.arange(10, 0, -1)]) / 10.0
     fine = toeplitz(plane_table("nodes", 0.1, 19, DEPTH))
@@ -147,10 +147,10 @@ def test_opposite_grid_sees_the_projection() -> None:
     at = (cuts[:-1, None] + np.diff(cuts)[:, None] * 0.5 * (x + 1.0)).ravel()
     weight = (np.diff(cuts)[:, None] * 0.5 * w).ravel()
 
-    def hat(t: np.ndarray) -> np.ndarray:
+    def grid_node(t: np.ndarray) -> np.ndarray:
         return np.maximum(1.0 - np.abs(t), 0.0)
 
-    cross = s * np.einsum("q,q,ijq->ij", weight, hat(at), hat(at - away[..., None]))
+    cross = s * np.einsum("q,q,ijq->ij", weight, grid_node(at), grid_node(at - away[..., None]))
     seen = cross @ np.linalg.inv(M)
     whole = seen @ G @ seen.T
     kernel, reach = facing(shift), len(facing(shift)) // 2
@@ -173,7 +173,7 @@ def test_contact_on_a_grid_is_the_non_negative_minimum() -> None:
 
 
 def test_projection_against_a_fine_grid() -> None:
-    """Compliance error against Hertz's pressure on hats eight times finer, of which the coarse ones are made."""
+    """Compliance error against Hertz's pressure on nodes eight times finer, of which the coarse ones are made."""
     patch, fine, coarse = LinePatch(DEPTH), 1.0 / 64.0, 16
     k = np.arange(-6 * coarse, 6 * coarse + 1)
     G = toeplitz(plane_table("nodes", fine, len(k), DEPTH))
@@ -183,7 +183,7 @@ def test_projection_against_a_fine_grid() -> None:
     c = P.T @ G @ p
     expected = 1.0 - c @ np.linalg.solve(P.T @ G @ P, c) / (p @ G @ p)
     found = grid_errors(patch, "nodes", (coarse * fine,), (0.0,)).compliance
-    assert found == pytest.approx(expected, rel=0.1)  # of 1e-4; the fine hats miss a hundredth of it
+    assert found == pytest.approx(expected, rel=0.1)  # of 1e-4; the fine nodes miss a hundredth of it
 
 
 def test_rule_on_a_reduced_roller() -> None:

@@ -22,7 +22,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.local_mass import LocalMass
 from warpffrf.model.reduced.local_modes import dynamic_modes
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline.contact.hat_loads import NORMAL, ContactFacets, TractionField
+from warpffrf.offline.contact.node_loads import NORMAL, ContactFacets, TractionField
 from warpffrf.offline.products import resolve_shapes
 
 EXACT = 1e-8  # what the product promises of static responses
@@ -34,7 +34,7 @@ LOSS = 0.01  # structural loss factor of frequency responses: resonances stay fi
 
 @dataclass
 class FullModel:
-    """omega (n,), elastic modes V (3 nodes, n) of all nodes, loads B of the hats (3 nodes, hats), and their field."""
+    """omega (n,), elastic modes V (3 nodes, n) of all nodes, loads B of the nodes (3 nodes, nodes), and their field."""
 
     omega: np.ndarray
     V: np.ndarray
@@ -93,7 +93,7 @@ def test_mass_of_the_residual_responses(small_roller, full, modes, general):
     """N = U^T M U of responses that the full model gives by its modes, less the reduced body's global part."""
     body = reduced(small_roller, modes=modes, general=general, local_dynamics=True)
     s = body.contact_surfaces["rim"]
-    on_modes = full.trace  # (hats, n)
+    on_modes = full.trace  # (nodes, n)
     flexible = on_modes / full.omega**2  # U = V flexible^T without deflation: M-products are sums over V
     omega, shapes = global_modes(body, small_roller, full)
     participation = full.field.without_gram(full.B.T @ shapes)
@@ -230,7 +230,7 @@ def test_slow_loads_need_no_local_dynamics(small_roller):
 
 
 @pytest.mark.parametrize("general", [False, True])
-def test_kept_modes_are_recovered_by_their_hat_forces(small_roller, full, general):
+def test_kept_modes_are_recovered_by_their_node_forces(small_roller, full, general):
     """Displacement of dynamic modes on the skin, and the bore, which they leave alone."""
     body = reduced(small_roller, modes=5, general=general, local_dynamics=True)
     s = body.contact_surfaces["rim"]

@@ -18,14 +18,14 @@ from warpffrf.offline.near_field.half_space import PointLoads, half_space_at, me
 from warpffrf.offline.near_field.window import FlatChart
 
 NU = 0.3
-# The far fields of a roller from two meshes on the same hats, over the largest entry of the whole compliance. Linear
+# The far fields of a roller from two meshes on the same nodes, over the largest entry of the whole compliance. Linear
 # cells of 4 mm leave 0.6 % of it at the load itself; quadratic ones 0.1 %.
 SAME_FIELD = {1: 8e-3, 2: 2e-3}
 CROWNED = 2e-3  # of the compliance: far fields of a rim with a crown of 2 m and of a straight one
 BOTH_PATHS = 2e-3  # windows of one sector or of some: other cut faces
 RIPPLE = 2e-4  # of the force, over an element: 5e-5 measured with hex8
 # Fine finite elements of the roller pressed on a plane: 0.1 % themselves, 0.15 % from cells of 4 mm, and of the peak
-# 0.5 %, of which 0.3 % lie with the hats of the reference.
+# 0.5 %, of which 0.3 % lie with the nodes of the reference.
 FORCE, PEAK = 5e-3, 8e-3
 
 
@@ -46,7 +46,7 @@ def hex8():
 
 
 def means(body, lags):
-    """Mean displacement per unit force among hats, of coefficients per hat force, in the layout of `lags`."""
+    """Mean displacement per unit force among nodes, of coefficients per node force, in the layout of `lags`."""
     s = body.contact_surfaces["rim"]
     g = s.grid
     area = s.gram_z.sum(axis=1) * g.pitch
@@ -147,7 +147,7 @@ def test_cutoff() -> None:
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_far_field_is_the_meshs_no_more(hex8, order) -> None:
-    """On the same hats the whole compliance of 4 mm cells and of finer ones differs by a sixth at a load, the
+    """On the same nodes the whole compliance of 4 mm cells and of finer ones differs by a sixth at a load, the
     difference from the half-space by less than a hundredth."""
     fine = reduced(
         roller(sectors=160, layers=11, axial=10, order=2), max_frequency=20e3, contact_fixed=True, spacing=4e-3
@@ -171,7 +171,7 @@ def _along_middle(body, surface) -> np.ndarray:
     z = np.zeros(len(theta))
     P = (surface.splines.around(theta)[:, :, None] * surface.splines.along(z)[:, None, :]).reshape(len(theta), -1)
     S = spline_matrix(surface, far_of(body).lags, np.arange(P.shape[1]))
-    modes = P @ surface.splines.of_hats(surface.mode_normal)
+    modes = P @ surface.splines.of_nodes(surface.mode_normal)
     omega = 2.0 * np.pi * body.frequencies
     return P @ S @ P[0] + (modes / omega**2) @ modes[0]
 

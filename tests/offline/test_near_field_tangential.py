@@ -183,7 +183,7 @@ def test_window_of_a_plane_is_the_half_space() -> None:
     g = s.grid
     n = g.columns * g.rows
     tt = near.tangential.lags_tt[0]
-    area = np.tile(functions.hats.area, g.columns)
+    area = np.tile(functions.grid_nodes.area, g.columns)
     M = np.kron(g.gram_theta(), g.gram_z(s.shape))
     nt = (M @ near.tangential.lags_nt[0]) / area[:, None]
     places = {kind: _points(s.shape, grid) for kind, grid in (("nodes", g), ("cells", t.grid))}
@@ -301,7 +301,7 @@ def beside_the_half_space(body, phase: float) -> tuple[float, float, float]:
         theta, z, weight = places
         e = (s.shape.around(theta), s.shape.along(theta, z), s.shape.normal(theta, z))[kind]
         rigid = np.concatenate([e, np.cross(s.shape.point(theta, z) - held.point, e)], axis=1)
-        traces = s.splines.of_hats(s.mode_normal) if kind == 2 else s.mode_tangent_splines[kind]
+        traces = s.splines.of_nodes(s.mode_normal) if kind == 2 else s.mode_tangent_splines[kind]
         return (row(places) @ traces - held.modes @ (weight @ rigid)) / omega
 
     S_tt, S_nt = operator(s, far.lags_tt, 2, 2), operator(s, far.lags_nt, 1, 2)
@@ -369,7 +369,7 @@ def test_normal_far_field_is_the_same_without_tangential_tractions(bodies) -> No
 
 
 def test_paths_agree(bodies) -> None:
-    """The windows of one sector, and those of clusters of the general path, on the same hats and cells."""
+    """The windows of one sector, and those of clusters of the general path, on the same nodes and cells."""
     mesh = wf.mesh.roller(0.05, 0.015, 0.02, **MESHES["hex8 8 mm"])
     general = reduced(mesh, general=True, max_frequency=20e3, tangential=True, contact_fixed=True)
     a, b = bodies["hex8 8 mm"].contact_surfaces["rim"], general.contact_surfaces["rim"]
@@ -398,7 +398,7 @@ def test_saved_and_loaded(bodies, tmp_path) -> None:
         wf.ReducedBody.load(path)
 
 
-def test_hats_have_none() -> None:
+def test_nodes_have_none() -> None:
     mesh = wf.mesh.roller(0.05, 0.015, 0.02, sectors=24, layers=3, axial=2, order=1)
     body = reduced(mesh, modes=0, tangential="nodes", contact_fixed=True)
     far = body.contact_surfaces["rim"].far

@@ -41,8 +41,8 @@ def held_compliance(body: ReducedBody) -> np.ndarray:
     return D - N @ rigid.T + rigid @ (F @ rigid.T - N.T)
 
 
-def hat_integrals(nodes: np.ndarray, outer: bool) -> tuple[np.ndarray, np.ndarray]:
-    """int psi_i dx and int psi_i x^2 dx of the hats on equally spaced `nodes`; `outer`: the outermost reach beyond."""
+def node_integrals(nodes: np.ndarray, outer: bool) -> tuple[np.ndarray, np.ndarray]:
+    """int psi_i dx and int psi_i x^2 dx of the nodes on equally spaced `nodes`; `outer`: the outermost reach beyond."""
     step = nodes[1] - nodes[0]
     line = np.concatenate([[nodes[0] - step], nodes, [nodes[-1] + step]]) if outer else nodes
     q, w = np.polynomial.legendre.leggauss(3)
@@ -73,8 +73,8 @@ def pressed(C: np.ndarray, gap: np.ndarray) -> np.ndarray:
 def rigid_sphere_on(body: ReducedBody) -> tuple[float, float, float]:
     """Force [N] at Hertz's approach, half-width from the second moment [m] and peak pressure [Pa]."""
     s = body.contact_surfaces["patch"]
-    around, squares_around = hat_integrals(s.grid.theta, True)
-    along, squares_along = hat_integrals(s.grid.z, False)
+    around, squares_around = node_integrals(s.grid.theta, True)
+    along, squares_along = node_integrals(s.grid.z, False)
     area = np.outer(around, along).ravel()
     squares = (np.outer(squares_around, along) + np.outer(around, squares_along)).ravel()
     gram = np.kron(s.grid.gram_theta(), s.gram_z)

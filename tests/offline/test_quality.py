@@ -178,8 +178,8 @@ def half_plane() -> tuple[np.ndarray, np.ndarray]:
     return x, sla.toeplitz(-(twice(k + d) - 2.0 * twice(k) + twice(k - d)) + np.log(DEPTH) * d * d)
 
 
-def hats(x: np.ndarray, spacing: float, count: int) -> np.ndarray:
-    """(n, 2 count + 1) values of hats about zero."""
+def grid_nodes(x: np.ndarray, spacing: float, count: int) -> np.ndarray:
+    """(n, 2 count + 1) values of nodes about zero."""
     return np.maximum(0.0, 1.0 - np.abs(x[:, None] / spacing - np.arange(-count, count + 1)))
 
 
@@ -193,7 +193,7 @@ def cells(x: np.ndarray, spacing: float, count: int) -> np.ndarray:
 )
 def test_grid_error_estimates_the_true_one(half_plane, kind: str, half: int, count: int) -> None:
     x, A = half_plane
-    F = {"nodes": hats, "cells": cells}[kind](x, 1.0 / half, count)
+    F = {"nodes": grid_nodes, "cells": cells}[kind](x, 1.0 / half, count)
     C = F.T @ A @ F
     found = grid_error(C, 1, kind=kind, half_width=half)
     assert found is not None and found[1] == half
@@ -205,7 +205,7 @@ def test_grid_error_estimates_the_true_one(half_plane, kind: str, half: int, cou
 
 def test_grid_error_does_not_depend_on_rows_that_carry_the_same(half_plane) -> None:
     x, A = half_plane
-    F = hats(x, 0.25, 11)
+    F = grid_nodes(x, 0.25, 11)
     C = F.T @ A @ F
     one, three = grid_error(C, 1), grid_error(np.kron(C, np.eye(3)), 3)
     assert one is not None and three is not None
@@ -217,7 +217,7 @@ def test_grid_error_falls_with_the_third_power_of_the_spacing(half_plane) -> Non
     x, A = half_plane
     errors = []
     for half in (2, 4, 8):
-        F = hats(x, 1.0 / half, 2 * half)
+        F = grid_nodes(x, 1.0 / half, 2 * half)
         found = grid_error(F.T @ A @ F, 1, half_width=half)
         assert found is not None
         errors.append(found[0])

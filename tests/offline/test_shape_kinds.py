@@ -35,7 +35,7 @@ from warpffrf.model.surfaces import (
     Sphere,
 )
 from warpffrf.offline import ContactGrid, reduce
-from warpffrf.offline.contact.hat_loads import NORMAL, TANGENTIAL, ContactFacets, TractionField
+from warpffrf.offline.contact.node_loads import NORMAL, TANGENTIAL, ContactFacets, TractionField
 from warpffrf.offline.general.unit_loads import GeneralSurface
 from warpffrf.offline.products import choose_path, resolve_shapes
 
@@ -253,8 +253,8 @@ def test_static_response_is_exact(full, name, modes):
     f = fields(case)
     first = 0 if s.grid.periodic else 1
     kept = [np.arange(g.count).reshape(-1, g.columns, g.rows)[:, first : first + s.grid.columns].ravel() for g in f]
-    hats, cells = (np.kron(g.gram_theta(), g.gram_z(s.shape)) for g in (s.grid, t.grid))
-    gram = hats, np.kron(np.eye(2), cells)
+    grid_nodes, cells = (np.kron(g.gram_theta(), g.gram_z(s.shape)) for g in (s.grid, t.grid))
+    gram = grid_nodes, np.kron(np.eye(2), cells)
     for a, b in ((0, 0), (0, 1), (1, 1)):
         C = (loads[a].T @ u[:, ends[b] : ends[b + 1]])[np.ix_(kept[a], kept[b])]
         expected = np.linalg.solve(gram[b], np.linalg.solve(gram[a], C).T).T
@@ -264,7 +264,7 @@ def test_static_response_is_exact(full, name, modes):
 
 @pytest.mark.parametrize("name", ["plane", "ball", "bore"])
 def test_weak_displacements_are_exact_up_to_the_edge(name):
-    """M a = int psi_i u dA of every mode, for every hat and cell that is kept."""
+    """M a = int psi_i u dA of every mode, for every node and cell that is kept."""
     case = CASES[name]
     body = reduced(case, modes=8, periodic=False)
     s, x = body.contact_surfaces[case.name], case.mesh.points
@@ -286,7 +286,7 @@ def test_weak_displacements_are_exact_up_to_the_edge(name):
 
 @pytest.mark.parametrize("name", ["plane", "bore"])
 def test_inertia_of_the_local_modes_is_exact(name):
-    """N = U^T M U of the full model's responses U to unit forces of the hats that are kept."""
+    """N = U^T M U of the full model's responses U to unit forces of the nodes that are kept."""
     case = CASES[name]
     x = case.mesh.points
     K, M = matrices(case.mesh, STEEL)
@@ -303,7 +303,7 @@ def test_inertia_of_the_local_modes_is_exact(name):
 
 @pytest.mark.parametrize("patch", [1e-3, 5e-4])
 def test_a_constant_displacement_keeps_its_integral(patch):
-    """Of u = n on a plane the kept hats have int psi_i u dA = pitch times the row's share of the width, edge or not;
+    """Of u = n on a plane the kept nodes have int psi_i u dA = pitch times the row's share of the width, edge or not;
     also where one column is all that there is."""
     mesh = block((0.006, 0.008, 0.005), patch_half_width=(patch, 1.5e-3), cell=5e-4, growth=1.9, order=1)
     shape = resolve_shapes(mesh, {"patch": Plane()})["patch"]
@@ -317,7 +317,7 @@ def test_a_constant_displacement_keeps_its_integral(patch):
     share = width[:-1] + width[1:]
     assert M @ a @ kept.field.gram_z() == pytest.approx(plan.pitch * np.tile(share, (len(a), 1)), rel=1e-10)
     if len(a) == 1:
-        assert a == pytest.approx(1.5, rel=1e-10)  # the multiple of the hat that is nearest to 1 on its support
+        assert a == pytest.approx(1.5, rel=1e-10)  # the multiple of the node that is nearest to 1 on its support
 
 
 def tangential_of(surface: ContactSurface) -> Tangential:

@@ -1,7 +1,7 @@
-"""The reduced static response to any load in the span of the hats equals a full finite-element solution.
+"""The reduced static response to any load in the span of the nodes equals a full finite-element solution.
 
 The full model is assembled by scikit-fem's vector basis and solved as a dense saddle point, with the bore made rigid
-by a dense constraint: nothing is shared with the reduction but the loads of the hats.
+by a dense constraint: nothing is shared with the reduction but the loads of the nodes.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from reference_fe import free_response, matrices
 
 from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.offline.contact.contact_grid import facet_chart, nodal_plan
-from warpffrf.offline.contact.hat_loads import hat_loads
+from warpffrf.offline.contact.node_loads import node_loads
 
 EXACT = 1e-8  # what the product promises
 SINGLE = 2e-6  # the display transfer is stored in single precision
@@ -21,7 +21,7 @@ SINGLE = 2e-6  # the display transfer is stored in single precision
 
 @pytest.fixture(scope="module")
 def full(small_roller, steel):
-    """Responses (3 n, hats) of the full model to all hats of the rim, loads B, and the rigid bore's nodes."""
+    """Responses (3 n, nodes) of the full model to all nodes of the rim, loads B, and the rigid bore's nodes."""
     K, M = matrices(small_roller, steel)
     points = small_roller.points
     bore = small_roller.facets("bore").node_set
@@ -37,7 +37,7 @@ def full(small_roller, steel):
     chart = facet_chart(points, kind, nodes, shape)
     plan = nodal_plan(chart, "rim")
     assert plan is not None
-    loads = hat_loads(kind, nodes, chart, shape, plan)
+    loads = node_loads(kind, nodes, chart, shape, plan)
     rows = len(plan.z)
     B = np.zeros((len(points), 3, plan.columns * rows))
     for d in range(3):
@@ -53,10 +53,10 @@ def test_static_response_is_exact(small_roller, full, modes, general):
     u, B, bore = full
     body = reduced(small_roller, modes=modes, general=general)
     s = body.contact_surfaces["rim"]
-    hats = s.grid.columns * s.grid.rows
+    grid_nodes = s.grid.columns * s.grid.rows
     gram = np.kron(s.grid.gram_theta(), s.gram_z)
-    pressures = np.random.default_rng(modes).standard_normal((hats, 3))
-    pressures[:, 0] = np.eye(hats)[4]  # a single hat
+    pressures = np.random.default_rng(modes).standard_normal((grid_nodes, 3))
+    pressures[:, 0] = np.eye(grid_nodes)[4]  # a single hat
     forces = gram @ pressures
     stiffness = (2.0 * np.pi * body.frequencies) ** 2
     assert len(body.frequencies) >= modes

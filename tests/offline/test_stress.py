@@ -16,7 +16,7 @@ from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.stress_field import GridSpan, StressPoints, from_tensor, rotated, sector_frames, to_tensor
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline.contact.contact_grid import facet_chart, nodal_plan
-from warpffrf.offline.contact.hat_loads import hat_loads, surface_vectors
+from warpffrf.offline.contact.node_loads import node_loads, surface_vectors
 from warpffrf.offline.cyclic.sector import sector_axes
 from warpffrf.offline.fe import assign
 from warpffrf.offline.stress.operator import traction_correction, traction_operator
@@ -143,7 +143,7 @@ def test_traction_on_the_surface_is_the_pressure(curved, general, set_name) -> N
 
 
 def bilinear(values, column, z, grid) -> float:
-    """The hats' value at a place, by hand."""
+    """The nodes' value at a place, by hand."""
     j, k = int(np.floor(column)), int(np.clip(np.searchsorted(grid.z, z) - 1, 0, grid.rows - 2))
     s, t = column - j, (z - grid.z[k]) / (grid.z[k + 1] - grid.z[k])
     total = 0.0
@@ -156,7 +156,7 @@ def bilinear(values, column, z, grid) -> float:
 
 @pytest.mark.parametrize("kind", ["nodes", "cells"])
 def test_traction_in_every_direction(curved, kind) -> None:
-    """The operator on displacements leaves no traction on the surface; hats and cells bring in theirs, whatever their
+    """The operator on displacements leaves no traction on the surface; nodes and cells bring in theirs, whatever their
     direction."""
     shape = rim(curved)["rim"]
     points = shape.point(np.linspace(0.1, 6.0, 9), np.linspace(-0.008, 0.007, 9))
@@ -218,7 +218,7 @@ def test_tangential_loads_on_both_paths(linear, kind, set_name) -> None:
 
 @pytest.fixture(scope="module")
 def full(linear):
-    """Displacements (n, 3, hats) of the full model under the hats of the rim with unit coefficients, bore rigid."""
+    """Displacements (n, 3, nodes) of the full model under the nodes of the rim with unit coefficients, bore rigid."""
     K, M = matrices(linear, STEEL)
     points, bore = linear.points, linear.facets("bore").node_set
     free = np.setdiff1d(np.arange(len(points)), bore)
@@ -230,7 +230,7 @@ def full(linear):
     chart = facet_chart(points, kind, nodes, shape)
     plan = nodal_plan(chart, "rim")
     assert plan is not None
-    loads = hat_loads(kind, nodes, chart, shape, plan)
+    loads = node_loads(kind, nodes, chart, shape, plan)
     rows = len(plan.z)
     B = np.zeros((len(points), 3, plan.columns * rows))
     for d in range(3):

@@ -9,7 +9,7 @@ from traction_reference import cyclic_product, mixed_roller, plan_of, relative, 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
 from warpffrf.model.surfaces import CrownedCylinder
-from warpffrf.offline.contact.hat_loads import TANGENTIAL, ContactFacets
+from warpffrf.offline.contact.node_loads import TANGENTIAL, ContactFacets
 from warpffrf.offline.cyclic.sector import phase
 from warpffrf.offline.cyclic.surface import CyclicField, FacetPattern, facet_pattern
 
@@ -146,5 +146,5 @@ def test_mixed_facets_are_reduced_in_both_kinds():
 
 def test_unknown_kind_is_refused():
     mesh = roller(0.05, 0.02, 0.02, sectors=6, layers=1, axial=1, order=1)
-    with pytest.raises(InputError, match="hats, cells"):
+    with pytest.raises(InputError, match="nodes, cells"):
         cyclic_product(mesh, tangential="waves")

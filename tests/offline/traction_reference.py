@@ -12,7 +12,7 @@ from warpffrf.model.mesh import FacetSet, Mesh, roller
 from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.contact_surface import Tangential
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline.contact.hat_loads import NORMAL, TANGENTIAL, ContactFacets, TractionField
+from warpffrf.offline.contact.node_loads import NORMAL, TANGENTIAL, ContactFacets, TractionField
 from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
 from warpffrf.offline.cyclic.sector import assemble_sector
 from warpffrf.offline.cyclic.surface import CyclicSurface, FacetPattern, facet_pattern

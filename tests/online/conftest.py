@@ -10,7 +10,7 @@ from warpffrf.model.reduced.body import ReducedBody
 
 @pytest.fixture(scope="session")
 def plain_body() -> ReducedBody:
-    """Linear cells, 120 around, four rows of hats, a few global modes."""
+    """Linear cells, 120 around, four rows of nodes, a few global modes."""
     return roller_body(120, layers=4, axial=3, grading=1.6, order=1, max_frequency=15e3, cache=False)
 
 

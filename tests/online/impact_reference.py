@@ -63,7 +63,7 @@ def collide(half: Half, speed: float, gap: float, h: float, steps: int) -> tuple
         f = -half.J * s
         free = (q, v, a - memory / half.m, rate - f / half.m)
         s1, new = _step(half, free if impulsive else (q, v, a, rate), gap, h, s, impulsive)
-        if not impulsive and _restless(s, s1):
+        if not impulsive and _unsettled(s, s1):
             impulsive, repeated = True, repeated + 1
             s1, new = _step(half, free, gap, h, s, impulsive)
         q, v, a, rate = new
@@ -75,7 +75,7 @@ def collide(half: Half, speed: float, gap: float, h: float, steps: int) -> tuple
             memory = ((1.0 - alpha_f) * f1 + alpha_f * f - alpha_m * memory) / (1.0 - alpha_m)
         memory = np.where(half.exact, f1, memory)
         a = np.where(half.exact, rate, a)
-        if impulsive and s1 + s > 0.0 and not _restless(s, s1):
+        if impulsive and s1 + s > 0.0 and not _unsettled(s, s1):
             impulsive = False
         s = s1
         forces.append(s)
@@ -83,7 +83,7 @@ def collide(half: Half, speed: float, gap: float, h: float, steps: int) -> tuple
     return np.array(forces), np.array(energies), repeated
 
 
-def _restless(before: float, after: float) -> bool:
+def _unsettled(before: float, after: float) -> bool:
     return abs(after - before) > CALM * max(before, after)
 
 

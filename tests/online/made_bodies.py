@@ -15,7 +15,7 @@ from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery
 from warpffrf.model.reduced.data import DisplaySurface, Interface
 
-SOFTNESS = 2e-10  # m/N of a hat on itself: about steel under a hat of a few millimetres
+SOFTNESS = 2e-10  # m/N of a node on itself: about steel under a node of a few millimetres
 DECAY = 6e-3  # m
 MODES = 3
 

@@ -1,4 +1,4 @@
-"""An outer matrix eliminated as one dense block: what sparse factors are held against."""
+"""An retained matrix eliminated as one dense block: what sparse factors are held against."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from warpffrf.online.compile.outer_pattern import OuterPattern
+from warpffrf.online.compile.retained_pattern import RetainedPattern
 
 
-def in_one_block(pattern: OuterPattern) -> OuterPattern:
+def in_one_block(pattern: RetainedPattern) -> RetainedPattern:
     """The same entries, eliminated as a dense matrix with pivots sought among all rows."""
-    n, none = pattern.outer_count, np.zeros(0, int)
+    n, none = pattern.retained_count, np.zeros(0, int)
     lines = np.repeat(np.arange(n), np.diff(pattern.entry_start))
     there = np.zeros((n, n), bool)
     there[lines, pattern.entry_column] = True

@@ -1,8 +1,8 @@
-"""The contact problem of two bodies of revolution in plain NumPy: dense, every hat of a window, every cell, no reuse.
+"""The contact problem of two bodies of revolution in plain NumPy: dense, every node of a window, every cell, no reuse.
 
 Written from the equations (module docstrings of `line_of_centres` and `contact_compliance`), not from the kernels:
 positions of
-points are built in the world, the gap is found as the root of a quadratic, hats are evaluated as functions. The
+points are built in the world, the gap is found as the root of a quadratic, nodes are evaluated as functions. The
 complementarity problem 0 <= s, g + G s >= 0, s.(g + G s) = 0 is the optimality condition of min s.G.s/2 + g.s over s
 >= 0, and with
 G = U^T U of the non-negative least squares problem |U s + U^-T g|.
@@ -33,26 +33,26 @@ def gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
     return 0.5 * (x + 1.0), 0.5 * w
 
 
-def hats_around(grid: Any, x: float) -> list[tuple[int, float]]:
-    """(column, value) of the hats at the grid coordinate x, columns wrapped around the turn."""
+def nodes_around(grid: Any, x: float) -> list[tuple[int, float]]:
+    """(column, value) of the nodes at the grid coordinate x, columns wrapped around the turn."""
     j = int(np.floor(x))
     return [(j % grid.columns, 1.0 - (x - j)), ((j + 1) % grid.columns, x - j)]
 
 
-def hats_along(z_nodes: np.ndarray, z: float) -> list[tuple[int, float]]:
-    """(row, value) of the hats at the axial position z, extended linearly beyond the ends."""
+def nodes_along(z_nodes: np.ndarray, z: float) -> list[tuple[int, float]]:
+    """(row, value) of the nodes at the axial position z, extended linearly beyond the ends."""
     k = int(np.clip(np.searchsorted(z_nodes, z, side="right") - 1, 0, len(z_nodes) - 2))
     e = (z - z_nodes[k]) / (z_nodes[k + 1] - z_nodes[k])
     return [(k, 1.0 - e), (k + 1, e)]
 
 
 def dense_compliance(surface: Any) -> np.ndarray:
-    """D of all hats of a surface."""
+    """D of all nodes of a surface."""
     return surface.compliance(np.arange(surface.grid.columns))
 
 
 def full_gram(surface: Any) -> np.ndarray:
-    """M of all hats."""
+    """M of all nodes."""
     return np.kron(surface.grid.gram_theta(), surface.gram_z)
 
 
@@ -60,7 +60,7 @@ def full_gram(surface: Any) -> np.ndarray:
 class Problem:
     """Weak gaps (n,), compliance G (n, n), areas (n,), wrench of a unit hat pressure on A (n, 6: force, moment about
     A's
-    user origin) and load on B's hats (n, nodes of B), for the hats `index` (n, 2: column, row) of A."""
+    user origin) and load on B's nodes (n, nodes of B), for the nodes `index` (n, 2: column, row) of A."""
 
     index: np.ndarray
     gap: np.ndarray
@@ -84,7 +84,7 @@ class Problem:
 def contact_problem(
     first: Any, second: Any, A: Pose, B: Pose, columns: np.ndarray, *, theta_points: int, z_points: int
 ) -> Problem:
-    """The problem on the hats of the grid `columns` (consecutive, not wrapped) of the surface `first`."""
+    """The problem on the nodes of the grid `columns` (consecutive, not wrapped) of the surface `first`."""
     ga, gb = first.grid, second.grid
     rows = ga.rows
     n = len(columns) * rows
@@ -137,8 +137,8 @@ def contact_problem(
                     q = wt[qt] * ga.pitch * measure_z
                     on_b = [
                         (cb * gb.rows + rb, vb * ub)
-                        for cb, vb in hats_around(gb, x_B)
-                        for rb, ub in hats_along(gb.z, float(np.clip(axial, gb.z[0], gb.z[-1])))
+                        for cb, vb in nodes_around(gb, x_B)
+                        for rb, ub in nodes_along(gb.z, float(np.clip(axial, gb.z[0], gb.z[-1])))
                     ]
                     for column, value in ((j, 1.0 - xt[qt]), (j + 1, xt[qt])):
                         if not 0 <= column - first_column < len(columns):

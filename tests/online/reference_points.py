@@ -1,4 +1,4 @@
-"""The contact problem of two surfaces of any shape in plain NumPy: every point of every cell, hats as functions.
+"""The contact problem of two surfaces of any shape in plain NumPy: every point of every cell, nodes as functions.
 
 Written from the equations (module docstring of `at_points`), not from the kernels: points are built in the world
 and looked at from B with the shape's own chart.
@@ -9,14 +9,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from reference_contact import Pose, Problem, full_gram, gauss, hats_along
+from reference_contact import Pose, Problem, full_gram, gauss, nodes_along
 from scipy.optimize import minimize_scalar
 
 SWEEPS = 4  # over column and z: they hardly depend on each other
 
 
 def around(grid: Any, x: float) -> list[tuple[int, float]]:
-    """(column, value) of the hats at the grid coordinate x: wrapped around a turn, none beyond the ends of an arc."""
+    """(column, value) of the nodes at the grid coordinate x: wrapped around a turn, none beyond the ends of an arc."""
     j = int(np.floor(x))
     both = [(j, 1.0 - (x - j)), (j + 1, x - j)]
     if grid.periodic:
@@ -134,7 +134,7 @@ def point_problem(
     theta_points: int,
     z_points: int,
 ) -> Problem:
-    """The problem on the hats of the grid `columns` (consecutive, not wrapped) of the surface `first`, nearest at
+    """The problem on the nodes of the grid `columns` (consecutive, not wrapped) of the surface `first`, nearest at
     `place` (column, z), looked for where not given; `second` may be rigid. `load` has no columns then. `wrench` about
     A's user origin."""
     place = nearest_place(first, second, A, B) if place is None else place
@@ -169,7 +169,7 @@ def point_problem(
                             x_b = (x_b - middle + 0.5 * turn) % turn - 0.5 * turn + middle
                         if not gb.periodic and not -1.0 <= x_b <= gb.columns:
                             continue
-                        on_b = [(c * gb.rows + r, v * u) for c, v in around(gb, x_b) for r, u in hats_along(gb.z, z_b)]
+                        on_b = [(c * gb.rows + r, v * u) for c, v in around(gb, x_b) for r, u in nodes_along(gb.z, z_b)]
                     q = wt[qt] * ga.pitch * wz[qz] * dz * measure
                     for column, value in ((j, 1.0 - xt[qt]), (j + 1, xt[qt])):
                         if not 0 <= column - first_column < len(columns):

@@ -76,7 +76,7 @@ def table(depths: Any, pressures: Any) -> Curve:
 
 
 def cell_points(grid: Any, shape: Any, problem: Problem, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values of the hats of the window at the Gauss points of their cells (points, hats), and the points' areas."""
+    """Values of the nodes of the window at the Gauss points of their cells (points, nodes), and the points' areas."""
     xt, wt = gauss(SETTINGS.theta_points)
     xz, wz = gauss(SETTINGS.z_points)
     rows, n = grid.rows, len(columns)
@@ -99,7 +99,7 @@ def cell_points(grid: Any, shape: Any, problem: Problem, columns: np.ndarray) ->
 
 
 def minimum(problem: Problem, N: np.ndarray, dA: np.ndarray, curve: Curve) -> np.ndarray:
-    """The pressures (hats,) of the minimum."""
+    """The pressures (nodes,) of the minimum."""
     counted = problem.area > 0.0
     G, g = problem.G, problem.gap
 

@@ -12,7 +12,7 @@ from warpffrf.online import Settings
 from warpffrf.online.compile import pairs
 from warpffrf.online.diagnosis.contact_notes import MOST_SKEW, angle_between_axes, energy_notes
 
-SECOND_MOMENT = 2.0 / 4**2  # hats on n = 4 cells take z^2, W^2/12 in the mean, too large by W^2/(6 n^2)
+SECOND_MOMENT = 2.0 / 4**2  # nodes on n = 4 cells take z^2, W^2/12 in the mean, too large by W^2/(6 n^2)
 
 
 @pytest.fixture(scope="module")
@@ -29,8 +29,8 @@ def test_a_patch_of_two_columns_is_named(coarse) -> None:
     assert "columns of the grid wide" in notes_of(guided_pair(coarse, coarse, load=2e3), start="equilibrium")
 
 
-def test_hats_over_the_end_of_a_narrower_surface_are_named(coarse) -> None:
-    """Three rows of hats over 20 mm against a roller of 11 mm: the middle hats hang over its ends."""
+def test_nodes_over_the_end_of_a_narrower_surface_are_named(coarse) -> None:
+    """Three rows of nodes over 20 mm against a roller of 11 mm: the middle nodes hang over its ends."""
     narrow = roller_body(60, layers=2, axial=2, grading=1.6, width=0.011, modes=0, cache=False)
     assert "extend beyond the end" in notes_of(guided_pair(coarse, narrow, load=2e4), start="equilibrium")
     assert "extend beyond the end" not in notes_of(guided_pair(narrow, coarse, load=2e4), start="equilibrium")
@@ -130,7 +130,7 @@ def test_up_to_the_named_skew_both_families_agree(fine, monkeypatch) -> None:
     force = [np.linalg.norm(f.force[0]) for f in found]
     assert force[0] == pytest.approx(force[1], rel=2e-3)
     assert line.pressure.max() == pytest.approx(at_points.pressure.max(), rel=5e-3)
-    # action and reaction: the moment about the common normal, which hats on the second grid take a little too large
+    # action and reaction: the moment about the common normal, which nodes on the second grid take a little too large
     moments = [f.torque[0, 2] for f in found], [f.torque_second[0, 2] for f in found]
     # the force is along z but for skew^2, its line may shift the moment about the other axes only
     assert -moments[1][0] == pytest.approx(moments[0][0], rel=SECOND_MOMENT)

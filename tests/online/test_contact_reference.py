@@ -39,7 +39,7 @@ def pose(result: Result, name: str, i: int) -> Pose:
 
 
 def solved(first, second, tilt: float, approach: float) -> tuple[Result, Problem, np.ndarray, np.ndarray]:
-    """Engine's result, the reference problem in the same pose, its pressures, and the engine's on the same hats."""
+    """Engine's result, the reference problem in the same pose, its pressures, and the engine's on the same nodes."""
     scene = prescribed_pair(first, second, Path.of([approach], 0.021, -0.013), tilt=tilt)
     result = Result(StaticPath(scene, settings=SETTINGS).solve(1))
     assert result.status == "completed", result.message
@@ -68,7 +68,7 @@ def test_pressures_equal_the_dense_solution(case: str, request: pytest.FixtureRe
     F = np.linalg.norm(wrench[:3])
     assert np.abs(wrench[:3] - c.force[0]).max() < AGREE * F
     assert np.abs(wrench[3:] - c.torque[0]).max() < AGREE * F * 0.05
-    loads = (found @ problem.load).sum()  # hats sum to one: nothing of the load is lost on the way to B
+    loads = (found @ problem.load).sum()  # nodes sum to one: nothing of the load is lost on the way to B
     assert loads == pytest.approx(c.load_second[0].sum(), rel=1e-12)
     # the line of centres turns along a tilted pair; on B's side its direction is interpolated between the ends
     assert np.abs(c.force[0] + c.force_second[0]).max() < (1e-10 + 1e-3 * tilt**2) * F
@@ -85,8 +85,8 @@ def test_complementarity(plain_body, other_body) -> None:
 
 
 def test_weak_gaps_are_those_of_the_true_surfaces(plain_body, other_body) -> None:
-    """Weak gap over area equals the hat's mean of the true normal distance, to the order (x/R)^2 of measuring along the
-    line of centres; rigid pose, a gap of 10 um."""
+    """Weak gap over area equals the node's mean of the true normal distance, to the order (x/R)^2 of measuring along
+    the line of centres; rigid pose, a gap of 10 um."""
     scene = prescribed_pair(plain_body, other_body, Path.of([0.0]))
     contact = scene.contacts[0]
     bodies = [scene.body(n) for n in ("lower", "upper")]
@@ -102,8 +102,8 @@ def test_weak_gaps_are_those_of_the_true_surfaces(plain_body, other_body) -> Non
     theta = grid.theta_start + grid.pitch * columns
     t, w = np.polynomial.legendre.leggauss(8)
     s = np.concatenate([-0.5 + 0.5 * t, 0.5 + 0.5 * t])  # -1 .. 1 in two halves
-    hat = 0.5 * np.concatenate([w, w]) * (1.0 - np.abs(s))
-    mean = np.array([np.sum(hat * undeformed_gap(contact, x + grid.pitch * s, np.zeros(16))) for x in theta])
+    grid_node = 0.5 * np.concatenate([w, w]) * (1.0 - np.abs(s))
+    mean = np.array([np.sum(grid_node * undeformed_gap(contact, x + grid.pitch * s, np.zeros(16))) for x in theta])
     middle = problem.index[:, 1] == grid.rows // 2
     found = (problem.gap / problem.area)[middle]
     assert np.abs(found - mean).max() < 0.05 * mean.max() + 1e-12

@@ -69,7 +69,7 @@ def test_windows_follow_the_effective_radius() -> None:
 
 
 def test_a_turned_grid_needs_longer_stencils() -> None:
-    """Crossed axes: a hat's length along its axis lies across the other's columns."""
+    """Crossed axes: a node's length along its axis lies across the other's columns."""
     shaft, other = surface(SIZES["shaft"]), surface(SIZES["large shaft"])
     A, B = Extent.of(shaft), Extent.of(other)
     side, columns, rows = second_reach(other, A, B, 0.0, 10)

@@ -138,7 +138,7 @@ def test_bushing_with_full_matrices() -> None:
 
 
 def test_differences_agree_with_the_tangent_of_the_step() -> None:
-    """ACC M + VEL D + K with the springs condensed is the outer matrix of the kernels, joints loaded, at rest."""
+    """ACC M + VEL D + K with the springs condensed is the retained matrix of the kernels, joints loaded, at rest."""
     scene = Scene(gravity=(0.5, -1.0, -GRAVITY))
     turn = rot.quaternion(rot.rotation_vector_matrix(np.array([0.3, -0.2, 0.5])))
     a = scene.add_rigid_body(2.0, (0.05, 0.06, 0.07), name="a", position=(0.1, 0, 0), rotation=turn)

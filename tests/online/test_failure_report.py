@@ -73,7 +73,7 @@ def test_rows_have_owners() -> None:
 
 @pytest.mark.parametrize(("unknown", "said"), [(7, "motion of body 'second'"), (13, "reaction of joint 'hinge'")])
 def test_an_unknown_that_a_singular_system_leaves_open_is_named(unknown: int, said: str) -> None:
-    """The row and column of one unknown of the outer system wiped out."""
+    """The row and column of one unknown of the retained system wiped out."""
     engine = Engine(chain())
     start_consistently(engine)
     A = np.diag(np.arange(1.0, 22.0))[None]
@@ -90,8 +90,8 @@ def test_modes_with_inertia_terms_have_names_too(plain_body: ReducedBody) -> Non
     start_consistently(engine)
     m = engine.compiled.model
     assert m.dense.count > 0
-    for unknown, said in ((6, "deformation of body 'ring'"), (m.outer.row_offset, "reaction of joint 'clamp'")):
-        A = np.diag(np.arange(1.0, m.outer.count + 1.0))[None]
+    for unknown, said in ((6, "deformation of body 'ring'"), (m.retained.row_offset, "reaction of joint 'clamp'")):
+        A = np.diag(np.arange(1.0, m.retained.count + 1.0))[None]
         A[0, unknown, unknown] = 0.0
         engine.scratch.tangent.assign(A)
         assert said in failure_owner(engine, int(k.SINGULAR))
@@ -105,7 +105,7 @@ def test_a_window_too_small_names_its_pair(plain_body: ReducedBody) -> None:
 
 
 def test_the_fullest_pair_is_named() -> None:
-    """The one with the most active hats of those whose windows are wide open, of all where none is."""
+    """The one with the most active nodes of those whose windows are wide open, of all where none is."""
 
     def array(values: Any) -> Any:
         return SimpleNamespace(numpy=lambda: np.asarray([values]))

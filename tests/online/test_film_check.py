@@ -1,4 +1,4 @@
-"""The online check of films of quadrature "reduced" beside runs with all hats."""
+"""The online check of films of quadrature "reduced" beside runs with all nodes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from warpffrf.online.history.films import narrowest
 from warpffrf.online.run import find_equilibrium
 from warpffrf.output.budget.contacts import film_lines
 
-HATS = (32, 17)
+GRID_NODES = (32, 17)
 SAME = 2e-3  # of a quantity: two iterations that end at 1e-4 of the pressure, and a load that shear carries c/R of
 OF_FLOWS = 5e-3  # what the place under a load that differs, and the end of the iteration, make of flows
 
@@ -32,17 +32,17 @@ def found(scene: Scene) -> History:
 
 
 def compared(full: History, reduced: History) -> tuple[float, float]:
-    """What all hats change of the smallest gap at nodes, and of the largest pressure, in the last row."""
+    """What all nodes change of the smallest gap at nodes, and of the largest pressure, in the last row."""
     a, b = full.films["film"], reduced.films["film"]
     least = narrowest(a.gap[-1:], periodic=True)[0]
     return float(least / b.smallest_gap[-1] - 1.0), float(a.largest_pressure[-1] / b.largest_pressure[-1] - 1.0)
 
 
 @pytest.mark.parametrize(("load", "powers"), [(2e3, (0,)), (20e3, (0, 2)), (20e3, (0, 2, 4)), (60e3, (0, 2, 4))])
-def test_the_check_of_an_equilibrium_is_what_all_hats_change(load: float, powers: tuple[int, ...]) -> None:
+def test_the_check_of_an_equilibrium_is_what_all_nodes_change(load: float, powers: tuple[int, ...]) -> None:
     """Of another equilibrium, with the shaft where the load moves it."""
     full, reduced = (
-        found(bearing(bore(HATS), (load, 0.0), feeds=[GROOVE], quadrature=e, axial_degrees=powers))
+        found(bearing(bore(GRID_NODES), (load, 0.0), feeds=[GROOVE], quadrature=e, axial_degrees=powers))
         for e in ("full", "reduced")
     )
     check: FilmCheck = reduced.film_checks["film"]
@@ -60,7 +60,7 @@ def test_the_check_of_an_equilibrium_is_what_all_hats_change(load: float, powers
 def tilted(tilt: float, **film: Any) -> Scene:
     """A shaft at half the clearance whose axis leans by `tilt` [rad] in the plane of that, and turns about itself."""
     scene = Scene(gravity=(0.0, 0.0, 0.0))
-    held = scene.add_body(bore(HATS), name="sleeve")
+    held = scene.add_body(bore(GRID_NODES), name="sleeve")
     scene.add(joints.Fixed(scene.ground, held["outside"], axis=(0, 1, 0), name="held"))
     axis = (np.sin(tilt), np.cos(tilt), 0.0)
     place = (0.5 * CLEARANCE, 0.0, 0.0)
@@ -110,7 +110,7 @@ def test_a_film_that_nearly_closes_at_its_ends_needs_more_powers() -> None:
     assert gaps[0, 2].gap > 20.0 * gaps[0, 2, 4].gap and gaps[0, 2, 4].gap < 0.01
     assert gaps[0, 2].too_large and gaps[0, 2, 4].too_large  # the force where the shaft is: 0.5 and 1.8 %
     assert gaps[0,].missed == 1 and gaps[0,].too_large and np.isnan(gaps[0,].gap)
-    lines = film_lines(find_equilibrium(bearing(bore(HATS), (2e3, 0.0), feeds=[GROOVE], quadrature="reduced")))
+    lines = film_lines(find_equilibrium(bearing(bore(GRID_NODES), (2e3, 0.0), feeds=[GROOVE], quadrature="reduced")))
     assert [line.of for line in lines] == [
         f"{of} of film 'film'" for of in ("force", "smallest gap", "largest pressure")
     ]
@@ -118,8 +118,8 @@ def test_a_film_that_nearly_closes_at_its_ends_needs_more_powers() -> None:
 
 
 def test_states_of_a_run_are_looked_at_where_it_was() -> None:
-    """A light shaft under a load that turns, beside a run with all hats at the same times. The check moves the shaft at
-    the velocity that it has, and knows nothing of the time before: what it finds is of the size of what differs."""
+    """A light shaft under a load that turns, beside a run with all nodes at the same times. The check moves the shaft
+    at the velocity that it has, and knows nothing of the time before: what it finds is of the size of what differs."""
     steps, load, histories = 60, 5e3, {}
     step = TURN / 60.0
     t = step * np.arange(-20, steps + 21)
@@ -128,7 +128,7 @@ def test_states_of_a_run_are_looked_at_where_it_was() -> None:
     )  # fmt: skip
     for quadrature in ("full", "reduced"):
         scene = bearing(
-            bore(HATS), (along, across), mass=1e-3, feeds=[GROOVE], quadrature=quadrature, axial_degrees=(0,)
+            bore(GRID_NODES), (along, across), mass=1e-3, feeds=[GROOVE], quadrature=quadrature, axial_degrees=(0,)
         )  # fmt: skip
         histories[quadrature] = run(scene, steps * step, step=step, start="equilibrium", progress=False)
         assert histories[quadrature].status == "completed", histories[quadrature].message
@@ -144,7 +144,7 @@ def test_states_of_a_run_are_looked_at_where_it_was() -> None:
 
 
 def test_a_pad_is_looked_at_too() -> None:
-    """A plane, which does not go around: a square slider in its place, where all hats change what the check finds."""
+    """A plane, which does not go around: a square slider in its place, where all nodes change what the check finds."""
     length, low, speed = 0.02, 20e-6, 1.0
     body, states = plate(length, length, (24, 12)), {}
     for quadrature in ("full", "reduced"):

@@ -72,29 +72,29 @@ def test_a_steady_bearing_is_that_of_the_dense_reference(load: float, oil: oils.
 
 @pytest.mark.parametrize("powers", [(0, 2), (0, 1, 2)])
 def test_profiles_along_are_those_of_the_dense_reference(powers: tuple[int, ...]) -> None:
-    """Of quadrature "reduced", beside the same ones there and beside all hats."""
+    """Of quadrature "reduced", beside the same ones there and beside all nodes."""
     found = find_equilibrium(bearing((20e3, 0.0), quadrature="reduced", axial_degrees=powers))
     assert found.status == "completed", found.message
     film, expected = found.films["film"], reference(powers=powers)
     settled = expected.settle(np.array([0.3 * CLEARANCE, 0.0]), np.array([20e3, 0.0]))
     assert np.abs(place(found) - settled.state.place / CLEARANCE).max() < SHEAR
-    largest = (expected.basis.to_hats @ settled.state.pressure).max()
+    largest = (expected.basis.to_nodes @ settled.state.pressure).max()
     assert film.largest_pressure[-1] == pytest.approx(largest, rel=SHEAR)
-    at_nodes = expected.gap_at_hats(settled.state).reshape(1, COLUMNS, ROWS)  # the ends with them
+    at_nodes = expected.gap_at_nodes(settled.state).reshape(1, COLUMNS, ROWS)  # the ends with them
     assert film.smallest_gap[-1] == pytest.approx(narrowest(at_nodes, periodic=True)[0], rel=3.0 * SHEAR)
-    hats = find_equilibrium(bearing((20e3, 0.0)))  # of few rows
-    assert np.abs(place(found) - place(hats)).max() < 0.01
-    assert film.largest_pressure[-1] == pytest.approx(hats.films["film"].largest_pressure[-1], rel=0.06)
+    grid_nodes = find_equilibrium(bearing((20e3, 0.0)))  # of few rows
+    assert np.abs(place(found) - place(grid_nodes)).max() < 0.01
+    assert film.largest_pressure[-1] == pytest.approx(grid_nodes.films["film"].largest_pressure[-1], rel=0.06)
 
 
 def test_a_groove_under_pressure_feeds_profiles_too() -> None:
     feeds = [films.AxialGroove(np.pi, 1e-4, 3e5)]
-    hats, strips = (
+    grid_nodes, strips = (
         find_equilibrium(bearing((2e3, 0.0), feeds=feeds, quadrature=e, axial_degrees=(0, 2, 4)))
         for e in ("full", "reduced")
     )
-    np.testing.assert_allclose(place(strips), place(hats), atol=0.01)
-    column, other = (found.films["film"].pressure[-1, COLUMNS // 2] for found in (hats, strips))
+    np.testing.assert_allclose(place(strips), place(grid_nodes), atol=0.01)
+    column, other = (found.films["film"].pressure[-1, COLUMNS // 2] for found in (grid_nodes, strips))
     assert other[0] == other[-1] == 0.0
     assert other[1:-1].mean() == pytest.approx(column[1:-1].mean(), rel=0.1)  # a constant, by three powers
     assert np.isnan(strips.films["film"].feed_flow).all()
@@ -134,7 +134,7 @@ def test_gaussian_asperities_carry_what_the_film_does_not(speed: float) -> None:
     assert np.abs(film.eccentricity[-1] - settled.state.place).max() < 0.02 * CLEARANCE
     assert found.counters["mean_iterations"] * found.counters["steps"] <= 60
     if speed == 3.0:
-        gap = expected.gap_at_hats(settled.state)[np.argmax(settled.state.asperity)]
+        gap = expected.gap_at_nodes(settled.state)[np.argmax(settled.state.asperity)]
         decay = float(law.pressure(gap) / law.curve.slope(-gap))
         fitted = ExponentialAsperities(float(law.pressure(gap)) * np.exp(gap / decay), decay)
         other = find_equilibrium(bearing((60e3, 0.0), speed=speed, mixed=films.MixedLubrication(fitted))).films["film"]
@@ -282,7 +282,7 @@ def test_no_oil_is_lost() -> None:
 
 
 def test_profiles_follow_a_load_that_turns() -> None:
-    """Beside all hats, in as many steps; and their ledger closes as well."""
+    """Beside all nodes, in as many steps; and their ledger closes as well."""
     step, steps = 2.0 * np.pi / SPEED / 60.0, 60
     found = {}
     for quadrature in ("full", "reduced"):
@@ -296,8 +296,8 @@ def test_profiles_follow_a_load_that_turns() -> None:
         assert found[quadrature].status == "completed", found[quadrature].message
         energy = found[quadrature].energy
         assert abs(energy["numerical"][-1]) < 0.01 * energy["drive_work"][-1]
-    hats, strips = (found[name].films["film"].smallest_gap for name in ("full", "reduced"))
-    assert np.abs(strips / hats - 1.0).max() < 0.05  # seven rows of hats are coarse
+    grid_nodes, strips = (found[name].films["film"].smallest_gap for name in ("full", "reduced"))
+    assert np.abs(strips / grid_nodes - 1.0).max() < 0.05  # seven rows of nodes are coarse
 
 
 def test_steps_are_of_second_order() -> None:
@@ -510,7 +510,7 @@ def test_a_half_film_says_that_its_ledger_does_not_close() -> None:
 
 
 def test_columns_too_coarse_for_the_smallest_film_are_told() -> None:
-    """The rule at 128 columns and an eccentricity of 0.9 says what hats beside fine volumes have there."""
+    """The rule at 128 columns and an eccentricity of 0.9 says what nodes beside fine volumes have there."""
     found = find_equilibrium(bearing((20e3, 0.0)))
     (note,) = [n for n in found.notes if "too thin for columns" in n]
     assert "film 'film'" in note and "too thin for columns of 11.2 degrees" in note and "columns per revolution" in note

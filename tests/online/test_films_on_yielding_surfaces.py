@@ -34,12 +34,12 @@ from warpffrf.online.vibrations.eigenmodes import find_modes
 from warpffrf.output.result import Result
 
 STIFFER = 1e5  # times steel
-DIRECTIONS = CLEARANCE / RADIUS  # both surfaces' normals and hats, which the reference does not tell apart
+DIRECTIONS = CLEARANCE / RADIUS  # both surfaces' normals and nodes, which the reference does not tell apart
 TURN = 2.0 * np.pi / SPEED
 
 
 def places(surface: ContactSurface) -> Array:
-    """(hats, 3) m."""
+    """(nodes, 3) m."""
     theta, z = (v.ravel() for v in np.meshgrid(places_around(surface), surface.grid.z, indexing="ij"))
     return np.asarray(surface.shape.point(theta, z))
 
@@ -54,7 +54,7 @@ def of_shaft() -> Array:
 
 @pytest.mark.parametrize("load", [2e3, 20e3])
 def test_compliances_of_both_add_up(load: float) -> None:
-    """Beside the dense reference with the sum of both, whose hats lie opposite each other at rest."""
+    """Beside the dense reference with the sum of both, whose nodes lie opposite each other at rest."""
     found = find_equilibrium(bearing((load, 0.0), yielding=shaft_body()))
     assert found.status == "completed", found.message
     opposite, expected = of_shaft(), reference()
@@ -72,7 +72,7 @@ def test_compliances_of_both_add_up(load: float) -> None:
     theta, z = (v.ravel() for v in np.meshgrid(places_around(grid), grid.grid.z, indexing="ij"))
     assert film.load_second is not None
     push = -film.load_second[-1].ravel() @ grid.shape.normal(theta, z)
-    np.testing.assert_allclose(push, -film.force[-1], atol=10.0 * DIRECTIONS * load)  # hats stand for their middles
+    np.testing.assert_allclose(push, -film.force[-1], atol=10.0 * DIRECTIONS * load)  # nodes stand for their middles
 
 
 def test_a_stiff_shaft_is_a_rigid_one() -> None:
@@ -96,7 +96,7 @@ def test_the_film_may_stand_on_either() -> None:
 
 @pytest.mark.parametrize("on_shaft", [False, True])
 def test_the_ledger_closes_while_one_turns_through_the_load(on_shaft: bool) -> None:
-    """What is left over is of the steps, a quarter in halved ones; the hats of one turn past those of the other."""
+    """What is left over is of the steps, a quarter in halved ones; the nodes of one turn past those of the other."""
     left = []
     for part in (60, 120):
         step, steps = TURN / part, part // 2
@@ -145,7 +145,7 @@ def test_profiles_along_press_both() -> None:
     )
     (note,) = [note for note in find_equilibrium(rough).notes if "not compared with all nodes" in note]
     assert "as its walls are rough" in note
-    pressure = both.basis.to_hats @ settled.state.pressure
+    pressure = both.basis.to_nodes @ settled.state.pressure
     np.testing.assert_allclose(
         strips.films["film"].pressure[-1].ravel(), pressure, atol=5.0 * DIRECTIONS * pressure.max()
     )
@@ -171,7 +171,7 @@ def test_modes_are_what_a_small_disturbance_does_to_both() -> None:
 
 
 def test_a_film_beyond_the_grid_of_the_second_surface_is_told() -> None:
-    """A shaft as long as its bore, pushed along it by two and a half cells; hats at its end span one more."""
+    """A shaft as long as its bore, pushed along it by two and a half cells; nodes at its end span one more."""
     found = find_equilibrium(bearing((2e3, 0.0), yielding=shaft_body()))
     assert not any("beyond the grid" in note for note in found.notes)
     cell = LENGTH / (ROWS - 1)
@@ -182,7 +182,7 @@ def test_a_film_beyond_the_grid_of_the_second_surface_is_told() -> None:
 
 
 def test_results_load_and_deform_both(tmp_path: Path) -> None:
-    """The rim of the shaft, whose nodes are the hats' places, is pressed in by what its hats' forces do."""
+    """The rim of the shaft, whose nodes are the nodes' places, is pressed in by what its nodes' forces do."""
     step = TURN / 60.0
     found = run(bearing((20e3, 0.0), yielding=shaft_body()), 4 * step, step=step, start="equilibrium", progress=False)
     result = Result.load(Result(found).save(tmp_path / "run.h5"))
@@ -198,9 +198,9 @@ def test_results_load_and_deform_both(tmp_path: Path) -> None:
     for row in (0, -1):
         u = surface.mode_normal.reshape(len(theta), -1) @ found.bodies["shaft"].modal[row] - D @ loads[row].ravel()
         seen = np.sum(skin.displacement(row)[nodes] * normal, axis=1)
-        assert np.abs(seen - u).max() < 0.05 * np.abs(u).max()  # hats mean over their areas
+        assert np.abs(seen - u).max() < 0.05 * np.abs(u).max()  # nodes mean over their areas
     pressure = skin.pressure(-1)[nodes]
-    assert pressure.max() == pytest.approx(film.largest_pressure[-1], rel=0.2)  # even over each hat
+    assert pressure.max() == pytest.approx(film.largest_pressure[-1], rel=0.2)  # even over each node
     other = result.to_xarray()["film_load_second_film"]
     np.testing.assert_array_equal(other, loads)
 

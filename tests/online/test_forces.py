@@ -388,7 +388,7 @@ def test_torque_on_a_flexible_interface_is_balanced_there(plain_body: ReducedBod
 
 
 def test_cosine_pressure_is_carried_with_its_resultant(plain_body: ReducedBody) -> None:
-    """p cos(theta) on the rim: resultant -pi R L p, less the factor (sin(h/2)/(h/2))^2 of hats of pitch h; its modal
+    """p cos(theta) on the rim: resultant -pi R L p, less the factor (sin(h/2)/(h/2))^2 of nodes of pitch h; its modal
     forces are the virtual work of the modes, summed here by independent quadrature."""
     p = 1e5
     surface = plain_body.contact_surfaces["rim"]

@@ -67,7 +67,7 @@ def rubbing(result: wf.Result) -> FrictionHistory:
 
 
 def bounding(body, pressure: np.ndarray) -> np.ndarray:
-    """Half the way from the coefficients (columns, rows) of the hats to the means of the hats over the cells, in each
+    """Half the way from the coefficients (columns, rows) of the nodes to the means of the nodes over the cells, in each
     direction: the means by sampling."""
     z = body.contact_surfaces["rim"].grid.z
     edges = np.concatenate([z[:1], 0.5 * (z[1:] + z[:-1]), z[-1:]])

@@ -1,5 +1,5 @@
-"""The outer tangent of static steps against differences of the residuals: rows and applied forces that turn and shift
-with bodies and modes."""
+"""The retained tangent of static steps against differences of the residuals: rows and applied forces that turn and
+shift with bodies and modes."""
 
 from __future__ import annotations
 

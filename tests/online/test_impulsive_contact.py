@@ -71,7 +71,7 @@ def test_the_step_is_that_of_its_equations(integrator: Any, treatment: str, alph
 
 @pytest.fixture(scope="module")
 def block() -> ReducedBody:
-    """A bar with 63 hats on each end."""
+    """A bar with 63 shape functions on each end."""
     mesh = box((BLOCK, SIDE, SIDE), (20, 4, 4), order=2)
     faces = {"x_max": Plane(), "x_min": Plane()}
     return reduce(
@@ -96,7 +96,7 @@ def blocks(body: ReducedBody, tilt: float) -> Scene:
 
 @pytest.mark.parametrize("local", ["hht", LocalModes("hht", max_frequency=200e3), "exponential"])
 @pytest.mark.parametrize(("step", "tilt"), [(2e-7, 0.0), (1e-6, 1e-4), (5e-6, 0.0)])
-def test_many_hats_gain_nothing(block: ReducedBody, local: Any, step: float, tilt: float) -> None:
+def test_many_nodes_gain_nothing(block: ReducedBody, local: Any, step: float, tilt: float) -> None:
     """Flat and edge first, from resolved to ten times too long steps: contact time of quasi-static local modes where
     flat, momentum kept, no energy from nowhere. (With memory: up to 1e18 times the energy.)"""
     exact = BarImpact(STEEL, BLOCK, SIDE**2, SPEED)

@@ -83,7 +83,7 @@ class Evaluated:
         self.engine.graph.evaluate()
         return x.residual.numpy()[0].copy(), x.modal_residual.numpy()[0].copy()
 
-    def outer_matrix(self) -> np.ndarray:
+    def retained_matrix(self) -> np.ndarray:
         self.engine.graph.assemble()
         return self.engine.scratch.tangent.numpy()[0].copy()
 
@@ -119,13 +119,13 @@ def test_kernels_agree_with_the_equations(body: ReducedBody, level: str) -> None
 
 
 def differences(e: Evaluated, columns: range) -> tuple[np.ndarray, np.ndarray]:
-    """The outer matrix of rigid and dense unknowns, and its `columns` by central differences of the residual."""
+    """The retained matrix of rigid and dense unknowns, and its `columns` by central differences of the residual."""
     rng = np.random.default_rng(2)
     Q = e.m.modes.count
     dx, psi, dq = rng.normal(size=(1, 3)) * 1e-3, rng.normal(size=(1, 3)) * 0.02, rng.normal(size=Q) * 1e-4
     size = 6 + e.m.dense.count
     e(dx, psi, dq)
-    matrix = e.outer_matrix()[:size, :size]
+    matrix = e.retained_matrix()[:size, :size]
     inverse = e.engine.scratch.psi_inverse.numpy()[0, 0].reshape(3, 3)
 
     def residual(column: int, amount: float) -> np.ndarray:

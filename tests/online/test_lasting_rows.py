@@ -106,7 +106,7 @@ def test_a_checkpoint_without_them_goes_on_to_the_tolerance(roller) -> None:
     assert np.abs(whole.contacts[NAME].force[31:] - rest.contacts[NAME].force).max() < SAME * force
 
 
-def test_scenes_with_layers_or_hats_make_them_anew(roller) -> None:
+def test_scenes_with_layers_or_nodes_make_them_anew(roller) -> None:
     scene = scene_of(roller, (9, 9))
     assert Engine(scene).compiled.elements.patches.lasting == 1
     scene.contacts[0].law = wf.laws.HuntCrossley(1e20, 1.5, 0.1)

@@ -138,7 +138,7 @@ def test_the_tangent_of_few_points_is_symmetric_and_not_negative(few: ReducedBod
 
 def test_no_energy_from_pressing_rolling_and_letting_go(few: ReducedBody, other_body: ReducedBody) -> None:
     """What the ledger cannot explain stays as small as with all points."""
-    goes_on = Settings(most_made=0.0)  # whatever a grid of so few columns makes of the energy
+    goes_on = Settings(gain_limit=0.0)  # whatever a grid of so few columns makes of the energy
     unexplained, gained = [], []
     for quadrature in ("full", "reduced"):
         scene = pressing(few, other_body, LAWS["power"], quadrature)
@@ -152,13 +152,13 @@ def test_no_energy_from_pressing_rolling_and_letting_go(few: ReducedBody, other_
 
 
 def test_both_rules_give_a_uniform_pressure_its_yield(few: ReducedBody) -> None:
-    """Weights and hats: sum_p w_p psi_i is the hat's area, so that a constant yield is weighed exactly."""
+    """Weights and nodes: sum_p w_p psi_i is the node's area, so that a constant yield is weighed exactly."""
     rim = few.contact_surfaces["rim"]
     assert rim.sampling is not None
     area = np.asarray(rim.gram_z).sum(axis=1) * rim.grid.pitch
     for rule in (chosen_rule(rim.sampling), gauss_rule(rim, ALL_AROUND, ALL_ALONG)):
         weighed = np.zeros(rim.grid.rows)
-        for hat_part in (rule.x, 1.0 - rule.x):
-            np.add.at(weighed, rule.row, rule.weight * hat_part * (1.0 - rule.zeta))
-            np.add.at(weighed, rule.row + 1, rule.weight * hat_part * rule.zeta)
+        for node_part in (rule.x, 1.0 - rule.x):
+            np.add.at(weighed, rule.row, rule.weight * node_part * (1.0 - rule.zeta))
+            np.add.at(weighed, rule.row + 1, rule.weight * node_part * rule.zeta)
         np.testing.assert_allclose(weighed, area, rtol=1e-6)

@@ -1,5 +1,5 @@
 """Runs with lumped contacts against closed forms: impact, restitution, rolling, sliding, rings that drive balls;
-energy, dense and sparse outer matrices, and runs that go on."""
+energy, dense and sparse retained matrices, and runs that go on."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from warpffrf.model import joints, laws, signals, surfaces
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, engine, run
-from warpffrf.online.compile.outer_pattern import pattern_of
+from warpffrf.online.compile.retained_pattern import pattern_of
 from warpffrf.output.modes_result import eigenmodes
 
 RADIUS, SPEED, GRAVITY = 0.01, 0.1, 9.81

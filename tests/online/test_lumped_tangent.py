@@ -1,5 +1,5 @@
-"""Lumped contacts: the tangent in the outer matrix against differences of the residuals, action and reaction, and the
-places of the kernels against those of a search on the host."""
+"""Lumped contacts: the tangent in the retained matrix against differences of the residuals, action and reaction, and
+the places of the kernels against those of a search on the host."""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ def test_balance_holds_to_the_promised_tolerance(plain_body: ReducedBody) -> Non
 
 
 def test_one_change_at_a_time_finds_the_same_contact(plain_body: ReducedBody) -> None:
-    """The safeguard from the first solve on: the same hats and pressures, in more solves."""
+    """The safeguard from the first solve on: the same nodes and pressures, in more solves."""
     scene = guided_pair(plain_body, plain_body, load=200e3, speed=20.0)
     engines = [Engine(scene, settings=Settings(max_inner=n)) for n in (40, 0)]
     assert all(settle(engine) for engine in engines)
@@ -83,7 +83,7 @@ def test_one_change_at_a_time_finds_the_same_contact(plain_body: ReducedBody) ->
 
 
 def test_cycling_and_too_few_iterations_are_reported(plain_body: ReducedBody) -> None:
-    """With one correction of the set allowed, a landing of many hats cannot settle: the status says so."""
+    """With one correction of the set allowed, a landing of many nodes cannot settle: the status says so."""
     path = Path.of([300e-6], 0.03, 0.02)
     few = Settings(max_inner=1, max_guarded=0, window_strain=0.2)
     engine = Engine(prescribed_pair(plain_body, plain_body, path), settings=few)

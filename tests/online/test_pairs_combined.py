@@ -187,7 +187,7 @@ def test_a_run_goes_on_bit_for_bit(unlike: tuple[ReducedBody, ReducedBody], case
 
 
 def test_worlds_give_the_numbers_of_one(unlike: tuple[ReducedBody, ReducedBody]) -> None:
-    """Also where room for hats grows on the way, of all worlds at once."""
+    """Also where room for nodes grows on the way, of all worlds at once."""
     scene = three(unlike, (False, True), friction=0.3)
     rows = []
     for worlds in (1, 3):
@@ -228,7 +228,7 @@ def side_by_side(wide: ReducedBody, narrow: ReducedBody, middle_first: tuple[boo
 @pytest.mark.parametrize("apart", [0.002, 0.01])
 def test_patches_beside_each_other(middle_first: tuple[bool, bool], apart: float) -> None:
     """Along the axis in the same columns of the grid: rest is found, steps take a few iterations, none is
-    halved. (A compliance between the middles of the hats was indefinite here.)"""
+    halved. (A compliance between the middles of the nodes was indefinite here.)"""
     wide = body(96, 0.05, WIDE, 210e9, axial=8)
     narrow = body(80, OTHER, NARROW, 210e9)
     scene = side_by_side(wide, narrow, middle_first, apart)
@@ -236,7 +236,7 @@ def test_patches_beside_each_other(middle_first: tuple[bool, bool], apart: float
     assert rest.status == "completed", rest.message
     for contact in rest.contacts.values():
         assert np.linalg.norm(contact.force[0]) == pytest.approx(LIGHT, rel=1e-6)
-    history = run(scene, 2e-4, step=2e-6, settings=Settings(energy_tolerance=1e9, most_made=0.0), progress=False)
+    history = run(scene, 2e-4, step=2e-6, settings=Settings(energy_tolerance=1e9, gain_limit=0.0), progress=False)
     assert history.status == "completed", history.message
     assert history.counters["mean_iterations"] < 4.5 and history.counters["rejected_steps"] == 0
 
@@ -244,7 +244,7 @@ def test_patches_beside_each_other(middle_first: tuple[bool, bool], apart: float
 @pytest.mark.parametrize("middle_first", [(False, True), (True, True), (False, False)])
 def test_static_stiffness_is_that_of_neighbouring_equilibria(middle_first: tuple[bool, bool]) -> None:
     """A stack of three pressed from above: how both upper rollers give way, by the linearised scene and by differences.
-    Hats stay the same over the load's change."""
+    Nodes stay the same over the load's change."""
     plain, other = body(120, 0.05, 0.02, 210e9), body(96, 0.045, 0.026, 210e9)
     settings = Settings(residual_tolerance=1e-12)
 

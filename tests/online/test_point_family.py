@@ -51,7 +51,7 @@ PARTNERS = {
 
 @pytest.fixture(scope="module")
 def fine_rows() -> ReducedBody:
-    """Eleven rows of hats 2 mm apart, 2.1 mm around: patches of points too are seen by some of them."""
+    """Eleven rows of nodes 2 mm apart, 2.1 mm around: patches of points too are seen by some of them."""
     return roller_body(150, layers=4, axial=10, grading=1.6, order=1, max_frequency=12e3, cache=False)
 
 

@@ -25,7 +25,7 @@ from reference_points import point_problem, surface_point
 
 SETTINGS = Settings(window_strain=0.5, force_points=True)
 UP, ALONG = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
-DEPTH = 300e-6  # m: hats of a ball average over some millimetres, and are to overlap too
+DEPTH = 300e-6  # m: nodes of a ball average over some millimetres, and are to overlap too
 NO_TORQUE = 1e-12  # of force times radius: round-off of positions of 0.1 m
 AGREE = 1e-12  # of the largest entry: sums of a hundred terms, positions of 0.1 m
 
@@ -264,7 +264,7 @@ def test_a_pair_that_is_open_is_looked_for_where_it_is_nearest(name: str) -> Non
 
 @pytest.mark.parametrize("name", list(CASES))
 def test_no_pressure_turns_a_body_about_its_own_axle(name: str) -> None:
-    """Of every hat by itself, on and off the line of centres: the wrench has no moment about either body's axis, of a
+    """Of every node by itself, on and off the line of centres: the wrench has no moment about either body's axis, of a
     ball none about its centre."""
     case = CASES[name]
     scene, engine = evaluated(name)

@@ -74,7 +74,7 @@ def bodies(plain_body: ReducedBody, other_body: ReducedBody, crowned_body: Reduc
 
 
 def pendulum(bodies: Bodies) -> wf.Scene:
-    """Two links: no contact, so that the outer matrix is factored sparsely."""
+    """Two links: no contact, so that the retained matrix is factored sparsely."""
     scene = wf.Scene()
     links = [
         scene.add_rigid_body(1.0, (1e-2, 1e-2, 1e-2), name=name, position=(x, 0.0, 0.0))
@@ -231,7 +231,7 @@ def test_reading_what_nobody_sets_is_refused() -> None:
 def test_changing_what_nobody_has_set_is_refused() -> None:
     """Multipliers are added to forces that the motion of bodies sets; here nothing moves."""
     found = wrong(*[p for p in PARTICIPANTS if p.name != "motion"])
-    assert any("outer.pull changes residual, which nothing has set before" in line for line in found), found
+    assert any("retained.pull changes residual, which nothing has set before" in line for line in found), found
 
 
 def test_reading_before_it_is_set_anew_is_refused() -> None:

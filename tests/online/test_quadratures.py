@@ -88,7 +88,7 @@ def test_a_third_of_the_points_gives_the_same_contact(pair, at_points: bool) -> 
 
 
 def test_the_check_foretells_the_difference_at_a_held_approach(plain_body, other_body) -> None:
-    """Bodies that are held: pressures of all points less those of few, where both carry the same hats, are what the
+    """Bodies that are held: pressures of all points less those of few, where both carry the same nodes, are what the
     host computes from the latter alone."""
     path = Path.of([2e-3, 2e-3], 0.013)
     first = sampled(plain_body, 0.1)
@@ -174,7 +174,7 @@ def test_the_tangent_in_the_stress_modes_is_symmetric_and_definite(pair) -> None
 def test_no_energy_is_gained_by_rolling_and_unloading(plain_body, other_body) -> None:
     """Pressed, rolled by several columns and lifted again: what the ledger cannot account for stays below the largest
     contact energy by as much as with all points."""
-    goes_on = Settings(most_made=0.0)  # whatever a grid of so few columns makes of the energy
+    goes_on = Settings(gain_limit=0.0)  # whatever a grid of so few columns makes of the energy
     unaccounted, gained = [], []
     for quadrature in ("full", "reduced"):
         down = signals.SmoothStep(80e3, 20e3, duration=2e-3, delay=1e-3)

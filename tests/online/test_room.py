@@ -1,4 +1,4 @@
-"""Room for hats in play: what is short of it comes again with more; only what the capacity forbids fails."""
+"""Room for active nodes: what is short of it comes again with more; only what the capacity forbids fails."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from warpffrf_kernels.core import control as k
 sys.path.insert(0, str(FilePath(__file__).parent))
 from made_bodies import made_body
 
-LOAD = 1e7  # N: ten hats under each ball
+LOAD = 1e7  # N: ten nodes under each ball
 STEP = 1e-4
 
 
@@ -37,7 +37,8 @@ def plate_on_balls(
     speed: float = 0.0,
     capacity: int | None = None,
 ) -> Scene:
-    """A plate on a vertical guide, 15 by 7 hats below, `height` above rigid balls at `places` along it [m]."""
+    """A plate on a vertical guide, 15 by 7 shape functions below, `height` above rigid balls at `places` along it
+    [m]."""
     plane = surfaces.Plane(origin=(0.0, 0.0, -0.02), outward=(0.0, 0.0, -1.0), direction=(0.0, 1.0, 0.0))
     body = made_body(plane, np.linspace(-6e-3, 6e-3, 7), pitch=2e-3, columns=15)
     scene = Scene()
@@ -53,7 +54,7 @@ def plate_on_balls(
 
 @pytest.fixture
 def little(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Room for one hat of each pair, to begin with."""
+    """Room for one node of each pair, to begin with."""
     monkeypatch.setattr(room, "LEAST_SLOTS", 1)
     monkeypatch.setattr(room, "USUAL_PATCH", 10**6)
 
@@ -68,7 +69,7 @@ def test_modes_about_a_given_state_have_room_for_its_patch(little: None) -> None
 
 
 def test_an_iteration_that_overshoots_the_capacity_is_no_failure() -> None:
-    """A plate that drops on a ball with a step that does not resolve it: the first iterate closes far more hats than
+    """A plate that drops on a ball with a step that does not resolve it: the first iterate closes far more nodes than
     any state does. A capacity that holds these states is enough: the step is halved, and the plate leaves as fast."""
     told = run(plate_on_balls((0.0,), height=2e-5, speed=5.0, capacity=8), 10 * STEP, step=STEP, progress=False)
     free = run(plate_on_balls((0.0,), height=2e-5, speed=5.0), 10 * STEP, step=STEP, progress=False)
@@ -100,7 +101,7 @@ def test_a_world_that_is_not_short_keeps_what_is_recorded_of_it(little: None) ->
 
 
 def test_a_run_without_memory_for_more_keeps_what_it_has(little: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The plate falls on the balls; there is no memory for more hats than one of each pair."""
+    """The plate falls on the balls; there is no memory for more nodes than one of each pair."""
     asked = []
 
     def refused(*arguments: Any) -> Scratch:
@@ -122,7 +123,7 @@ def test_a_run_without_memory_for_more_keeps_what_it_has(little: None, monkeypat
 
 
 def test_a_world_without_memory_leaves_the_others_their_room(little: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Three plates fall on balls, and there is memory for ten hats: the first wants 45 at once and ends by itself, the
+    """Three plates fall on balls, and there is memory for ten nodes: the first wants 45 at once and ends by itself, the
     second gets its five later, the third needs none. Each run is that of the scene alone, with as much memory."""
 
     def scarce(scenes: Any, sizes: Any, state: Any) -> Scratch:

@@ -46,7 +46,7 @@ def test_each_pair_carries_its_own_load(plain_body: ReducedBody, other_body: Red
 def test_a_wide_window_of_one_pair_reaches_the_surface_of_the_other(
     plain_body: ReducedBody, other_body: ReducedBody, swap: bool
 ) -> None:
-    """All pairs share the widest window; of each, every hat of the window that has something opposite must see it."""
+    """All pairs share the widest window; of each, every node of the window that has something opposite must see it."""
     scene = Scene(gravity=(0.0, 0.0, -GRAVITY))
     wide = add_stack(scene, plain_body, plain_body, "wide", 0.0, gap=1e-6, load=0.0)
     bodies = (other_body, plain_body) if swap else (plain_body, other_body)

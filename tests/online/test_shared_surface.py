@@ -84,7 +84,7 @@ def test_gaps_are_those_under_the_loads_of_both_pairs(
         flat = problem.index[:, 0] * contact.a.surface.grid.rows + problem.index[:, 1]
         problems.append(problem)
         pressures.append(s)
-        on_middle.append(M[flat] if first else problem.load)  # (hats, nodes of the middle): psi of each hat
+        on_middle.append(M[flat] if first else problem.load)  # (nodes, nodes of the middle): psi of each node
     for this, other in ((0, 1), (1, 0)):
         problem, s = problems[this], pressures[this]
         own = problem.gap + problem.G @ s
@@ -114,7 +114,7 @@ def test_two_balls_under_a_plate_that_is_an_arc() -> None:
     pose = Pose(motion.position[0], rot.matrix(motion.rotation[0]), motion.modal[0])
     surface = plate["face"].surface
     D, M, rows = dense_compliance(surface), full_gram(surface), surface.grid.rows
-    problems, pressures, hats = [], [], []
+    problems, pressures, grid_nodes = [], [], []
     for contact in contacts:
         record = rest.contacts[contact.name]
         columns = record.first_column[0] + np.arange(record.pressure.shape[1])
@@ -125,10 +125,10 @@ def test_two_balls_under_a_plate_that_is_an_arc() -> None:
         )  # fmt: skip
         problems.append(problem)
         pressures.append(record.pressure[0][inside].ravel())
-        hats.append(M[problem.index[:, 0] * rows + problem.index[:, 1]])
+        grid_nodes.append(M[problem.index[:, 0] * rows + problem.index[:, 1]])
     for this, other in ((0, 1), (1, 0)):
         problem, s = problems[this], pressures[this]
-        crossed = hats[this] @ (D @ (hats[other].T @ pressures[other]))
+        crossed = grid_nodes[this] @ (D @ (grid_nodes[other].T @ pressures[other]))
         left = (problem.gap + problem.G @ s + crossed) / problem.area
         depth = np.abs(problem.gap / problem.area).max()
         assert (s > 0.0).sum() >= 4 and np.abs(crossed / problem.area).max() > 1e-2 * depth
@@ -244,7 +244,7 @@ def test_cells_and_gaps_move_by_the_loads_of_both_pairs(
         second = (centers[pair, 1] - m.window.second_half + np.arange(m.window.second_columns)) % grid.columns
         (n_a, t_a), (n_b, t_b) = displaced(2 * pair), displaced(2 * pair + 1)
         inside = slice(low, high + 1)
-        hats = engine.state.active.numpy()[0, pair].reshape(m.window.columns, -1)[:, : grid.rows] != 0
+        grid_nodes = engine.state.active.numpy()[0, pair].reshape(m.window.columns, -1)[:, : grid.rows] != 0
         weak = (M @ n_a).reshape(grid.columns, grid.rows)[columns]
         stencil = x.stencil.numpy()[0, pair].reshape(
             m.window.columns, grid.rows, m.window.stencil_columns, m.window.stencil_rows
@@ -252,7 +252,7 @@ def test_cells_and_gaps_move_by_the_loads_of_both_pairs(
         at = x.stencil_at.numpy()[0, pair].reshape(m.window.columns, grid.rows, 2)
         on_b = n_b.reshape(grid.columns, grid.rows)[second]
         opened = (x.opened.numpy() - x.gap.numpy())[0, pair].reshape(m.window.columns, grid.rows)
-        for j, row in np.argwhere(hats):
+        for j, row in np.argwhere(grid_nodes):
             c, r = at[j, row]
             held = (
                 stencil[j, row]
@@ -294,7 +294,7 @@ def test_friction_on_both_sides_of_a_roller_takes_energy_and_converges(rubbing_b
         assert np.abs(contact.force + contact.force_second).max() < 1e-6 * size.max()
 
 
-def test_room_for_hats_grows_without_a_trace(rubbing_body: ReducedBody, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_room_for_nodes_grows_without_a_trace(rubbing_body: ReducedBody, monkeypatch: pytest.MonkeyPatch) -> None:
     """A run that begins with room for a single hat of each pair gives the numbers of one that never is short, bit for
     bit; and a capacity that is asked for stays."""
     scene = train(rubbing_body, (False, True), (MU, MU))

@@ -66,7 +66,7 @@ def test_forces_and_tangents_are_those_of_dense_matrices(engine: Engine) -> None
         f = laps.at(x)
         assert f is not None
         scratch = engine.scratch
-        modes, aims = scratch.lap_mode.numpy()[0], scratch.lap_aim.numpy()[0]
+        modes, aims = scratch.lap_mode.numpy()[0], scratch.lap_target_form.numpy()[0]
         s, z = scratch.lap_trial.numpy()[: len(G)], scratch.lap_z.numpy()[0]
         y = G @ s + J @ z
         y[::3] += gap

@@ -128,7 +128,7 @@ def test_a_jump_on_whose_way_room_was_made_is_the_same(cycle, monkeypatch) -> No
     def with_more_room(engine: Engine, time: float) -> bool:
         found = settled(engine, time)
         before, capacity = engine.scratch, engine.compiled.model.capacity
-        capacity.slot_limit = capacity.slots + 1  # for a hat of a contact that is not there
+        capacity.slot_limit = capacity.slots + 1  # for a node of a contact that is not there
         assert engine.make_room(capacity.slot_limit)
         made.append(engine.scratch is not before)
         return found

@@ -1,4 +1,5 @@
-"""Whole runs with the outer matrix factored sparsely and as one block: the same motion and reactions, to round-off."""
+"""Whole runs with the retained matrix factored sparsely and as one block: the same motion and reactions, to
+round-off."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ from one_block import in_one_block
 from warpffrf.model import joints
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, engine, run
-from warpffrf.online.compile.outer_pattern import pattern_of
+from warpffrf.online.compile.retained_pattern import pattern_of
 
 MOVED = 1e-12  # m, rotations: round-off of coordinates of order 1, and some steps of its growth
 PULLED = 3e-8  # of the largest force: a position's round-off of 1e-16 m over h^2 = 1e-6 s2, at the start over 1e-14 s2

@@ -1,7 +1,7 @@
 """Sheets on top of each other against a full finite-element solution: every node of every sheet, no modes.
 
-Of the package the reference has the stiffness matrix alone. On faces of linear hexahedra the hats of the contact grids
-are the shape functions, so pressures p stand on the nodes, and with B the nodal forces of unit hats on both sides of
+Of the package the reference has the stiffness matrix alone. On faces of linear hexahedra the nodes of the contact grids
+are the shape functions, so pressures p stand on the nodes, and with B the nodal forces of unit nodes on both sides of
 all pairs, S the mean motions that the guides hold, and f the load
 
     K u = f + B p + S^T r,     S u = 0,     0 <= p  _|_  B^T u >= 0,
@@ -41,7 +41,7 @@ LOADS = (0.2, 20.0)  # N: far above what rounds gaps off, 1e-14 of the scene
 # and 2.59e-9 rad/N; 0.87e-9, 1.07e-9 and 2.14e-9 were seen at any load of 2 mN to 2 kN, and for 0 to 40 modes alike
 TURNED = {1: 1.0e-9, 2: 1.2e-9, 4: 2.4e-9}
 SEEN = 0.15  # of the largest pressure: what the compliances between faces make of it is 0.20 at four modes
-SETS = 20  # of active hats that are tried; it takes 3 to 5
+SETS = 20  # of active nodes that are tried; it takes 3 to 5
 
 
 @cache
@@ -71,8 +71,8 @@ def mean_motion(name: str) -> np.ndarray:
     return np.linalg.solve(R.T @ WR, WR.T)
 
 
-def hat_nodes() -> tuple[np.ndarray, np.ndarray]:
-    """Nodes under the hats of the lower face, and those above them; there are no hats at both ends along x."""
+def node_nodes() -> tuple[np.ndarray, np.ndarray]:
+    """Nodes under the nodes of the lower face, and those above them; there are no nodes at both ends along x."""
     x = mesh().points
     lower = np.flatnonzero((x[:, 2] < 1e-9 - 0.5 * SIZE[2]) & (np.abs(x[:, 0]) < 0.5 * SIZE[0] - 1e-9))
     upper = [int(np.argmin(np.linalg.norm(x - x[i] * (1.0, 1.0, -1.0), axis=1))) for i in lower]
@@ -81,24 +81,24 @@ def hat_nodes() -> tuple[np.ndarray, np.ndarray]:
 
 @cache
 def full_pressures(sheets: int) -> np.ndarray:
-    """Pressures (sheets, hats) [1/m2] under a load of 1 N, floor first, in the order of `hat_nodes`."""
+    """Pressures (sheets, nodes) [1/m2] under a load of 1 N, floor first, in the order of `node_nodes`."""
     K, _ = assemble(mesh().points, mesh().cells, assign(mesh(), STEEL))
     size = K.shape[0]
-    lower, upper = hat_nodes()
-    hats = len(lower)
-    B = np.zeros((sheets * size, sheets * hats))
+    lower, upper = node_nodes()
+    grid_nodes = len(lower)
+    B = np.zeros((sheets * size, sheets * grid_nodes))
     for i in range(sheets):
-        B[i * size + 2 : (i + 1) * size : 3, i * hats : (i + 1) * hats] = face_mass("z_min")[:, lower]
+        B[i * size + 2 : (i + 1) * size : 3, i * grid_nodes : (i + 1) * grid_nodes] = face_mass("z_min")[:, lower]
         if i > 0:
-            B[(i - 1) * size + 2 : i * size : 3, i * hats : (i + 1) * hats] = -face_mass("z_max")[:, upper]
+            B[(i - 1) * size + 2 : i * size : 3, i * grid_nodes : (i + 1) * grid_nodes] = -face_mass("z_max")[:, upper]
     held = np.delete(mean_motion("x_min"), 2, axis=0)  # all but the way along the guide
     S = sp.block_diag([held / np.abs(held).max(axis=1, keepdims=True)] * sheets)
     area = np.tile(face_mass("z_min")[:, lower].sum(axis=0), sheets)
-    B /= area  # mean gaps and forces of hats
+    B /= area  # mean gaps and forces of nodes
     stiff = K.diagonal().mean()
     f = np.zeros(sheets * size)
     f[-size:] = -mean_motion("spot")[2]
-    active = np.ones(sheets * hats, dtype=bool)
+    active = np.ones(sheets * grid_nodes, dtype=bool)
     for _ in range(SETS):
         on = np.flatnonzero(active)
         blocks = [[sp.block_diag([K] * sheets) / stiff, S.T, -B[:, on]], [S, None, None], [-B[:, on].T, None, None]]
@@ -109,7 +109,7 @@ def full_pressures(sheets: int) -> np.ndarray:
         gap = B.T @ solution[: len(f)]
         new = np.where(active, p > 0.0, gap < 0.0)
         if np.array_equal(new, active):
-            return p.reshape(sheets, hats)
+            return p.reshape(sheets, grid_nodes)
         active = new
     raise AssertionError(f"active set did not settle in {SETS} changes")
 
@@ -141,7 +141,7 @@ def pressures(body: ReducedBody, sheets: int, load: float) -> np.ndarray:
     surface = body.contact_surfaces["z_min"]
     theta, z = np.meshgrid(surface.grid.theta, surface.grid.z, indexing="ij")
     places = surface.shape.point(theta, z).reshape(-1, 1, 3)
-    away = np.linalg.norm(places - mesh().points[hat_nodes()[0]], axis=2)
+    away = np.linalg.norm(places - mesh().points[node_nodes()[0]], axis=2)
     order = np.argmin(away, axis=0)
     assert len(order) == surface.local_modes and np.diagonal(away[order]).max() < 1e-12
     return np.array([contact.pressure[0].ravel()[order] for contact in rest.contacts.values()]) / load
@@ -160,10 +160,10 @@ def test_pressures_are_those_of_full_finite_elements(sheets: int, modes: int, lo
     each other: no worse but for how far they turn."""
     exact, found = full_pressures(sheets), pressures(sheet(modes), sheets, load)
     closed = np.count_nonzero(exact, axis=1)
-    assert closed.min() > 10 and closed.max() < exact.shape[1]  # hats, and some that are open
+    assert closed.min() > 10 and closed.max() < exact.shape[1]  # nodes, and some that are open
     assert np.array_equal(found > 0.0, exact > 0.0)
     worst = difference(found, exact)
-    print(f"{sheets} sheets, {modes} modes, {load} N: closed hats {closed}, pressures agree to {worst:.1e}")
+    print(f"{sheets} sheets, {modes} modes, {load} N: closed nodes {closed}, pressures agree to {worst:.1e}")
     assert worst < TURNED[sheets] * load
 
 

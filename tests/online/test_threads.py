@@ -15,7 +15,7 @@ import warp as wp
 import warpffrf as wf
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online.history.history import History
-from warpffrf.online.turn import TURN, Turn, replays_side_by_side
+from warpffrf.online.warp_lock import WARP_LOCK, WarpLock, replays_side_by_side
 
 THREADS = 4
 
@@ -87,14 +87,14 @@ def test_replays_leave_the_turn(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def _taken() -> bool:
     """Whether this thread can have the turn at once."""
-    free = TURN._lock.acquire(timeout=5.0)
+    free = WARP_LOCK._lock.acquire(timeout=5.0)
     if free:
-        TURN._lock.release()
+        WARP_LOCK._lock.release()
     return free
 
 
 def test_a_turn_is_taken_again_and_left_as_a_whole() -> None:
-    turn = Turn()
+    turn = WarpLock()
     with turn.left():  # nothing to leave
         assert not turn._lock.locked()
     with turn:
@@ -125,7 +125,7 @@ def test_an_interruption_while_waiting_keeps_the_turn() -> None:
 
         def release(self) -> None: ...
 
-    turn = Turn()
+    turn = WarpLock()
     turn._lock = Interrupted()  # type: ignore[assignment]
     with pytest.raises(KeyboardInterrupt), turn:
         try:
@@ -142,7 +142,7 @@ def test_a_fork_waits_for_the_turn() -> None:
     has, go = threading.Event(), threading.Event()
 
     def hold() -> None:
-        with TURN:
+        with WARP_LOCK:
             has.set()
             go.wait(5.0)
 

@@ -24,7 +24,7 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.settings import Settings
 from warpffrf.online.step import graph
 from warpffrf.online.step.graph import StepGraph
-from warpffrf.online.turn import TURN
+from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf.online.worlds import Ended, Meeting, SharedEngine
 
 STEP, STEPS = 1e-3, 8
@@ -292,7 +292,7 @@ def test_whoever_leaves_is_not_waited_for() -> None:
 
     def work(i: int) -> None:
         try:
-            with TURN:
+            with WARP_LOCK:
                 meeting.come(i, 10 * i, lambda brought: met.append(brought))
                 if i == 0:
                     return

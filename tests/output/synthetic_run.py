@@ -19,17 +19,17 @@ from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView
 R, WIDTH, BORE = 0.05, 0.02, 0.015
 COLUMNS, ROWS, WINDOW = 180, 3, 17
 PITCH = 2.0 * np.pi / COLUMNS
-HALF_WIDTH = 4.0 * R * PITCH  # four hats to the half-width
+HALF_WIDTH = 4.0 * R * PITCH  # four nodes to the half-width
 PEAK = 100e6  # Pa, in the first row
 POISSON = 0.3
 # a = 2 R_eff p0 / E* with R_eff = R/2 and E* = E / (2 (1 - nu^2)): the modulus that makes the first row Hertz's
 E_MODULUS = 2.0 * (1.0 - POISSON**2) * R * PEAK / HALF_WIDTH
-STEPS, DURATION, TURN = 9, 0.02, 0.3  # rows, s, rad turned by the first roller
+STEPS, DURATION, WARP_LOCK = 9, 0.02, 0.3  # rows, s, rad turned by the first roller
 MODES = 2
 
 
 def roller() -> ReducedBody:
-    """A hollow roller about y: skin of rim and bore, two made-up modes, a dimple under each hat."""
+    """A hollow roller about y: skin of rim and bore, two made-up modes, a dimple under each node."""
     z = np.linspace(-0.5, 0.5, ROWS) * WIDTH
     shape = Cylinder(radius=R, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
     grid = SurfaceGrid(shape.e_0, 0.0, PITCH, COLUMNS, True, z, 1)
@@ -84,12 +84,12 @@ def hertz_loads(offset: float) -> np.ndarray:
     middle column."""
     fine = np.arange(-1.0, WINDOW, 1.0 / 64.0) + 1.0 / 128.0  # midpoint rule, 64 points a column
     p = np.sqrt(np.maximum(0.0, 1.0 - ((fine - WINDOW // 2 - offset) * R * PITCH / HALF_WIDTH) ** 2))
-    hats = np.maximum(0.0, 1.0 - np.abs(fine[None, :] - np.arange(WINDOW)[:, None]))
-    return PITCH * hats @ p / 64.0
+    grid_nodes = np.maximum(0.0, 1.0 - np.abs(fine[None, :] - np.arange(WINDOW)[:, None]))
+    return PITCH * grid_nodes @ p / 64.0
 
 
-def hertz_hats(offset: float) -> np.ndarray:
-    """The L2 projection of the same pressure on the window's hats, as a weak contact solution finds it."""
+def hertz_nodes(offset: float) -> np.ndarray:
+    """The L2 projection of the same pressure on the window's nodes, as a weak contact solution finds it."""
     gram = PITCH / 6.0 * (4.0 * np.eye(WINDOW) + np.eye(WINDOW, k=1) + np.eye(WINDOW, k=-1))
     return np.linalg.solve(gram, hertz_loads(offset))
 
@@ -99,10 +99,10 @@ def quaternion_y(angle: np.ndarray) -> np.ndarray:
 
 
 def make_history(body: ReducedBody, *, name: str = "lower-upper") -> History:
-    """Lower roller at the origin turning by +TURN about y, upper one above it turning back; contact at the top of
+    """Lower roller at the origin turning by +WARP_LOCK about y, upper one above it turning back; contact at the top of
     the lower."""
     time = np.linspace(0.0, DURATION, STEPS)
-    angle = TURN * time / DURATION
+    angle = WARP_LOCK * time / DURATION
     peak = PEAK * (1.0 + time / DURATION)
     # the top of the lower roller is +z; e_1 = e_a x e_0 = y x x = -z, so the contact starts at theta = -90 degrees; a
     # turn by +angle about y carries +z towards +x, material angles under the fixed contact point decrease with it
@@ -114,7 +114,7 @@ def make_history(body: ReducedBody, *, name: str = "lower-upper") -> History:
     load = np.zeros((STEPS, WINDOW, ROWS))
     gram_z = meridian_gram("nodes", body.contact_surfaces["rim"].shape, body.contact_surfaces["rim"].grid.z)
     for i in range(STEPS):
-        pressure[i] = peak[i] * hertz_hats(center_first[i] - first_column[i] - WINDOW // 2)[:, None]
+        pressure[i] = peak[i] * hertz_nodes(center_first[i] - first_column[i] - WINDOW // 2)[:, None]
         line = peak[i] * hertz_loads(center_second[i] - second_column[i] - WINDOW // 2)
         load[i] = line[:, None] * gram_z.sum(axis=1)
     total = 0.5 * np.pi * HALF_WIDTH * peak * WIDTH
@@ -124,7 +124,7 @@ def make_history(body: ReducedBody, *, name: str = "lower-upper") -> History:
 
     def motion(height: float, sign: float) -> BodyHistory:
         position = np.tile([0.0, 0.0, height], (STEPS, 1))
-        spin = np.tile([0.0, sign * TURN / DURATION, 0.0], (STEPS, 1))
+        spin = np.tile([0.0, sign * WARP_LOCK / DURATION, 0.0], (STEPS, 1))
         return BodyHistory(position, quaternion_y(sign * angle), zero.copy(), spin, modal.copy())
 
     bodies = {"lower": motion(0.0, 1.0), "upper": motion(2.0 * R, -1.0)}

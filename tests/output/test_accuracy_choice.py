@@ -262,7 +262,7 @@ def test_a_scene_that_turns_begins_with_shorter_steps() -> None:
 
 
 def test_cells_are_never_forced() -> None:
-    """What the program takes by itself, or hats: other contacts and conformal surfaces may rule cells out."""
+    """What the program takes by itself, or nodes: other contacts and conformal surfaces may rule cells out."""
     scene = pressed(contact_fixed=True)
     result = simulate(scene, 0.01, accuracy=0.1, start="equilibrium", progress=False)
     assert result.scene.contact(PAIR).grid in ("auto", "body_fixed")

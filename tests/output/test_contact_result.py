@@ -7,7 +7,7 @@ import pytest
 from synthetic_run import DURATION, E_MODULUS, HALF_WIDTH, PEAK, PITCH, POISSON, R, make_history
 
 from warpffrf.output.contact.hertz import HertzLine
-from warpffrf.output.contact.result import hat_means, line_moments
+from warpffrf.output.contact.result import line_moments, node_means
 from warpffrf.output.result import Result
 
 FINE_QUADRATURE = 200_001
@@ -38,33 +38,33 @@ def test_half_width_of_a_finely_sampled_hertz_pressure_is_its_half_width() -> No
     assert center[0] == pytest.approx(0.0, abs=1e-12)
 
 
-def test_hat_means_are_integrals_over_the_hats() -> None:
+def test_node_means_are_integrals_over_the_nodes() -> None:
     p = np.random.default_rng(1).random((2, 9, 3))
     x = np.linspace(-4.0, 4.0, 80001)
-    hats = np.maximum(0.0, 1.0 - np.abs(x[:, None] - np.arange(-4, 5)))
-    field = np.einsum("xj,tjk->txk", hats, p)
-    means = np.einsum("xj,txk->tjk", hats, field) * (x[1] - x[0])
-    inside = slice(1, -1)  # the outermost hats reach beyond the window, where there is no pressure
-    assert hat_means(p)[:, inside] == pytest.approx(means[:, inside], rel=1e-7)  # trapezoidal rule on 1e-4
+    grid_nodes = np.maximum(0.0, 1.0 - np.abs(x[:, None] - np.arange(-4, 5)))
+    field = np.einsum("xj,tjk->txk", grid_nodes, p)
+    means = np.einsum("xj,txk->tjk", grid_nodes, field) * (x[1] - x[0])
+    inside = slice(1, -1)  # the outermost nodes reach beyond the window, where there is no pressure
+    assert node_means(p)[:, inside] == pytest.approx(means[:, inside], rel=1e-7)  # trapezoidal rule on 1e-4
 
 
-def test_hat_means_keep_a_linear_pressure_and_the_load() -> None:
+def test_node_means_keep_a_linear_pressure_and_the_load() -> None:
     p = np.zeros((1, 12, 1))
     p[0, 3:9, 0] = 2.0 + 0.5 * np.arange(6)
-    assert hat_means(p)[0, 4:8, 0] == pytest.approx(p[0, 4:8, 0], rel=1e-15)
-    assert hat_means(p).sum() == pytest.approx(p.sum(), rel=1e-15)
+    assert node_means(p)[0, 4:8, 0] == pytest.approx(p[0, 4:8, 0], rel=1e-15)
+    assert node_means(p).sum() == pytest.approx(p.sum(), rel=1e-15)
 
 
 def test_no_pressure_gives_zeros_not_nan() -> None:
     p = np.zeros((2, 5))
     assert all(np.all(v == 0.0) for v in line_moments(np.arange(5.0), p, 1.0))
-    assert np.all(hat_means(p[:, :, None]) == 0.0)
+    assert np.all(node_means(p[:, :, None]) == 0.0)
 
 
 def test_contact_of_a_hertz_run(result: Result) -> None:
     contact = result.contact("lower-upper")
-    # an L2 projection on 4 hats a half-width keeps load and centre; the root singularity at the edge costs a percent
-    # elsewhere
+    # an L2 projection on 4 shape functions a half-width keeps load and centre; the root singularity at the edge costs a
+    # percent elsewhere
     assert contact.half_width == pytest.approx(np.full(len(result.time), HALF_WIDTH), rel=0.01)
     assert contact.mid_peak_pressure == pytest.approx(PEAK * (1.0 + result.time / DURATION), rel=0.02)
     # the patch lies symmetrically about the line of centres, also where its column number wraps around

@@ -126,7 +126,7 @@ def test_a_roller_across_a_narrow_block_is_a_line_along_its_arc() -> None:
     contact = contact_of(block, grid, roller, lambda t, z: ellipsoid(1.0, a, 1e9)(0.0 * t, z))
     assert contact.patch_kind == "line_around"
     assert contact.half_width[0] == contact.half_widths[0, 1] == pytest.approx(a, rel=SAMPLED)
-    assert contact.half_widths[0, 0] == pytest.approx(5.25e-3, rel=2e-3)  # the last hat's other half lies beyond
+    assert contact.half_widths[0, 0] == pytest.approx(5.25e-3, rel=2e-3)  # the last node's other half lies beyond
     assert "the line lies along the arc" in contact.hertz(0).reason
 
 
@@ -175,7 +175,7 @@ def test_flat_faces_are_no_hertz_contact() -> None:
     grid = grid_of(block, 1e-3, 31, z)
     contact = contact_of(block, grid, table, lambda t, z: np.where(np.abs(t) < 0.0095, 1e6, 0.0) + 0.0 * z)
     assert contact.patch_kind == "flat"
-    assert contact.half_widths[0] == pytest.approx([0.01, 0.01], rel=0.05)  # the hats at the rim reach beyond it
+    assert contact.half_widths[0] == pytest.approx([0.01, 0.01], rel=0.05)  # the nodes at the rim reach beyond it
     assert "the faces are flat" in contact.hertz(0).reason
     assert np.isnan(contact.effective_radius)
 

@@ -11,7 +11,7 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.online.history.history import BudgetLine
-from warpffrf.online.marks import MARKS, WHOLE
+from warpffrf.online.samples import SAMPLES, WHOLE
 from warpffrf.output.budget.budget import budget_text, largest_of_each
 from warpffrf.output.budget.contacts import _beside
 from warpffrf.output.budget.quantities import LIGHT, STILL, quantities, shares
@@ -186,4 +186,4 @@ def test_a_run_of_one_step_says_so() -> None:
 
 def test_long_runs_leave_so_many_states() -> None:
     result = run(pendulum(), 5.0, 1e-3)
-    assert len(result.history.marks.states) == MARKS
+    assert len(result.history.samples.states) == SAMPLES

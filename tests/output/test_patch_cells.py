@@ -23,7 +23,7 @@ from warpffrf.model.reduced.stress_field import rotated, to_tensor
 from warpffrf.model.surfaces import Cylinder, Sphere
 from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online.history.history import CellHistory
-from warpffrf.output.bodies.half_space_stress import under_cells, under_hats
+from warpffrf.output.bodies.half_space_stress import under_cells, under_nodes
 from warpffrf.output.bodies.normal_loads import CellLoads, normal_loads
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.recording import frames as fr
@@ -183,7 +183,7 @@ def test_hertz_beside(result: Result) -> None:
     assert contact.mid_pressure[-1][inside] == pytest.approx(exact[inside], rel=0.02)
 
 
-def test_hat_forces_carry_the_force(result: Result) -> None:
+def test_node_forces_carry_the_force(result: Result) -> None:
     pair = result.view.pairs[PAIR]
     load = result.contact(PAIR).normal_load[-1]
     for first in (True, False):
@@ -241,15 +241,15 @@ def test_closed_forms_of_the_half_space() -> None:
     middle = [0.5 * (v[1:] + v[:-1]) for v in (fine_x, fine_y)]
     along = np.stack([np.interp(middle[1], y, row) for row in p])
     values = np.stack([np.interp(middle[0], x, column) for column in along.T], axis=1)
-    hats = under_hats(points, x, y, p, 0.3)
-    assert hats == pytest.approx(under_cells(points, fine_x, fine_y, values, 0.3), abs=2e-4)  # constants on 1/40
+    grid_nodes = under_nodes(points, x, y, p, 0.3)
+    assert grid_nodes == pytest.approx(under_cells(points, fine_x, fine_y, values, 0.3), abs=2e-4)  # constants on 1/40
     # at the surface the normal stress is minus the pressure, to the depth it is taken at
     below = np.column_stack([middle[0][5::30], np.full(4, middle[1][50]), np.zeros(4)])
     exact = values[5::30, 50]
-    assert -under_hats(below, x, y, p, 0.3)[:, 2] == pytest.approx(exact, abs=1e-5)
+    assert -under_nodes(below, x, y, p, 0.3)[:, 2] == pytest.approx(exact, abs=1e-5)
     force = np.array([[0.0, 0.0, 300.0]])
     total = np.sum(np.diff(fine_x)[:, None] * np.diff(fine_y) * values)
-    assert under_hats(force, x, y, p, 0.3)[0, 2] == pytest.approx(-1.5 * total / (np.pi * 300.0**2), rel=1e-4)
+    assert under_nodes(force, x, y, p, 0.3)[0, 2] == pytest.approx(-1.5 * total / (np.pi * 300.0**2), rel=1e-4)
 
 
 @pytest.mark.parametrize("name, points, side", [("lower", "top", 1.0), ("upper", "below", -1.0)])

@@ -7,7 +7,7 @@ import pytest
 from shape_runs import contact_of, ellipsoid, grid_of
 
 from warpffrf.model.surfaces import Bore, Cylinder, Plane, Sphere
-from warpffrf.output.recording.patch_map import MapWindow, cell_map, hat_map, map_window, pixels
+from warpffrf.output.recording.patch_map import MapWindow, cell_map, map_window, node_map, pixels
 
 R, AXIS = 0.03, (0.0, 1.0, 0.0)
 SPACING = 1e-4
@@ -44,20 +44,20 @@ def test_a_pair_that_never_touches_shows_its_window() -> None:
     assert map_window(contact, np.array([0])).reach == pytest.approx(0.5 * 21 * SPACING)
 
 
-def test_hats_are_bilinear_and_cells_constant() -> None:
+def test_nodes_are_bilinear_and_cells_constant() -> None:
     contact = line()
     window = MapWindow(8.0 * SPACING, float(Z[0]), float(Z[-1]))
     values = np.random.default_rng(3).random((21, 5))
     shape = (200, 320)
     x, z = window.x(shape[1]), window.z(shape[0])
     arc = contact.arc[0]
-    hats, cells = hat_map(contact, 0, values, window, shape), cell_map(contact, 0, values, window, shape)
+    grid_nodes, cells = node_map(contact, 0, values, window, shape), cell_map(contact, 0, values, window, shape)
     for row, column in ((3, 5), (60, 200), (120, 17), (199, 319)):
         assert np.sum(np.abs(x[column] - arc) <= 0.5 * SPACING) >= 1
         nearest = values[np.argmin(np.abs(arc - x[column])), np.argmin(np.abs(Z - z[row]))]
         assert cells[row, column] == nearest
         along = [np.interp(x[column], arc, v) for v in values.T]
-        assert hats[row, column] == pytest.approx(np.interp(z[row], Z, along))
+        assert grid_nodes[row, column] == pytest.approx(np.interp(z[row], Z, along))
 
 
 def test_nothing_beyond_the_grid_s_window() -> None:

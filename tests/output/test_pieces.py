@@ -21,7 +21,7 @@ from warpffrf.model.files.sealed_file import written_sealed
 from warpffrf.output.geometry.skin_nodes import frame_rows, round_factor, rows_every, thinned, vertex_normals
 from warpffrf.output.plots.colors import PRESSURE_STOPS, ColorScale, legend_picture, map_axes_picture
 from warpffrf.output.recording.frames import grid_triangles, patch_frame, relief
-from warpffrf.output.recording.patch_map import MapWindow, hat_map
+from warpffrf.output.recording.patch_map import MapWindow, node_map
 from warpffrf.output.result import Result
 
 
@@ -144,7 +144,7 @@ def test_patch_frame_is_right_handed_and_in_place(result: Result) -> None:
         assert patch_frame(result, contact, 0).axes[:, 0] == pytest.approx(along, abs=1e-5)
 
 
-def test_relief_and_map_show_the_hats(result: Result) -> None:
+def test_relief_and_map_show_the_nodes(result: Result) -> None:
     contact = result.contact("lower-upper")
     patch = contact.pressure(4)
     height = 2e-3
@@ -156,7 +156,7 @@ def test_relief_and_map_show_the_hats(result: Result) -> None:
     assert arc[loaded] == pytest.approx(patch.arc[loaded])
     assert np.ptp(arc) <= np.ptp(patch.arc[loaded]) + 2.0 * contact.spacing * (1.0 + 1e-9)
     window = MapWindow(1.5 * contact.half_width[4], float(patch.z[0]), float(patch.z[-1]))
-    picture = hat_map(contact, 4, patch.pressure, window, (3, 101))
+    picture = node_map(contact, 4, patch.pressure, window, (3, 101))
     expected = np.interp(window.x(101), patch.arc, patch.pressure[:, 1])
     assert picture[1] == pytest.approx(expected)
 

@@ -19,7 +19,7 @@ from warpffrf.output.geometry.places import rotate, spread
 from warpffrf.output.result import Result
 
 FINE = (
-    24  # midpoint intervals to a hat's support in each direction: relative error about (1/24)^2 / 12 of the curvature
+    24  # midpoint intervals to a node's support in each direction: relative error about (1/24)^2 / 12 of the curvature
 )
 
 
@@ -69,7 +69,7 @@ SHAPES = {
 
 @pytest.mark.parametrize("kind", SHAPES)
 def test_other_shapes_against_quadrature(kind: str) -> None:
-    """The pressure of hats over the chart, summed over small squares of the surface: -int p n dA, -int p x x n dA."""
+    """The pressure of nodes over the chart, summed over small squares of the surface: -int p n dA, -int p x x n dA."""
     shape: Any = SHAPES[kind]
     metric = 1.0 if kind == "plane" else 0.04
     grid = grid_of(shape, 1e-3 / metric, 12, np.linspace(-4e-3, 5e-3, 4), middle=0.0)

@@ -14,7 +14,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.data import DisplaySurface
 from warpffrf.output.plots.modes import MAX_TRIANGLES, eye_axes, mode_skin
-from warpffrf.output.plots.quality_page import decay, frequencies, hat_response, quality_figure
+from warpffrf.output.plots.quality_page import decay, frequencies, node_response, quality_figure
 
 
 @pytest.fixture
@@ -31,11 +31,11 @@ def without_modes(body: ReducedBody) -> ReducedBody:
     return replace(body, frequencies=np.zeros(0), contact_surfaces={"rim": bare}, surface=skin)
 
 
-def test_hat_response_is_a_column_of_the_compliance(body: ReducedBody) -> None:
+def test_node_response_is_a_column_of_the_compliance(body: ReducedBody) -> None:
     surface = body.contact_surfaces["rim"]
     columns = np.arange(20)
     D = surface.compliance(columns).reshape(20, ROWS, 20, ROWS)
-    assert hat_response(surface, 7, 1)[columns] == pytest.approx(D[:, :, 7, 1])
+    assert node_response(surface, 7, 1)[columns] == pytest.approx(D[:, :, 7, 1])
 
 
 def test_decay_is_drawn_against_the_arc(body: ReducedBody, axes) -> None:

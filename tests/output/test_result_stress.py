@@ -35,9 +35,9 @@ def stressed():
     """The synthetic roller with made-up stress operators of full rank at four points."""
     body = roller()
     rng = np.random.default_rng(3)
-    hats = COLUMNS * ROWS
-    transfer = Recovery(rng.standard_normal((1, 6 * POINTS, hats)).astype(np.float32), 1, np.eye(3))
-    own = sp.csr_matrix(rng.standard_normal((6 * POINTS, hats)) * (rng.random((6 * POINTS, hats)) < 0.2))
+    grid_nodes = COLUMNS * ROWS
+    transfer = Recovery(rng.standard_normal((1, 6 * POINTS, grid_nodes)).astype(np.float32), 1, np.eye(3))
+    own = sp.csr_matrix(rng.standard_normal((6 * POINTS, grid_nodes)) * (rng.random((6 * POINTS, grid_nodes)) < 0.2))
     surface = LoadStress(body.contact_surfaces["rim"], transfer, own, GridSpan(0, COLUMNS, True))
     field = StressField(
         "here",
@@ -139,15 +139,15 @@ def test_traction_coefficients_invert_the_gram_matrix(closed: bool) -> None:
     rng = np.random.default_rng(1)
     columns, rows, pitch, first = 9, 3, 0.1, 2
     gram_z = np.diag([2.0, 4.0, 2.0]) + 0.5 * (np.eye(3, k=1) + np.eye(3, k=-1))
-    hats = pitch / 6.0 * (4.0 * np.eye(columns) + np.eye(columns, k=1) + np.eye(columns, k=-1))
+    grid_nodes = pitch / 6.0 * (4.0 * np.eye(columns) + np.eye(columns, k=1) + np.eye(columns, k=-1))
     if closed:
-        hats[0, -1] = hats[-1, 0] = pitch / 6.0
+        grid_nodes[0, -1] = grid_nodes[-1, 0] = pitch / 6.0
     forces = rng.standard_normal((2, 5, rows))
     whole = np.zeros((2, columns, rows))
     whole[:, first : first + 5] = forces
     found = GridSpan(first, columns, closed).coefficients(forces, "nodes", pitch, gram_z)
     kept = slice(None) if closed else slice(first, first + 5)
-    assert (hats @ found @ gram_z)[:, kept] == pytest.approx(whole[:, kept], abs=1e-12)
+    assert (grid_nodes @ found @ gram_z)[:, kept] == pytest.approx(whole[:, kept], abs=1e-12)
     outside = np.delete(found, np.arange(first, first + 5), axis=1)
     assert bool(np.any(outside)) == closed
     found = GridSpan(first, columns, closed).coefficients(forces, "cells", pitch, np.diag(np.diag(gram_z)))

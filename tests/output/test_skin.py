@@ -4,25 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from synthetic_run import COLUMNS, PITCH, ROWS, TURN, WIDTH, R
+from synthetic_run import COLUMNS, PITCH, ROWS, WARP_LOCK, WIDTH, R
 
-from warpffrf.output.bodies.normal_loads import hat_areas, hat_forces
+from warpffrf.output.bodies.normal_loads import node_areas, node_forces
 from warpffrf.output.geometry.places import rotate, spread
 from warpffrf.output.result import Result
 
 
 def test_constant_pressure_gives_the_area(body) -> None:
     surface = body.contact_surfaces["rim"]
-    forces = hat_forces(surface, np.full((COLUMNS, ROWS), 3.0))
+    forces = node_forces(surface, np.full((COLUMNS, ROWS), 3.0))
     assert forces.sum() == pytest.approx(3.0 * 2.0 * np.pi * R * WIDTH, rel=1e-12)
-    assert forces == pytest.approx(3.0 * np.broadcast_to(hat_areas(surface), (COLUMNS, ROWS)), rel=1e-12)
+    assert forces == pytest.approx(3.0 * np.broadcast_to(node_areas(surface), (COLUMNS, ROWS)), rel=1e-12)
 
 
-def test_hat_forces_equal_the_gram_matrix(body) -> None:
+def test_node_forces_equal_the_gram_matrix(body) -> None:
     surface = body.contact_surfaces["rim"]
     values = np.random.default_rng(1).normal(size=(COLUMNS, ROWS))
     expected = surface.grid.gram_theta() @ values @ surface.gram_z
-    assert hat_forces(surface, values) == pytest.approx(expected, rel=1e-12)
+    assert node_forces(surface, values) == pytest.approx(expected, rel=1e-12)
 
 
 def test_window_is_spread_modulo_the_turn(body) -> None:
@@ -58,7 +58,7 @@ def test_pressure_at_grid_nodes_is_the_coefficient(result: Result, body) -> None
 
 def test_second_surface_carries_the_same_force(result: Result, body) -> None:
     pressure = result.skins()["upper"].pressure(0)[: COLUMNS * ROWS].reshape(COLUMNS, ROWS)
-    force = (pressure * hat_areas(body.contact_surfaces["rim"])).sum()
+    force = (pressure * node_areas(body.contact_surfaces["rim"])).sum()
     assert force == pytest.approx(result.history.contacts["lower-upper"].load_second[0].sum(), rel=1e-12)
 
 
@@ -73,5 +73,5 @@ def test_patches_of_both_bodies_meet_in_the_world(result: Result) -> None:
 
 
 def test_rotate_matches_a_right_handed_turn() -> None:
-    q = np.array([0.0, 0.0, np.sin(TURN / 2), np.cos(TURN / 2)])
-    assert rotate(q, np.eye(3)[:1])[0] == pytest.approx([np.cos(TURN), np.sin(TURN), 0.0])
+    q = np.array([0.0, 0.0, np.sin(WARP_LOCK / 2), np.cos(WARP_LOCK / 2)])
+    assert rotate(q, np.eye(3)[:1])[0] == pytest.approx([np.cos(WARP_LOCK), np.sin(WARP_LOCK), 0.0])

@@ -101,14 +101,16 @@ def test_a_ball_s_pressure_on_cells_has_its_largest_stress_where_hertz_has_it() 
         stress_below(contact, 0)
 
 
-def test_hats_and_cells_of_one_pressure_have_one_stress(body: ReducedBody) -> None:
-    """The same patch of rollers on four hats, and on three cells and a half in the half-width: bilinear and constant
+def test_nodes_and_cells_of_one_pressure_have_one_stress(body: ReducedBody) -> None:
+    """The same patch of rollers on four nodes, and on three cells and a half in the half-width: bilinear and constant
     pressures, by other closed forms, differ by their own second moments, some 1 %."""
     z = np.linspace(2e-3, 2e-2, 10)
-    hats, cells = (Result(make(body)).stress_below(row=4, depth=z)[0] for make in (make_history, make_patch_history))
-    assert hats.bodies == ("lower", "upper")
-    assert hats.tensor[:, :3] == pytest.approx(cells.tensor[:, :3], abs=0.015 * np.abs(cells.tensor).max())
-    assert np.abs(hats.tensor[:, 3:5]).max() < 1e-9 * np.abs(hats.tensor).max()  # at mid-width
+    grid_nodes, cells = (
+        Result(make(body)).stress_below(row=4, depth=z)[0] for make in (make_history, make_patch_history)
+    )
+    assert grid_nodes.bodies == ("lower", "upper")
+    assert grid_nodes.tensor[:, :3] == pytest.approx(cells.tensor[:, :3], abs=0.015 * np.abs(cells.tensor).max())
+    assert np.abs(grid_nodes.tensor[:, 3:5]).max() < 1e-9 * np.abs(grid_nodes.tensor).max()  # at mid-width
 
 
 def test_the_plot_marks_hertz_or_says_why_not(result: Result, monkeypatch: pytest.MonkeyPatch) -> None:

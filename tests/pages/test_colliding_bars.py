@@ -30,7 +30,7 @@ def test_a_bar_is_as_soft_as_a_rod() -> None:
         load = M @ pressure  # hat forces
         moved = face.mode_normal.T @ load / (2.0 * np.pi * body.frequencies) ** 2
         area = face.grid.pitch * (face.grid.z[1] - face.grid.z[0])
-        force = area  # of the unit pressure hats
+        force = area  # of the unit pressure nodes
         weak = M @ (face.mode_normal @ moved + face.lags[0] @ load)
         rod = LENGTH / (3.0 * STEEL.youngs_modulus * 0.02**2)
         assert weak.sum() / force == pytest.approx(rod * force, rel=2e-3)  # FACE_COMPLIANCE

@@ -9,7 +9,7 @@ import pytest
 
 from studies.films import film_acceptance as study
 
-OF_ROWS = 1.0 / 64.0  # of the parabola along a short bearing, of hats eight cells from end to end
+OF_ROWS = 1.0 / 64.0  # of the parabola along a short bearing, of nodes eight cells from end to end
 FINITE = 0.013  # what L/D 0.05 is not 0, at an eccentricity of 0.8 with 64 columns
 HALF = 5.0  # times the target, with half of the columns: errors go with the square of these
 

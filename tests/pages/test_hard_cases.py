@@ -43,7 +43,7 @@ def swing() -> Result:
 
 def changed(result: Result, **changes: Any) -> Result:
     """The same run with another history, of which no budget can be made."""
-    return Result(replace(result.history, marks=None, budget=[], **changes))
+    return Result(replace(result.history, samples=None, budget=[], **changes))
 
 
 def with_ledger(result: Result, moved: float) -> Result:

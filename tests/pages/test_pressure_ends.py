@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from studies.contact.evaluations import PAIR, hat_means, layer_of, run_at_nodes, run_quadrature, scene_of, tread
-from studies.contact.patch_ends import OnPatch, hats_over
+from studies.contact.evaluations import PAIR, layer_of, node_means, run_at_nodes, run_quadrature, scene_of, tread
+from studies.contact.patch_ends import OnPatch, nodes_over
 from studies.contact.pressing import WAYS, Pressing, active_set, in_cells
 from studies.speed.step_time import RADIUS, WIDTH
 
@@ -28,13 +28,13 @@ def test_an_active_set_meets_its_conditions() -> None:
     assert x.min() >= 0.0 and slack.min() > -1e-12 and np.abs(x * slack).max() < 1e-12
 
 
-def test_cells_hold_their_length_of_hats() -> None:
+def test_cells_hold_their_length_of_nodes() -> None:
     steps = np.array([1.0, 2.0, 0.5])
     B = in_cells(steps)
     edges = np.concatenate([[0.0], np.cumsum(steps) - 0.5 * steps, [steps.sum()]])
-    np.testing.assert_allclose(B.sum(axis=0), np.diff(edges), rtol=1e-14)  # hats sum to one
-    hats = np.concatenate([[0.5], [1.5, 1.25], [0.25]])
-    np.testing.assert_allclose(B.sum(axis=1), hats, rtol=1e-14)  # and cells cover the line
+    np.testing.assert_allclose(B.sum(axis=0), np.diff(edges), rtol=1e-14)  # nodes sum to one
+    grid_nodes = np.concatenate([[0.5], [1.5, 1.25], [0.25]])
+    np.testing.assert_allclose(B.sum(axis=1), grid_nodes, rtol=1e-14)  # and cells cover the line
     fine = (np.arange(7000) + 0.5) / 2000.0
     values = np.interp(fine, np.concatenate([[0.0], np.cumsum(steps)]), [0.0, 1.0, 0.0, 0.0])
     inside = (fine > edges[2]) & (fine < edges[3])
@@ -80,22 +80,22 @@ def test_the_ways_are_those_of_the_program(way: str, small: Pressing) -> None:
     load = float(np.linalg.norm(contact.force[0]))
     center = (float(contact.center_column[0]) - small.middle) * small.grid.pitch
     forces = small.forces(way, layer_of(small.body).stiffness, center, load)
-    p = hat_means(small.body, result, way == "nodes")[0][small.columns].ravel()
+    p = node_means(small.body, result, way == "nodes")[0][small.columns].ravel()
     assert np.count_nonzero(p) > 10
     assert small.norm(p - forces / small.area) < 0.01 * small.norm(p)
 
 
-def test_hats_over_intervals_are_their_integrals() -> None:
+def test_nodes_over_intervals_are_their_integrals() -> None:
     lines, edges = np.array([0.0, 1.0, 3.0, 3.5]), np.array([-0.5, 0.2, 0.9, 1.7, 3.3, 4.0])
-    A = hats_over(lines, edges)
+    A = nodes_over(lines, edges)
     n = 4000  # midpoints of each interval: the rule errs at the kinks only, by (interval/n)^2
     for i, (a, b) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
         x = a + (b - a) * (np.arange(n) + 0.5) / n
         for j in range(len(lines)):
-            hat = np.interp(x, lines, np.eye(len(lines))[j], left=0.0, right=0.0)
-            assert A[j, i] == pytest.approx(hat.mean() * (b - a), abs=1e-3)
+            grid_node = np.interp(x, lines, np.eye(len(lines))[j], left=0.0, right=0.0)
+            assert A[j, i] == pytest.approx(grid_node.mean() * (b - a), abs=1e-3)
     covered = np.clip(edges[1:], 0.0, 3.5) - np.clip(edges[:-1], 0.0, 3.5)
-    np.testing.assert_allclose(A.sum(axis=0), covered, atol=1e-14)  # hats sum to one
+    np.testing.assert_allclose(A.sum(axis=0), covered, atol=1e-14)  # nodes sum to one
 
 
 def test_cells_that_travel_carry_the_force_and_come_to_the_law() -> None:

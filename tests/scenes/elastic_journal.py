@@ -66,8 +66,8 @@ class Film:
     def of(cls, film: ElasticJournal, state: State) -> Film:
         """Of a state."""
         return cls(
-            float(np.hypot(*state.place)) / CLEARANCE, float(film.gap_at_hats(state).min()),
-            float((film.basis.to_hats @ state.pressure).max()),
+            float(np.hypot(*state.place)) / CLEARANCE, float(film.gap_at_nodes(state).min()),
+            float((film.basis.to_nodes @ state.pressure).max()),
         )  # fmt: skip
 
 

@@ -34,10 +34,10 @@ Array = np.ndarray
 
 @cache
 def bore(
-    hats: tuple[int, int] = (64, 9), length: float = LENGTH, stiffer: float = 1.0, coarse: int | None = None
+    grid_nodes: tuple[int, int] = (64, 9), length: float = LENGTH, stiffer: float = 1.0, coarse: int | None = None
 ) -> ReducedBody:
     """A sleeve that is held outside, with so many nodes; around fewer of them, `coarse`, on the same mesh."""
-    columns, rows = hats
+    columns, rows = grid_nodes
     mesh = sleeve(RADIUS, RADIUS + WALL, length, sectors=columns, order=1, axial=rows - 1)
     return reduce(
         mesh, replace(STEEL, youngs_modulus=stiffer * STEEL.youngs_modulus), interfaces={"outside": "rigid"},

@@ -32,7 +32,7 @@ def test_end_pressure_converges_and_the_middle_is_hertz() -> None:
         assert p.min() >= 0.0 and not p[-1].any()
         mean = 0.25 * (p[1:, 1:] + p[1:, :-1] + p[:-1, 1:] + p[:-1, :-1])
         carried = 4.0 * f.radius * np.diff(f.angles) @ mean @ np.diff(f.z)
-        assert carried == pytest.approx(LINE_LOAD * STEEL_ROLLER.width, rel=1e-3)  # the hats' arcs are not quite arcs
+        assert carried == pytest.approx(LINE_LOAD * STEEL_ROLLER.width, rel=1e-3)  # the nodes' arcs are not quite arcs
         assert np.all(np.diff(p[0]) < 1e-3 * f.middle)  # falls towards the end
     hertz = LineContact(fine.middle_line_load, fine.radius, LINE.modulus)
     print(
@@ -45,7 +45,7 @@ def test_end_pressure_converges_and_the_middle_is_hertz() -> None:
 
 
 def test_mean_line_load_is_that_of_a_linear_one() -> None:
-    """Line load q0 (1 - z/2) up to z = 1, a mean of 5/8 q0 over the last half; the hats' arc is a triangle."""
+    """Line load q0 (1 - z/2) up to z = 1, a mean of 5/8 q0 over the last half; the nodes' arc is a triangle."""
     z = np.array([0.0, 0.4, 1.0])
     p = np.outer([1.0, 0.0], 1.0 - 0.5 * z)
     f = EndPressure(2.0, np.array([0.0, 0.1]), z, p, 0.0, 0)

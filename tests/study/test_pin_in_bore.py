@@ -47,7 +47,7 @@ def test_solution_is_complementary_and_carries_the_load() -> None:
     assert np.all((f.pressure > 0.0) != (f.gap > 0.0))
     mean = 0.5 * (f.pressure[1:] + f.pressure[:-1])
     carried = 2.0 * case.radius * np.sum(mean * (np.sin(f.angles[1:]) - np.sin(f.angles[:-1])))
-    assert carried == pytest.approx(load, rel=2e-3)  # cos t over each hat's half, and dR/R of the normals
+    assert carried == pytest.approx(load, rel=2e-3)  # cos t over each node's half, and dR/R of the normals
 
 
 def test_a_shaft_that_holds_the_pin_stiffens_it() -> None:

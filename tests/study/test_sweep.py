@@ -17,7 +17,7 @@ from sweep_scenes import GRAVITY, IN_TIME, TIMES, bob, fall, named_bob, rest, sc
 import warpffrf as wf
 from warpffrf.model.errors import InputError
 from warpffrf.model.files.sealed_file import TRAILER, seal
-from warpffrf.study.sweeps import crews
+from warpffrf.study.sweeps import executors
 
 STIFFNESS = [1000.0, 2000.0, 4000.0]
 OUTPUTS = {
@@ -560,7 +560,7 @@ def test_what_the_system_refuses_ends_a_sweep_with_what_to_do(tmp_path: Path, mo
     def killed(device: Any) -> Any:
         raise EOFError
 
-    monkeypatch.setattr(crews, "_Worker", killed)
+    monkeypatch.setattr(executors, "_Worker", killed)
     with pytest.raises(InputError, match=r"EOFError\); rows that have been run are kept"):
         run(tmp_path / "t", {"stiffness": [1e3, 2e3]}, workers=2)
 

@@ -16,7 +16,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.offline import cache
 from warpffrf.study.sweeps.job import versions
 from warpffrf.study.sweeps.packing import BODY, JOB, opened
-from warpffrf.study.sweeps.parcel import Parcel
+from warpffrf.study.sweeps.payload import Payload
 
 STEEL = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
 
@@ -60,9 +60,9 @@ def test_a_job_of_another_hash_is_not_unpickled(tmp_path: Path, in_file: bool) -
     digest = hashlib.sha256(b"the job that was sent").hexdigest()
     (tmp_path / JOB.format(digest)).write_bytes(content)
     with pytest.raises(InputError, match="hash differs.*overwrite=True"):
-        opened(Parcel(b"" if in_file else content, digest, str(tmp_path), versions()))
+        opened(Payload(b"" if in_file else content, digest, str(tmp_path), versions()))
     assert not mark.exists()
-    opened(Parcel(content, hashlib.sha256(content).hexdigest(), str(tmp_path), versions()))
+    opened(Payload(content, hashlib.sha256(content).hexdigest(), str(tmp_path), versions()))
     assert mark.exists()  # so it was harmful
 
 
@@ -79,9 +79,9 @@ def test_a_body_under_the_name_of_another_is_refused(folder: Path) -> None:
     with job.open("wb") as stream:
         Reference(stream).dump(Digest(long.content_hash()))
     content = job.read_bytes()
-    parcel = Parcel(content, hashlib.sha256(content).hexdigest(), str(folder), versions())
+    payload = Payload(content, hashlib.sha256(content).hexdigest(), str(folder), versions())
     with pytest.raises(InputError, match="is not the body of its name"):
-        opened(parcel)
+        opened(payload)
     long.save(folder / f"{long.content_hash()}.h5", overwrite=True)
-    reopened = opened(parcel)
+    reopened = opened(payload)
     assert isinstance(reopened, wf.ReducedBody) and reopened.mass == long.mass

@@ -20,17 +20,17 @@ from sweep_scenes import IN_TIME, bob, deadly_bob
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
-from warpffrf.study.sweeps import crews, job, packing, sweep
-from warpffrf.study.sweeps.crews import WorkerDied
+from warpffrf.study.sweeps import executors, job, packing, sweep
+from warpffrf.study.sweeps.executors import WorkerDied
 from warpffrf.study.sweeps.folder import Folder
 from warpffrf.study.sweeps.job import Value
-from warpffrf.study.sweeps.parcel import Parcel
+from warpffrf.study.sweeps.payload import Payload
 from warpffrf.study.sweeps.scenes import FunctionScenes
 
 STIFFNESS = {"stiffness": "1000:6000:6"}
 NAME = "body_position_z[bob]"
 FOLDER = Path(__file__).resolve().parent
-PARCEL = Parcel(b"", "", "", {})  # of workers that run nothing
+PAYLOAD = Payload(b"", "", "", {})  # of workers that run nothing
 
 
 def run(store: Path, parameters: Any = STIFFNESS, scene: Any = bob, **options: Any) -> Any:
@@ -65,7 +65,7 @@ def test_a_row_that_kills_its_worker_every_time_is_a_row_with_a_message(tmp_path
 
 
 class Dying:
-    """A crew whose workers die at some rows."""
+    """A executor whose workers die at some rows."""
 
     capacity = 2
 
@@ -87,7 +87,7 @@ class Dying:
         pass
 
 
-def dispatched(tmp_path: Path, crew: Any, worlds: int) -> dict[str, int]:
+def dispatched(tmp_path: Path, executor: Any, worlds: int) -> dict[str, int]:
     """The statuses of six rows."""
     from warpffrf.study.sweeps.design import design_of
 
@@ -95,16 +95,16 @@ def dispatched(tmp_path: Path, crew: Any, worlds: int) -> dict[str, int]:
     about = {"kind": "warpffrf sweep", "count": 6, "parameters": {"x": ""}, "outputs": {}}
     folder.begin(about, design, overwrite=True, resume=False)
     try:
-        sweep._run(crew, list(enumerate(design.rows)), worlds, folder, 6, False)
+        sweep._run(executor, list(enumerate(design.rows)), worlds, folder, 6, False)
     finally:
         folder.release()
     return wf.study.open_sweep(tmp_path / "s").counts
 
 
 def test_rows_of_a_worker_that_died_go_out_again_one_by_one(tmp_path: Path) -> None:
-    crew = Dying(4)
-    assert dispatched(tmp_path, crew, worlds=3) == {"completed": 5, "lost": 1}
-    assert crew.packs[:2] == [[0, 1, 2], [3, 4, 5]] and sorted(crew.packs[2:]) == [[3], [4], [4], [4], [5]]
+    executor = Dying(4)
+    assert dispatched(tmp_path, executor, worlds=3) == {"completed": 5, "lost": 1}
+    assert executor.packs[:2] == [[0, 1, 2], [3, 4, 5]] and sorted(executor.packs[2:]) == [[3], [4], [4], [4], [5]]
 
 
 def test_workers_that_all_die_are_told_of_before_all_rows_are_lost(tmp_path: Path) -> None:
@@ -123,12 +123,12 @@ class Ended:
 
 
 def test_a_worker_whose_answer_cannot_be_read_is_ended_too() -> None:
-    crew, worker, future = crews.Processes(PARCEL, []), Ended(), Future()
-    crew.busy[future] = worker  # type: ignore[assignment]
+    executor, worker, future = executors.Processes(PAYLOAD, []), Ended(), Future()
+    executor.busy[future] = worker  # type: ignore[assignment]
     future.set_exception(pickle.UnpicklingError("no answer"))
     with pytest.raises(pickle.UnpicklingError):
-        crew.collect(future)
-    crew.close()
+        executor.collect(future)
+    executor.close()
     assert worker.ended
 
 
@@ -145,14 +145,14 @@ def test_workers_start_again_where_what_forks_them_was_killed(monkeypatch: Any) 
                 raise ConnectionRefusedError
             begun.append(self)
 
-    monkeypatch.setattr(crews, "_Worker", Begun)
-    monkeypatch.setattr(crews, "DYING", 0.0)
+    monkeypatch.setattr(executors, "_Worker", Begun)
+    monkeypatch.setattr(executors, "DYING", 0.0)
     with pytest.raises(ConnectionRefusedError):
-        crews.Processes(PARCEL, [None, None])
+        executors.Processes(PAYLOAD, [None, None])
     assert [worker.ended for worker in begun] == [True]
     begun.clear()
     refused[0] = 1
-    assert crews.Processes(PARCEL, [None, None]).free == begun and len(begun) == 2
+    assert executors.Processes(PAYLOAD, [None, None]).free == begun and len(begun) == 2
 
 
 def test_runs_of_an_executor_that_have_not_begun_are_taken_back_at_the_end(tmp_path: Path, monkeypatch: Any) -> None:
@@ -160,20 +160,20 @@ def test_runs_of_an_executor_that_have_not_begun_are_taken_back_at_the_end(tmp_p
     sent: list[Any] = []
 
     class Slow:
-        def submit(self, call: Any, parcel: Any, rows: Any, device: Any) -> Any:
+        def submit(self, call: Any, payload: Any, rows: Any, device: Any) -> Any:
             sent.append(Future())
             if len(sent) <= 2:
                 sent[-1].set_result([job.Answer(rows[0][0], "completed", values={NAME: Value(np.array(1.0))})])
             return sent[-1]
 
-    collect = crews.Elsewhere.collect
+    collect = executors.Elsewhere.collect
 
     def interrupted(self: Any, future: Any) -> Any:
         if future is sent[0]:
             return collect(self, future)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(crews.Elsewhere, "collect", interrupted)
+    monkeypatch.setattr(executors.Elsewhere, "collect", interrupted)
     assert run(tmp_path / "s", workers=Slow()).status == "unfinished"
     assert [future.cancelled() for future in sent] == [False, False, True, True, True, True]
 
@@ -183,9 +183,9 @@ def test_a_worker_of_an_executor_that_is_asked_to_end_does_not_end_the_sweep(tmp
     asked = []
 
     class Asked(ThreadPoolExecutor):
-        def submit(self, call: Any, parcel: Any, rows: Any, *rest: Any) -> Any:
+        def submit(self, call: Any, payload: Any, rows: Any, *rest: Any) -> Any:
             if rows[0][0] != 2 or asked:
-                return super().submit(call, parcel, rows, *rest)
+                return super().submit(call, payload, rows, *rest)
             asked.append(Future())
             asked[0].set_exception(KeyboardInterrupt())
             return asked[0]
@@ -203,7 +203,7 @@ def test_any_executor_will_do(tmp_path: Path, alone: np.ndarray) -> None:
 
 
 def test_reduced_bodies_travel_by_their_hash(tmp_path: Path) -> None:
-    """A builder that holds a body is a parcel of some hundred bytes, and the body comes out as it was."""
+    """A builder that holds a body is a payload of some hundred bytes, and the body comes out as it was."""
     from warpffrf.study.sweeps.packing import opened, packed
 
     body = wf.reduce(
@@ -213,10 +213,10 @@ def test_reduced_bodies_travel_by_their_hash(tmp_path: Path) -> None:
         modes=4,
         cache=False,
     )
-    parcel = packed(job.Job(FunctionScenes(partial(_with_body, body=body)), {}), tmp_path / "bodies")
+    payload = packed(job.Job(FunctionScenes(partial(_with_body, body=body)), {}), tmp_path / "bodies")
     assert [file.stem for file in (tmp_path / "bodies").iterdir()] == [body.content_hash()]
-    assert len(parcel.content) < 2000
-    scenes: Any = opened(parcel).scenes
+    assert len(payload.content) < 2000
+    scenes: Any = opened(payload).scenes
     assert scenes.function.keywords["body"].content_hash() == body.content_hash()
 
 
@@ -231,7 +231,7 @@ def test_what_cannot_be_sent_is_told_before_anything_runs(tmp_path: Path) -> Non
 
 
 def test_workers_with_other_versions_are_named(tmp_path: Path, monkeypatch: Any) -> None:
-    """The parcel says versions that the worker does not have."""
+    """The payload says versions that the worker does not have."""
     monkeypatch.setattr(packing, "versions", lambda: {**job.versions(), "numpy": "1.0"})
     packed = packing.packed(job.Job(partial(bob), {}), tmp_path)  # type: ignore[arg-type]
     monkeypatch.undo()

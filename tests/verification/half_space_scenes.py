@@ -115,7 +115,7 @@ class PatchMoments:
 
     @classmethod
     def of(cls, result: Result, i: int) -> PatchMoments:
-        """Of row `i`: hats are linear, int x^2 psi = h (x_j^2 + h^2/6)."""
+        """Of row `i`: nodes are linear, int x^2 psi = h (x_j^2 + h^2/6)."""
         history = result.history.contacts[PAIR]
         scene: Any = result.history.scene
         surface = scene.contacts[0].a.surface

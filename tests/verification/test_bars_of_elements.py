@@ -1,6 +1,6 @@
 """Two bars of finite elements collide end to end: St Venant's impact through reduced bodies and plane contact surfaces.
 
-The face of a bar is one element wide, so that its contact grid has a single column of hats, whose neighbours at both
+The face of a bar is one element wide, so that its contact grid has a single column of nodes, whose neighbours at both
 edges are left out: what the faces' motion weighs there decides about the force at once.
 """
 

@@ -13,7 +13,7 @@ from warpffrf.online import Settings, find_equilibrium, run
 RISE = 0.01  # of the energy at hand: the promise for the ledger
 BOUNCE = 0.03  # of the restitution with the finest step
 ENDS = 0.03  # of the energy at hand: 1 % and what a step of this grid makes
-GOES_ON = Settings(most_made=0.0)  # whatever a grid of one column across the patch makes of the energy
+GOES_ON = Settings(gain_limit=0.0)  # whatever a grid of one column across the patch makes of the energy
 FORCE = 0.01  # deviation from equilibrium over one revolution
 
 

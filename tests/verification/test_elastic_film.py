@@ -1,4 +1,4 @@
-"""A shaft in an elastic bore, on hats by Newton's method: beside the rigid one, Barus' transform and dry contact."""
+"""A shaft in an elastic bore, on nodes by Newton's method: beside the rigid one, Barus' transform and dry contact."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ RADIUS, LENGTH, CLEARANCE, VISCOSITY, SPEED = 0.025, 0.025, 25e-6, 0.01, 300.0  
 COLUMNS, ROWS, FEED = 64, 9, 32
 ROUGH = ExponentialAsperities(2e9, 0.2e-6, 2.8e-6).curve
 BALANCED = 1e-6  # of a load that is balanced to 1e-8 in steps that still squeeze by 1e-6 of the clearance
-# load and largest pressure of hats of p beside hats of its transform, of second order: 0.7 and 1.4 % measured
+# load and largest pressure of nodes of p beside nodes of its transform, of second order: 0.7 and 1.4 % measured
 BARUS, BARUS_PEAK = 0.01, 0.02
 MOST = 60  # iterations from rest, promised
 STRIPS_PLACE, STRIPS_THIN, STRIPS_HIGH = 2e-3, 0.01, 0.03  # of eccentricity, smallest film, largest pressure, promised
@@ -62,7 +62,7 @@ def test_a_rigid_bore() -> None:
     load, own = 5000.0, journal(None)
     found = rest(own, load).state
     film, pressure = rigid_film(found.place)
-    assert own.basis.to_hats @ found.pressure == pytest.approx(pressure, abs=BALANCED * pressure.max())
+    assert own.basis.to_nodes @ found.pressure == pytest.approx(pressure, abs=BALANCED * pressure.max())
     assert film.on_shaft.T @ pressure == pytest.approx([-load, 0.0], abs=BALANCED * load)
 
 
@@ -92,7 +92,7 @@ def test_rest_is_found_from_a_full_film(bore: ReducedBody, load: float) -> None:
 
 
 @pytest.mark.parametrize("load", [2e3, 20e3])
-def test_strips_beside_all_hats(load: float) -> None:
+def test_strips_beside_all_nodes(load: float) -> None:
     """126 unknowns beside 945, at few points."""
     body = sleeves.bore(COLUMNS, 2 * ROWS - 1)
     films = journal(body), journal(body, powers=(0, 2))
@@ -105,7 +105,7 @@ def test_strips_beside_all_hats(load: float) -> None:
 
 def test_voids_of_strips_keep_the_oil(bore: ReducedBody) -> None:
     """What a void takes away in one column it brings to the next: columns of the outflow add up to nothing but where
-    the oil reaches the feed, and a strip's are those of hats, over the two thirds of the width that a parabola has."""
+    the oil reaches the feed, and a strip's are those of nodes, over the two thirds of the width that a parabola has."""
     film = journal(bore, powers=(0, 2))
     inside, single = film.basis.outflow(2.0), journal(bore).basis.outflow(2.0)
     sums = np.asarray(inside.sum(axis=0)).ravel()
@@ -123,17 +123,17 @@ def test_an_engine_in_steps() -> None:
 
 
 def dry(film: ElasticJournal, begin: State, load: float) -> np.ndarray:
-    """Asperity pressures without a film, by Newton's method on the gaps at the hats and the place; the asperities of
+    """Asperity pressures without a film, by Newton's method on the gaps at the nodes and the place; the asperities of
     `begin` touch, but do not carry the load."""
     e, n = begin.place.copy(), film.grid.count
-    h = CLEARANCE - film.normal_at_hats @ e + film.G @ begin.asperity
+    h = CLEARANCE - film.normal_at_nodes @ e + film.G @ begin.asperity
     for _ in range(200):
         a, steep = ROUGH.pressure(-h), -ROUGH.slope(-h)
-        rest_h = h - (CLEARANCE - film.normal_at_hats @ e + film.G @ a)
+        rest_h = h - (CLEARANCE - film.normal_at_nodes @ e + film.G @ a)
         rest_e = film.of_asperities.T @ a + np.array([load, 0.0])
         J = np.zeros((n + 2, n + 2))
         J[:n, :n] = np.eye(n) - film.G * steep[None, :]
-        J[:n, n:], J[n:, :n] = film.normal_at_hats, film.of_asperities.T * steep[None, :]
+        J[:n, n:], J[n:, :n] = film.normal_at_nodes, film.of_asperities.T * steep[None, :]
         change = np.linalg.solve(J, -np.concatenate([rest_h, rest_e]))
         part = min(1.0, 0.2e-6 / np.abs(change[:n]).max())  # of the decay of the exponential
         h, e = h + part * change[:n], e + part * change[n:]
@@ -150,7 +150,7 @@ def test_asperities_take_over_as_the_shaft_slows_down(bore: ReducedBody) -> None
         state = settled.state
         assert settled.iterations <= MOST and film.gap(state).min() > 0.0
         assert state.asperity == pytest.approx(
-            ROUGH.pressure(-film.gap_at_hats(state)), abs=BALANCED * state.asperity.max()
+            ROUGH.pressure(-film.gap_at_nodes(state)), abs=BALANCED * state.asperity.max()
         )
         shares.append(float(np.hypot(*film.force(state)[1])) / load)
         found.append(state)

@@ -73,7 +73,7 @@ def test_block_under_hertz_pressure() -> None:
     mesh = half_plane()
     assignment = assign(mesh, STEEL)
     K, _ = assemble(mesh.points, mesh.cells, assignment)
-    # the nodes of the top share the pressure as hats along x, alike on both ends of the cell along y
+    # the nodes of the top share the pressure as nodes along x, alike on both ends of the cell along y
     top = mesh.facets("top").node_set
     x = np.unique(mesh.points[top, 0])
     fine = np.linspace(-1.0, 1.0, 20_001)
@@ -132,11 +132,11 @@ def test_two_rollers() -> None:
     sx, sz = HERTZ.on_axis(depth / a)
     assert np.abs(found.tensor[0, :, 0] / p0 - sx).max() < 0.015
     assert np.abs(found.tensor[0, :, 2] / p0 - sz).max() < 0.015
-    # the second body of the pair, whose load is the pressure of the first projected on its own hats
+    # the second body of the pair, whose load is the pressure of the first projected on its own nodes
     at, value = largest(depth / a, result.stress("upper", "from below").max_shear[0] / p0)
     assert value == pytest.approx(SHEAR, rel=VALUE_ERROR)
     assert at == pytest.approx(DEPTH, rel=DEPTH_ERROR)
-    # on the surface sigma_x = sigma_z = -p (closed form), here within what the hats make of the pressure
+    # on the surface sigma_x = sigma_z = -p (closed form), here within what the nodes make of the pressure
     pressure = np.sqrt(1.0 - (across * R / a) ** 2)
     surface = result.stress("lower", "top").tensor[0]
     assert np.abs(surface[:, 2] / p0 + pressure).max() < 0.05

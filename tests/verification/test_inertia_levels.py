@@ -259,7 +259,7 @@ def test_auto_keeps_what_the_indicator_then_wants(build, speed: float, wanted: s
     scene is known to need."""
     scene, duration, step = build(speed)
     start = "equilibrium" if scene.contacts else "initial"
-    goes_on = Settings(most_made=0.0)  # the rollers bounce on their coarse mesh
+    goes_on = Settings(gain_limit=0.0)  # the rollers bounce on their coarse mesh
     history = run(scene, duration, step=step, start=start, progress=False, settings=goes_on)
     assert history.status == "completed"
     levels = used(scene)

@@ -24,7 +24,9 @@ from warpffrf.online.run import find_equilibrium, run
 
 WIDTH, RADIUS = 0.02, 0.05
 R = 0.5 * RADIUS  # relative radius
-BED = 0.01  # of approach and peak: 8 hats a half-width; the rollers themselves yield by 0.1 % of the approach
+BED = (
+    0.01  # of approach and peak: 8 shape functions a half-width; the rollers themselves yield by 0.1 % of the approach
+)
 FLAT = 1e-3  # of pressure and decay length: the ends are felt as far as the block's thickness, its own yield is 1e-4
 FIRST_ORDER = 0.02  # of the restitution: rates are backward differences, 100 steps a contact
 SEEN = 1e-2  # of the peak force, above which contact is timed: at its ends the force rises with the square of time
@@ -109,7 +111,7 @@ def test_a_roller_on_asperities(body: ReducedBody) -> None:
 
 @pytest.mark.parametrize("pressure", [1e3, 1e5, 1e6])
 def test_flat_faces_on_asperities(slab: ReducedBody, pressure: float) -> None:
-    """The gap lambda ln(p_0/p) of a uniform pressure, away from the ends where the outermost hats fall to zero."""
+    """The gap lambda ln(p_0/p) of a uniform pressure, away from the ends where the outermost nodes fall to zero."""
     law = laws.ExponentialAsperities(1e6, 20e-6)
     history = on_floor(slab, law, pressure * 0.06 * 0.01)
     p = history.contacts["pair"].pressure[0]
@@ -123,7 +125,7 @@ def test_flat_faces_on_asperities(slab: ReducedBody, pressure: float) -> None:
 
 
 def test_the_first_power_on_a_face_with_ends(slab: ReducedBody) -> None:
-    """Cells under the outermost hats count as they do in the linear layer's Gram matrix."""
+    """Cells under the outermost nodes count as they do in the linear layer's Gram matrix."""
     linear, power = (on_floor(slab, law, 60.0) for law in (laws.LinearLayer(1e11), laws.NonlinearLayer(1e11, 1.0)))
     p, q = (history.contacts["pair"].pressure for history in (linear, power))
     assert np.abs(p - q).max() < 1e-9 * p.max()

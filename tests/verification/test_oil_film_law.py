@@ -1,4 +1,4 @@
-"""The law of films alone, on hats, beside closed forms, quadrature and finite volumes."""
+"""The law of films alone, on nodes, beside closed forms, quadrature and finite volumes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,9 @@ ROUND_OFF = 1e-9
 PUBLISHED = 1e-6  # digits of the tables of the closed forms
 LONG = 2e-3  # of the force of a long bearing on 128 columns at an eccentricity of 0.9: 1.4e-3 measured
 SHORT = 0.02  # of a short one of L/D 0.02 on 9 rows: the parabola along the axis, and end flow that goes around
-FINE = 7e-3  # of force and peak on 128 x 17 hats beside 360 x 64 volumes; 4 to 6e-3 measured, of second order
+FINE = (
+    7e-3  # of force and peak on 128 x 17 shape functions beside 360 x 64 volumes; 4 to 6e-3 measured, of second order
+)
 FINE_ATTITUDE = np.radians(0.1)
 FRONT = 0.06  # of a threshold of stability: the film of the short bearing ends between two columns
 
@@ -210,9 +212,9 @@ def test_plates_that_part_and_meet() -> None:
 
 def test_a_load_that_turns_is_a_steady_one_at_another_speed() -> None:
     """Whirl speed w and shaft speed omega: as at |omega - 2 w| under a load that stands."""
-    hats = (32, 7)
-    found, iterations = oil_film.turning(3000.0, hats, 60)
-    assert found == pytest.approx(oil_film.standing(3000.0, hats), rel=5e-3)  # columns that the load passes
+    grid_nodes = (32, 7)
+    found, iterations = oil_film.turning(3000.0, grid_nodes, 60)
+    assert found == pytest.approx(oil_film.standing(3000.0, grid_nodes), rel=5e-3)  # columns that the load passes
     assert iterations < 8
 
 

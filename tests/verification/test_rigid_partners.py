@@ -52,7 +52,7 @@ def states(scene: Scene, count: int, strain: float) -> Result:
 def line_at_middle(result: Result, i: int) -> tuple[float, float, float]:
     """Line load [N/m], half-width [m] (twice the root of the second moment) and largest pressure [Pa] at mid-width.
 
-    Hats are linear: int y^2 psi_j dy = h (y_j^2 + h^2/6).
+    Nodes are linear: int y^2 psi_j dy = h (y_j^2 + h^2/6).
     """
     history = result.history.contacts["pair"]
     scene: Any = result.history.scene
@@ -83,7 +83,7 @@ def test_hertz_on_a_plane(fine_body: ReducedBody) -> None:
         print(f"{elements:.2f} elements, half-width {half_width / a - 1.0:.2%}, peak {peak / p0 - 1.0:.2%}")
         assert elements > 4.0
         assert abs(half_width / a - 1.0) < HALF_WIDTH_ERROR
-        assert abs(peak / p0 - 1.0) < PEAK_ERROR + 0.5 * (0.25 / elements) ** 2  # the parabola between two hats
+        assert abs(peak / p0 - 1.0) < PEAK_ERROR + 0.5 * (0.25 / elements) ** 2  # the parabola between two nodes
     F = np.linalg.norm(c.force, axis=1)
     assert np.ptp(F) / F.mean() < 1.5e-3  # promised at 4 elements
     assert np.abs(c.force + c.force_second).max() < REACTION * F.max()

@@ -14,7 +14,7 @@ from studies.contact.roller_end import LENGTHS, PLACES, figures, pressed
 A = LineContact(LINE_LOAD, STEEL_ROLLER.outer_radius, contact_modulus(STEEL_ROLLER.material)).half_width
 LOAD = LINE_LOAD * STEEL_ROLLER.width
 END = 0.05  # promised at the end, where finite elements have converged
-INSIDE = 0.01  # half a half-width inside, and of means, at 4 hats in a half-width
+INSIDE = 0.01  # half a half-width inside, and of means, at 4 shape functions in a half-width
 MIRROR = 2e-4  # (a/R)^2, by which gaps at points and on the line of centres differ
 APPROACH = 5e-3
 OVERHANG = 0.006  # m, eight half-widths

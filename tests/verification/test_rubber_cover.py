@@ -25,7 +25,7 @@ LOAD, PEAK = 0.02, 0.03  # promised, of the line load at mid-width and the peak 
 COARSE_LOAD = {"hex8, 240": 0.025}  # 2.2 nodes in a half-width, below what the grid rule asks for: -2.3 % at nu 0.49
 CELLS = (120, 8)  # of the reference
 ESTIMATED, NOTED = 0.4, 4e-3  # the estimate of an error: of itself, of the load
-CAPACITY = 3000  # hats
+CAPACITY = 3000  # nodes
 CONVERGED = 1e-3  # a tenth and less of what is promised
 MESHES = {  # cells along the axis: the stiff middle and the soft ends are within a few thicknesses of each other
     "hex8, 240": {"order": 1, "sectors": 240, "layers": 8, "axial": 24},

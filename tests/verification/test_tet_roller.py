@@ -36,7 +36,7 @@ def tet_body() -> ReducedBody:
 
 @pytest.fixture(scope="module")
 def round_body() -> ReducedBody:
-    """A cyclic roller of the same size and about the same hats."""
+    """A cyclic roller of the same size and about the same nodes."""
     return roller_body(44, layers=3, axial=1, grading=1.4, order=2, max_frequency=15e3, cache=False)
 
 
@@ -86,8 +86,8 @@ def test_the_roller_is_read_and_reduced_as_one_of_its_size(tet_body: ReducedBody
 def test_equilibrium_on_a_cyclic_roller(tet_body: ReducedBody, round_body: ReducedBody, tet: str) -> None:
     """Force balance, and a sink near that of two cyclic rollers.
 
-    The weak gap of a hat of spacing h is h^2/(12 R) wider than the gap at its middle (1/R = 1/R1 + 1/R2): with the
-    8 mm hats of the tetrahedra as the first surface the sink is that much larger.
+    The weak gap of a node of spacing h is h^2/(12 R) wider than the gap at its middle (1/R = 1/R1 + 1/R2): with the
+    8 mm nodes of the tetrahedra as the first surface the sink is that much larger.
     """
     pair = (tet_body, round_body) if tet == "lower" else (round_body, tet_body)
     sinks = {}

@@ -299,7 +299,7 @@ class FarSplines:
             np.add.at(row, (near + offset) % self.turn, share * Q)
         return row
 
-    def of_hats(self, values: Array) -> Array:
+    def of_nodes(self, values: Array) -> Array:
         """`of_functions` of a grid of bilinear functions."""
         return self.of_functions(values)
 

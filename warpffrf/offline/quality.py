@@ -209,7 +209,7 @@ def grid_error(
     return max(float(lost), 0.0) / HALVING, half
 
 
-def _coarser_hats(columns: int, half_width: int) -> tuple[Array, Array, int]:
+def _coarser_nodes(columns: int, half_width: int) -> tuple[Array, Array, int]:
     """Hertz's pressure at the nodes (n,) of the first `columns` or one less, hat functions of twice the spacing (n, m)
     with supports inside, and the half-width in spacings."""
     middle = (columns - 1) // 2
@@ -232,7 +232,7 @@ def _coarser_cells(columns: int, half_width: int) -> tuple[Array, Array, int]:
     return p, np.kron(np.eye(pairs), np.ones((2, 1))), half
 
 
-COARSER = {"nodes": _coarser_hats, "cells": _coarser_cells}
+COARSER = {"nodes": _coarser_nodes, "cells": _coarser_cells}
 
 
 def _judged_grid(surface: ContactSurface, product: SurfaceProduct) -> dict[str, float] | None:

@@ -38,9 +38,9 @@ from warpffrf.offline.contact.contact_choice import (
 )
 from warpffrf.offline.contact.contact_grid import GridChoice, largest_radius
 from warpffrf.offline.contact.cubature import choose_sampling
-from warpffrf.offline.contact.hat_loads import ContactFacets
 from warpffrf.offline.contact.local_mass import INDEPENDENCE, check_compliance, eigenvalue_ratio, held_nodes, may_slope
 from warpffrf.offline.contact.mesh_error import axial_error, axial_warning, line_mesh_error, mesh_error_warning
+from warpffrf.offline.contact.node_loads import ContactFacets
 from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
 from warpffrf.offline.fe import Assignment, assign, facet_material, formulation_notes, other_material
 from warpffrf.offline.general.checkpoint import Checkpoint

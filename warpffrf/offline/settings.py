@@ -20,7 +20,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.surfaces import Matched
 from warpffrf.offline.bases import Basis, basis_options
-from warpffrf.offline.contact.hat_loads import ContactFacets
+from warpffrf.offline.contact.node_loads import ContactFacets
 from warpffrf.offline.inertia.invariants import require_cells
 from warpffrf.offline.interfaces import INTERFACE_KINDS
 from warpffrf.offline.options import ContactGrid, ReductionOptions, require_modes

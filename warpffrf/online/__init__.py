@@ -6,12 +6,12 @@ from warpffrf.online.history.history import History
 from warpffrf.online.local_modes import LocalModes
 from warpffrf.online.run import find_equilibrium, run
 from warpffrf.online.settings import Settings
-from warpffrf.online.turn import TURN
+from warpffrf.online.warp_lock import WARP_LOCK
 
 __all__ = [
     "HHT",
     "INTEGRATORS",
-    "TURN",
+    "WARP_LOCK",
     "Engine",
     "EnergyMomentum",
     "GeneralizedAlpha",

@@ -99,7 +99,9 @@ def restore(engine: Engine, checkpoint: Mapping[str, np.ndarray], step: float, l
     engine.drained = engine.word("saved")
     if np.any(engine.word("status") & int(k.GAIN)):  # what was made up to there is no reason to end again
         engine.clock(least=engine.state.made.numpy().sum(axis=1))
-    engine.control(status=0, reason=0, again=0, spell=0)  # an attempt that was to be repeated is repeated from here
+    engine.control(
+        status=0, reason=0, again=0, gaining_steps=0
+    )  # an attempt that was to be repeated is repeated from here
     if np.isclose(engine.word("user_step")[0], step, rtol=SAME_STEP):
         return int(engine.word("step")[0])
     # time is counted in steps from START_TIME: begin a new count here

@@ -13,15 +13,15 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.arrays import Ring, Sizes, initial_motion, initial_state, sizes_of
 from warpffrf.online.arrays.ring import SavedRows, joined, taken
 from warpffrf.online.arrays.scratch import KEPT, KEPT_OF_PATCHES, scratch_for
-from warpffrf.online.compile.outer_pattern import pattern_of
 from warpffrf.online.compile.patches.plan import PatchPlan
+from warpffrf.online.compile.retained_pattern import pattern_of
 from warpffrf.online.compile.scene import CompiledScene, compile_scene, enlarge
 from warpffrf.online.device import chosen_device
 from warpffrf.online.local_modes import LocalModes
 from warpffrf.online.settings import Settings
 from warpffrf.online.step import kernel_cache
 from warpffrf.online.step.graph import Parts, StepGraph
-from warpffrf.online.turn import TURN
+from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf.online.warp_start import start_warp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import DeviceArray
@@ -49,9 +49,9 @@ def ready_device(named: str | None) -> str:
 
 
 class Engine:
-    """A scene on a device in `worlds` copies, ready to step. With several threads, the caller must hold `TURN`."""
+    """A scene on a device in `worlds` copies, ready to step. With several threads, the caller must hold `WARP_LOCK`."""
 
-    @TURN
+    @WARP_LOCK
     def __init__(
         self,
         scene: Scene,
@@ -209,7 +209,7 @@ class Engine:
         """Set coefficients of the step of bodies, by their names in `warpffrf_kernels.core.control.Coefficients`."""
         words = self.state.clk.numpy().copy()
         for name, value in values.items():
-            words["outer"][name] = value
+            words["retained"][name] = value
         self.state.clk.assign(words)
 
     def word(self, name: str) -> np.ndarray:
@@ -288,7 +288,7 @@ class Engine:
         """Overwrite the state and the kept cell data; if these do not fit, compliances are recomputed, with a note in
         `start_notes`."""
         given = {name.removeprefix(KEPT_MARK): a for name, a in checkpoint.items() if name.startswith(KEPT_MARK)}
-        for name in ("answer_hat", "order"):  # lists over slots
+        for name in ("answer_node", "order"):  # lists over slots
             if name in given:
                 self.make_room(given[name].shape[1])
         self.put_back(checkpoint)

@@ -16,7 +16,7 @@ from warpffrf.online.history.history import History
 from warpffrf.online.history.record import history_from_rows
 from warpffrf.online.local_modes import LocalModes
 from warpffrf.online.settings import Settings
-from warpffrf.online.turn import TURN
+from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf.online.warp_start import start_warp
 from warpffrf_kernels.core import control as k
 
@@ -71,12 +71,12 @@ def go_on(engine: Engine, unfinished: Unfinished, step: float) -> int:
     """Set `engine` to the end of `unfinished`, with its rows drained from the ring; returns the user steps done."""
     done = restore(engine, unfinished.checkpoint, step)
     words = np.asarray(unfinished.checkpoint["ctl"])
-    engine.control(reason=int(words["reason"][0]), spell=int(words["spell"][0]))
+    engine.control(reason=int(words["reason"][0]), gaining_steps=int(words["gaining_steps"][0]))
     engine.chunks[0] = list(unfinished.rows)
     return done
 
 
-@TURN
+@WARP_LOCK
 def history_of(
     scene: Scene, rows: Rows, *, local_modes: LocalModes, settings: Settings, off_end: bool = False
 ) -> History:

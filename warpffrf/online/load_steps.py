@@ -52,14 +52,14 @@ from warpffrf.online.engine import Engine, EngineOf
 from warpffrf.online.history.history import ENERGY_LINES, History
 from warpffrf.online.keeping import Keeping, go_on
 from warpffrf.online.local_modes import LocalModes, as_local_modes
-from warpffrf.online.marks import Marks
 from warpffrf.online.run import check_load_paths, finish
+from warpffrf.online.samples import Samples
 from warpffrf.online.settings import Settings
 from warpffrf.online.snap_through import snap_through
 from warpffrf.online.start.free_motions import FreeMotions
-from warpffrf.online.start.loading import begin_loading, restless
+from warpffrf.online.start.loading import begin_loading, not_at_rest
 from warpffrf.online.start.settle import settle
-from warpffrf.online.turn import TURN
+from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf.online.warp_start import untested_warp_note
 
 FROM_REST = "the first equilibrium of the static run"
@@ -67,7 +67,7 @@ MOST_ATTEMPTS = 8  # per load step, in one replay: more follow where steps are h
 MOVED = 1e-12  # of the largest energy of the ledger: kinetic energy above round-off
 
 
-@TURN
+@WARP_LOCK
 def run_static(
     scene: Scene,
     duration: float,
@@ -160,7 +160,7 @@ def _run_static(
             begin_loading(engine, step)
             first_step = 0
     # errors of energy of contact grids exceed its change in a load step where contact closes or opens
-    engine.control(every=save_every, downhill=int(engine.compiled.model.pairs.count == 0))
+    engine.control(every=save_every, energy_bounded=int(engine.compiled.model.pairs.count == 0))
     engine.seconds_in_graph = 0.0
     plan = Plan(first_step + steps, rejected, tuple(notes))
     if isinstance(start, Unfinished):
@@ -211,10 +211,10 @@ def _run_static(
             engine.save_now()
         free.release()
         ended = time.perf_counter()
-        engine.not_at_rest = free.unbalanced() or restless(engine) if failed else ""
+        engine.not_at_rest = free.unbalanced() or not_at_rest(engine) if failed else ""
         history = finish(engine, begin, built, notes, _where(engine) if failed else "", plan.rejected)
     history.stopping = bool(asked)
-    history.marks = Marks(engine, made_with, step, first_step, last_step, static=True)
+    history.samples = Samples(engine, made_with, step, first_step, last_step, static=True)
     history.counters["loop_seconds"] = ended - loop
     history.counters["finish_seconds"] = time.perf_counter() - ended
     if interrupted and history.status == Status.COMPLETED:

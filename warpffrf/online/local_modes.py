@@ -10,11 +10,11 @@ uses `G = Psi^T (D_rest + T sigma^-1 T^T) Psi` and stays inside the local solve 
 dynamic ones grows with the number of modes (kernels `motion`, `contact_compliance`), and G changes with the step size.
 
 The steps (`warpffrf_kernels.bodies.motion.move_modes`). HHT: its own four coefficients of alpha replace
-those of the outer integrator. Exponential, for q'' + 2 zeta omega q' + omega^2 q = f0 + (f1 - f0) t/h (Nigam and
-Jennings 1969): q1 = A q0 + B q0' + C f0 + D f1; D is the receptance. It serves modes that the step does not resolve,
-omega h >= pi; below that, with contact, it would be unstable (`warpffrf_kernels.bodies.motion.rule_of`), and those
-modes use HHT. It is marginally stable for undamped modes, hence the default damping. Impacts on these modes are
-integrated without a history of the contact force, see `warpffrf_kernels.impulsive.impulsive_means`."""
+those of the integrator of the retained coordinates. Exponential, for q'' + 2 zeta omega q' + omega^2 q = f0 + (f1 - f0)
+t/h (Nigam and Jennings 1969): q1 = A q0 + B q0' + C f0 + D f1; D is the receptance. It serves modes that the step does
+not resolve, omega h >= pi; below that, with contact, it would be unstable (`warpffrf_kernels.bodies.motion.rule_of`),
+and those modes use HHT. It is marginally stable for undamped modes, hence the default damping. Impacts on these modes
+are integrated without a history of the contact force, see `warpffrf_kernels.impulsive.impulsive_means`."""
 
 from __future__ import annotations
 
@@ -37,7 +37,11 @@ from warpffrf.model.scene import Scene
 TREATMENTS = ("quasi_static", "hht", "exponential", "auto")
 AUTO_RATIO = 5.0  # of the load frequency: above, the error of the response without inertia is at most (1/5)^2 = 4 %
 EXACT_DAMPING = 0.02  # 2 %: the smallest of 0, 2, 10 % that was stable from 2 to 20 us per step on two rollers
-FOLLOWS, STEPS_HHT, STEPS_EXACTLY = 0, 1, 2  # kinds of modes in the kernels: the outer integrator's, hht, exponential
+FOLLOWS, STEPS_HHT, STEPS_EXACTLY = (
+    0,
+    1,
+    2,
+)  # kinds of modes in the kernels: the integrator of the retained coordinates's, hht, exponential
 
 
 @named_arguments

@@ -55,13 +55,13 @@ from warpffrf.online.history.history import History
 from warpffrf.online.history.record import history_from_rows
 from warpffrf.online.keeping import Keeping, go_on
 from warpffrf.online.local_modes import LocalModes, as_local_modes
-from warpffrf.online.marks import Marks
+from warpffrf.online.samples import Samples
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import RUB_IN, start_consistently, start_from_loads
 from warpffrf.online.start.motions import slide_time
 from warpffrf.online.start.rub_to_rest import refuse_without_rest, rub_to_rest
 from warpffrf.online.start.settle import ROUND_OFF, settle
-from warpffrf.online.turn import TURN
+from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf.online.warp_start import untested_warp_note
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.model import LINE_OF_CENTRES
@@ -78,7 +78,7 @@ UPHILL = "every step from here increases the energy; begin from another pose, or
 NO_LOAD_PATH = "a mechanism with no load path; add a joint, a spring, a drive or a contact that carries the load"
 UNSOLVED = int(k.NOT_CONVERGED | k.CAPACITY | k.CYCLING | k.STENCIL)  # failure bits of deeply wedged contact
 RUNS_AWAY = int(
-    k.NOT_CONVERGED | k.SINGULAR | k.NOT_FINITE | k.ENERGY | k.RESTLESS | k.UNDERFLOW
+    k.NOT_CONVERGED | k.SINGULAR | k.NOT_FINITE | k.ENERGY | k.NOT_AT_REST | k.UNDERFLOW
 )  # failure bits of an unconstrained body
 MESSAGES = {
     k.NOT_CONVERGED: (Status.NOT_CONVERGED, "the Newton iteration did not converge; reduce step"),
@@ -119,7 +119,7 @@ MESSAGES = {
         "two surfaces change sides in a step without contact, so that they may pass through each other; reduce step",
     ),
     k.GAIN: (Status.ENERGY, "energy was created; reduce step"),
-    k.RESTLESS: (Status.NO_EQUILIBRIUM, "the bodies do not come to rest"),
+    k.NOT_AT_REST: (Status.NO_EQUILIBRIUM, "the bodies do not come to rest"),
     k.ENERGY: (Status.ENERGY, "the energy ledger does not close at an impact; reduce step"),
     k.STEP_ERROR: (
         Status.STEP_ERROR,
@@ -128,7 +128,7 @@ MESSAGES = {
 }
 
 
-@TURN
+@WARP_LOCK
 def run(
     scene: Scene,
     duration: float,
@@ -292,7 +292,15 @@ def _run(
         if np.any(engine.word("status")):
             return finish(engine, begin, built, notes, "start: ")
         engine.control(
-            rejected=0, repeated=0, impulses=0, forgotten=0, steps=0, iterations=0, worst=0, pending=0, pending_solves=0
+            rejected=0,
+            repeated=0,
+            impulses=0,
+            restarted_steps=0,
+            steps=0,
+            iterations=0,
+            worst=0,
+            pending=0,
+            pending_solves=0,
         )
         engine.enter(k.DYNAMIC, step, target=0)
         if engine.compiled.model.capacity.cells or any(c.friction.acts for c in scene.lumped_contacts):
@@ -309,8 +317,8 @@ def _run(
         plan = start.plan
     last_step, notes = plan.last_step, list(plan.notes)
     keeping = Keeping(engine, keeper, plan)
-    marks = Marks(engine, made_with, step, first_step, last_step)
-    marks.look(engine, first_step)
+    samples = Samples(engine, made_with, step, first_step, last_step)
+    samples.look(engine, first_step)
     films = FilmWatch(engine, first_step, last_step)
     ends = EndWatch(engine, keeps=isinstance(start.start if isinstance(start, Unfinished) else start, History))
     watch = EnergyWatch(engine, step, set_down=isinstance(start, str) and start == "initial")
@@ -320,7 +328,7 @@ def _run(
         chunk = 4
         done = first_step
         while done < last_step and not np.any(engine.word("status")):
-            target = films.until(marks.until(min(done + chunk, last_step), done), done)
+            target = films.until(samples.until(min(done + chunk, last_step), done), done)
             engine.control(target=target)
             seconds = engine.replay(4 * chunk)
             now = int(engine.word("step").min())
@@ -328,7 +336,7 @@ def _run(
             chunk = int(np.clip(rate * engine.settings.chunk_seconds, 1, engine.settings.ring_rows * save_every - 1))
             done = now
             bar.update(done - first_step)
-            marks.look(engine, done)
+            samples.look(engine, done)
             films.look(engine, done)
             if watch.look():
                 gain = watch.end()
@@ -355,7 +363,7 @@ def _run(
         ended = time.perf_counter()
         history = finish(engine, begin, built, notes, "", plan.rejected, films)
     history.stopping = bool(asked)
-    history.marks = marks
+    history.samples = samples
     history.message = gain or history.message
     history.counters["loop_seconds"] = ended - loop
     history.counters["finish_seconds"] = time.perf_counter() - ended  # notes and checks of the cells
@@ -364,7 +372,7 @@ def _run(
     return history
 
 
-@TURN
+@WARP_LOCK
 def find_equilibrium(
     scene: Scene, *, friction: bool = False, device: str | None = None, settings: Settings | None = None,
     progress: bool = False,
@@ -400,7 +408,7 @@ def _find_equilibrium(scene: Scene, friction: bool, made_with: dict[str, Any]) -
         ends.look()
     notes = [*engine.compiled.notes, *apart, *engine.start_notes]
     history = finish(engine, begin, built, notes, "equilibrium: ", films=films)
-    history.marks = Marks(engine, made_with, 0.0, 0, 0, static=True)
+    history.samples = Samples(engine, made_with, 0.0, 0, 0, static=True)
     return history
 
 
@@ -450,10 +458,10 @@ def finish(
         "coarse_steps": int(engine.word("coarse")[0]),
         "repeated_steps": int(engine.word("repeated")[0]),
         "impulsive_steps": int(engine.word("impulses")[0]),
-        "outer_columns": engine.compiled.model.outer.count + engine.compiled.model.modes.count,
+        "retained_columns": engine.compiled.model.retained.count + engine.compiled.model.modes.count,
     }
     if engine.compiled.slips.laws or engine.compiled.tensions.laws:
-        history.counters["forgetful_steps"] = int(engine.word("forgotten")[0])
+        history.counters["forgetful_steps"] = int(engine.word("restarted_steps")[0])
     if engine.graph.pattern is not None:
         factors = engine.scratch.fallback, engine.scratch.cell_fallback  # of pressures and tractions
         history.counters["dense_fallbacks"] = sum(int(factor.numpy()[0, 1]) for factor in factors)

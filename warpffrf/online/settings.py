@@ -19,7 +19,7 @@ class Settings:
     # of the present energy, gained by the integrator in an impact step; with inertia of the local modes, gained or
     # lost by contact and integrator
     energy_tolerance: float = 2.5e-4
-    most_made: float = 0.01  # of the largest energy: a run with a larger spurious gain ends; 0: no limit
+    gain_limit: float = 0.01  # of the largest energy: a run with a larger spurious gain ends; 0: no limit
     theta_points: int = 3  # Gauss points across a grid cell: the second grid's shape functions have kinks inside
     z_points: int = 2  # Gauss points along a grid cell: exact for products of two linear shape functions
     window_strain: float = 0.07  # half of the default window over the pair's effective radius (Hertz: p0 = 0.035 E*)

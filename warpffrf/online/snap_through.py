@@ -32,7 +32,7 @@ from warpffrf.online.start.settle import LEAST, settle
 from warpffrf_kernels.core import control as k
 
 Array = np.ndarray
-LOST = int(k.NOT_CONVERGED | k.NOT_FINITE | k.ENERGY | k.RESTLESS | k.UNDERFLOW)  # failures at a limit point
+LOST = int(k.NOT_CONVERGED | k.NOT_FINITE | k.ENERGY | k.NOT_AT_REST | k.UNDERFLOW)  # failures at a limit point
 HOLDS = ("hold", "hold_count", "hold_firm", "hold_weak")  # of free motions
 NUMERICAL = ENERGY_LINES.index("numerical")
 
@@ -83,7 +83,7 @@ def snap_through(engine: Engine) -> Jump | None:
         scratch.psi.assign(_turns(kept["p"], after["p"]))
         scratch.dq.assign(after["q"] - kept["q"])
         engine.state.lam.assign(after["lam"])
-        engine.control(again=1, level=0, sub=0, careful=0)  # a repeated attempt starts from what is in `scratch`
+        engine.control(again=1, level=0, sub=0, proximal_level=0)  # a repeated attempt starts from what is in `scratch`
     engine.control(target=step + 1)
     engine.replay(1)  # without x_1 it fails as before
     jumped = settled and int(engine.word("step")[0]) > step
@@ -104,7 +104,7 @@ def snap_through(engine: Engine) -> Jump | None:
 
 def _settled(engine: Engine, time: float) -> bool:
     """Whether the scene comes to rest under the loads of `time` [s], from the present state."""
-    engine.control(status=0, downhill=0)
+    engine.control(status=0, energy_bounded=0)
     engine.clock(time=time, start_time=time)
     engine.static_step(LEAST * float(engine.compiled.model.length))  # drives move to their positions at that time
     return not np.any(engine.word("status")) and settle(engine)

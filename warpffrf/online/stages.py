@@ -174,9 +174,9 @@ def joined_parts(histories: Sequence[History]) -> History:
     rows = {
         entry.name: _joined([getattr(history, entry.name) for history in histories])
         for entry in fields(History)
-        if entry.name not in ("scene", "checkpoint", "counters", "notes", "options", "marks", "budget", "stopping")
+        if entry.name not in ("scene", "checkpoint", "counters", "notes", "options", "samples", "budget", "stopping")
     }
-    return replace(histories[-1], scene=histories[0].scene, marks=None, budget=[], **rows)
+    return replace(histories[-1], scene=histories[0].scene, samples=None, budget=[], **rows)
 
 
 def _joined(parts: list[Any]) -> Any:

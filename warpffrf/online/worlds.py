@@ -14,7 +14,7 @@ the others. The capacity of active nodes (`Engine.make_room`) is enlarged for al
 Meeting. A barrier: each thread waits until all others have arrived.
 
 Each run is a thread with the code of a single run. For a replay of the common graph it arrives at the barrier and
-releases the lock (`warpffrf.online.turn`) until all threads still running have arrived; the last one replays
+releases the lock (`warpffrf.online.warp_lock`) until all threads still running have arrived; the last one replays
 for all. Between two barriers the threads run one at a time, as Warp requires.
 
 Same kind. Whether scenes fit into one graph: they may differ in numbers, not in structure.
@@ -48,7 +48,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.arrays.axes import NAMES, Sizes, sizes_of
 from warpffrf.online.arrays.views import OnHost, Views, part
 from warpffrf.online.compile.constants import Shared
-from warpffrf.online.compile.outer_pattern import couplings, pattern_of
+from warpffrf.online.compile.retained_pattern import couplings, pattern_of
 from warpffrf.online.compile.scene import CompiledScene, compile_scene
 from warpffrf.online.engine import NO_ATTEMPT, Engine, EngineOf, ready_device
 from warpffrf.online.history.history import History
@@ -57,7 +57,7 @@ from warpffrf.online.settings import Settings
 from warpffrf.online.step.graph import Parts
 from warpffrf.online.step.launches import DECLARED
 from warpffrf.online.step.program import Program
-from warpffrf.online.turn import TURN
+from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf_kernels.core import control as k
 
 OF_WORLDS = ("models", *(name for name, declared in DECLARED.items() if declared.axes[0] == "world"))
@@ -267,7 +267,7 @@ class Meeting:
         if last:
             self._hold()
         else:
-            with TURN.left(), self._changed:
+            with WARP_LOCK.left(), self._changed:
                 self._changed.wait_for(lambda: self._held > held)
         self._raise_end()
         if self.error is not None:
@@ -275,7 +275,7 @@ class Meeting:
 
     def leave(self, number: int) -> None:
         """This thread arrives no more; if all others wait for it, they proceed now. Called without the lock."""
-        with TURN:
+        with WARP_LOCK:
             with self._changed:
                 self._coming.discard(number)
                 last = bool(self._brought) and len(self._brought) == len(self._coming)

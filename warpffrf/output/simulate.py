@@ -88,7 +88,7 @@ def simulate(
     that fails does not raise, see `status` and `message` of the Result; with check a run that does not complete raises
     `RunError`, whose `result` has what was computed, after its files were written. Wrong input raises InputError before
     the run. Threads may call it at once, and get the same bits: steps go on side by side, all else one after the other
-    (`warpffrf.online.turn`).
+    (`warpffrf.online.warp_lock`).
 
     overwrite: replace files of an earlier run; without it existing ones are refused, and files that warpffrf did not
     write always. While it runs, what it has done is put into the folder `run.h5.unfinished` every 20 s of

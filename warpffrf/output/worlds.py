@@ -20,7 +20,7 @@ from warpffrf.model.step_count import step_count
 from warpffrf.online.engine import EngineOf, ready_device
 from warpffrf.online.history.history import History
 from warpffrf.online.stages import KINDS
-from warpffrf.online.turn import TURN
+from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf.online.worlds import side_by_side
 from warpffrf.output.options import RunOptions, require_options
 from warpffrf.output.outputs import Outputs, saved_options
@@ -84,7 +84,7 @@ def simulate_worlds(
             "with simulate"
         )
     steps, _ = step_count(duration, step)
-    with TURN:
+    with WARP_LOCK:
         ready_device(options.device)
     chosen: dict[str, Any] = run_arguments(options) | ({"kind": kind} if kind == "static" else {})
 

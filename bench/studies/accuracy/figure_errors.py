@@ -196,7 +196,7 @@ def stresses() -> Iterator[Stated]:
         yield stated(name, result, ("ball", "pair"), point, points.STEEL.poisson_ratio)
 
 
-def hats() -> Iterator[Stated]:
+def grid_nodes() -> Iterator[Stated]:
     """Rollers on the body-fixed grid, a node and two in a half-width."""
 
     def body(sectors: int, layers: int, grading: float) -> ReducedBody:
@@ -259,7 +259,7 @@ SCENES: dict[str, Callable[[], Iterator[Stated]]] = {
     "balls": balls,
     "solid rollers": solid_rollers,
     "stresses": stresses,
-    "hats": hats,
+    "hats": grid_nodes,
     "rolling": rolling,
     "film": film,
 }

@@ -222,7 +222,7 @@ def compute() -> tuple[list[Sweep], dict[str, list[list[str]]]]:
 def page(figures: tuple[list[Sweep], dict[str, list[list[str]]]]) -> str:
     """The Markdown page."""
     found, rows = figures
-    hats, cells = (
+    grid_nodes, cells = (
         table(["patch", "b/s", *NAMED], _error_rows([s for s in found if s.traction == traction]))
         for traction in ("nodes", "cells")
     )
@@ -235,7 +235,7 @@ Hertz's line contact, and elliptic contacts with semi-axes 1:1, 1:3 and 1:10, on
 spacing of the grid. On ellipses both are taken in the same direction, so that the grid is as elongated as the patch;
 once, *equal*, s is the same in both directions and b the smaller semi-axis.
 
-{states} states: sizes b/s, positions of the patch over the grid, and, with hats, a single body or two equal ones whose
+{states} states: sizes b/s, positions of the patch over the grid, and, with nodes, a single body or two equal ones whose
 grids lie anywhere against each other. {verdict}
 
 - *compliance*: what the best combination of the functions misses of the mean approach under Hertz's pressure.
@@ -245,7 +245,7 @@ grids lie anywhere against each other. {verdict}
 ## The rule
 
 `error <= c (s/b)^p`, derived in `warpffrf/offline/contact/contact_grid.py` and used by `warpffrf.contact_spacing`.
-Spacing in half-widths for a wanted error of each quantity, hats:
+Spacing in half-widths for a wanted error of each quantity, nodes:
 
 {table(["patch", "error", *NAMED], rows["rule"])}
 ![errors and rule]({PICTURE})
@@ -261,9 +261,9 @@ Errors of a line contact depend on how deep the body is, because the rest of its
 Each entry: patch centred on a function, single body, at the lower end of the bin / worst of all states in the bin.
 Centred positions alone would promise too much.
 
-### Hats
+### Nodes
 
-{hats}
+{grid_nodes}
 ### Cells
 
 {cells}

@@ -1,14 +1,14 @@
 r"""The quadratures of one contact compared: "full" and "reduced" against the law "at nodes" of the finite elements,
 and what a step of each costs.
 
-Two rollers with the mesh of the two-roller demo and hats on a part of their rims (a *tread*) roll on each other at a
-constant approach, with a stiff layer between them: the same in all three, in the hats of "full" and "reduced" and
+Two rollers with the mesh of the two-roller demo and nodes on a part of their rims (a *tread*) roll on each other at a
+constant approach, with a stiff layer between them: the same in all three, in the nodes of "full" and "reduced" and
 at every FE node "at nodes", where all local modes are coordinates of one Newton system (`references.monolithic`).
 Compared over the saved steps
 are
 
     force      |F - F_nodal| over |F_nodal|, the largest
-    pressure   means over the hats of the first grid, `sum_j M_ij s_j / a_i`, and the node forces spread in the
+    pressure   means over the nodes of the first grid, `sum_j M_ij s_j / a_i`, and the node forces spread in the
                same way: |p - p_nodal| over |p_nodal| in the L2 norm of the surface, the largest
     stress     von Mises stress at points under the tread, from SHALLOWEST half-widths deep on: the largest difference
                over the largest stress
@@ -50,7 +50,7 @@ STEP = 1e-4  # s
 INTEGRATOR = GeneralizedAlpha(RHO)
 OPTIONS: dict[str, Any] = {"step": STEP, "progress": False}
 SEPARATED = ("full", "reduced")
-STIFFER = 3.0  # layer over a hat: it yields by some per cent of the approach, as penalties are chosen
+STIFFER = 3.0  # layer over a node: it yields by some per cent of the approach, as penalties are chosen
 
 
 @dataclass(frozen=True)
@@ -79,8 +79,8 @@ def tread(
     half_width: float | None = None,
     contact_fixed: bool = False,
 ) -> ReducedBody:
-    """A roller whose hats cover `columns` grid columns about the angle zero; `sampling_error`: with sampling points for
-    it; `half_width` [m]: with stress points below the middle of the tread, over two half-widths to each side;
+    """A roller whose nodes cover `columns` grid columns about the angle zero; `sampling_error`: with sampling points
+    for it; `half_width` [m]: with stress points below the middle of the tread, over two half-widths to each side;
     `contact_fixed`: with what contact-fixed cells need."""
     mesh = roller(RADIUS, BORE, WIDTH, sectors=sectors, layers=layers, axial=axial, grading=GRADING, order=1)
     half = 0.5 * (columns + 1) * 2.0 * np.pi / sectors
@@ -101,7 +101,7 @@ def stress_points(half_width: float) -> np.ndarray:
 
 
 def layer_of(body: ReducedBody, stiffer: float = STIFFER) -> LinearLayer:
-    """A stiff layer: `stiffer` times the stiffness of the surface under a hat."""
+    """A stiff layer: `stiffer` times the stiffness of the surface under a node."""
     return LinearLayer(stiffer / HARDEST * default_layer(body.contact_surfaces["tread"]))
 
 
@@ -162,7 +162,7 @@ def compare(
     found = {"at nodes": full, **{name: run_quadrature(scene, steps) for name, scene in scenes.items()}}
     sizes = np.linalg.norm(full.history.contacts[PAIR].force, axis=1)
     stress = under(body, full, True)
-    pressures = {name: hat_means(body, result, name == "at nodes") for name, result in found.items()}
+    pressures = {name: node_means(body, result, name == "at nodes") for name, result in found.items()}
     gram = np.asarray(body.contact_surfaces["tread"].gram_z)
     out = []
     for name in SEPARATED:
@@ -212,8 +212,8 @@ def on_grid(body: ReducedBody, result: Result) -> np.ndarray:
     return out
 
 
-def hat_means(body: ReducedBody, result: Result, nodes: bool) -> np.ndarray:
-    """Pressure (T, columns, rows) [Pa] on the whole grid, meaned over each hat; that of `nodes` was recorded so."""
+def node_means(body: ReducedBody, result: Result, nodes: bool) -> np.ndarray:
+    """Pressure (T, columns, rows) [Pa] on the whole grid, meaned over each node; that of `nodes` was recorded so."""
     pressure, surface = on_grid(body, result), body.contact_surfaces["tread"]
     if nodes:
         return pressure
@@ -222,8 +222,8 @@ def hat_means(body: ReducedBody, result: Result, nodes: bool) -> np.ndarray:
 
 
 def under(body: ReducedBody, result: Result, nodes: bool) -> np.ndarray:
-    """Von Mises stress (T, p) [Pa] of the lower roller under the tread: of its modes and of the forces on its hats,
-    which of `nodes` are the recorded pressures times the areas of the hats."""
+    """Von Mises stress (T, p) [Pa] of the lower roller under the tread: of its modes and of the forces on its nodes,
+    which of `nodes` are the recorded pressures times the areas of the nodes."""
     surface, grid = body.contact_surfaces["tread"], body.contact_surfaces["tread"].grid
     pressure, gram = on_grid(body, result), np.asarray(surface.gram_z)
     out = []

@@ -5,11 +5,11 @@ rotated so that the line of centres stands at a given angle of the lower one's g
 upper one's, which makes them mirror images. The approach is found for which the pressures carry the wanted force.
 
 Cells are strips of 2 W/strips, W = 1.3 half-widths, in rows; their pressure p is constant in each. To be compared
-with pressures of hats it is averaged over the hats of the bodies' grid: the force of the hat i
+with pressures of nodes it is averaged over the nodes of the bodies' grid: the force of the node i
 
     f_i = int psi_i p dA = R sum over cells  p_cell  int_strip psi_a dtheta  int_row psi_b dz,     i = (a, b),
 
-exact, because the hats are products and their integrals over an interval are differences of a parabola by pieces.
+exact, because the nodes are products and their integrals over an interval are differences of a parabola by pieces.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class OnPatch:
         return scene
 
     def at(self, k: float, center: float, delta: float) -> np.ndarray:
-        """Forces (nodes,) [N] of the hats at the approach `delta` [m]. Raises `Refused` where the bodies take no cells
+        """Forces (nodes,) [N] of the nodes at the approach `delta` [m]. Raises `Refused` where the bodies take no cells
         that travel, and where there is no state of rest."""
         try:
             result = equilibrium(self.scene(k, center, delta))
@@ -74,15 +74,15 @@ class OnPatch:
             raise Refused(f"{self.name}: {error}") from error
         if result.status != "completed":
             raise Refused(f"{self.name}: {result.status}: {result.message}")
-        return hat_forces(self.pressing, result.history)
+        return node_forces(self.pressing, result.history)
 
     def forces(self, k: float, center: float, load: float) -> np.ndarray:
-        """Forces (nodes,) [N] of the hats under the total force `load` [N]; arguments as of `scene`."""
+        """Forces (nodes,) [N] of the nodes under the total force `load` [N]; arguments as of `scene`."""
         return carrying(lambda delta: self.at(k, center, delta), load, SETTLED, self.name)
 
 
-def hat_forces(pressing: Pressing, history: History) -> np.ndarray:
-    """Forces (nodes,) [N] of the hats at the last saved step, of a run on contact-fixed cells."""
+def node_forces(pressing: Pressing, history: History) -> np.ndarray:
+    """Forces (nodes,) [N] of the nodes at the last saved step, of a run on contact-fixed cells."""
     record = history.contacts[PAIR]
     cells = record.cells
     if cells is None:
@@ -92,15 +92,15 @@ def hat_forces(pressing: Pressing, history: History) -> np.ndarray:
     middle = (float(cells.column[-1]) - pressing.middle) * grid.pitch
     strips = middle + np.linspace(-W, W, len(pressure) + 1) / RADIUS
     rows = np.append(cells.z[-1] - 0.5 * cells.length[-1], cells.z[-1][-1] + 0.5 * cells.length[-1][-1])
-    around = RADIUS * hats_over(pressing.angle, strips)
-    return (around @ pressure @ hats_over(np.asarray(grid.z), rows).T).ravel()
+    around = RADIUS * nodes_over(pressing.angle, strips)
+    return (around @ pressure @ nodes_over(np.asarray(grid.z), rows).T).ravel()
 
 
-def hats_over(lines: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Integrals (n, m) of the hats on `lines` (n,) over the m intervals between `edges` (m + 1,)."""
+def nodes_over(lines: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Integrals (n, m) of the nodes on `lines` (n,) over the m intervals between `edges` (m + 1,)."""
     steps = np.diff(lines)
     inside = np.clip((edges - lines[:-1, None]) / steps[:, None], 0.0, 1.0)
-    rising = 0.5 * steps[:, None] * inside**2  # up to each edge, of the hat at the upper line of a step
+    rising = 0.5 * steps[:, None] * inside**2  # up to each edge, of the node at the upper line of a step
     falling = steps[:, None] * (inside - 0.5 * inside**2)
     up_to = np.zeros((len(lines), len(edges)))
     up_to[1:] += rising

@@ -1,13 +1,13 @@
 r"""A tread pressed against its mirror image, with the law of a layer met in four ways; none of it uses the engine.
 
 The nodes of both lie opposite, and the gap at the angle t from the line of centres is `g_0 = 2 R (1 - cos t) - delta`,
-delta the approach. With D the compliance of the hats of one roller, global modes included, u = 2 D f opens the gap
-under the forces f of the hats. Between the rollers lies a layer p = k d. Its law is met in four ways, all of them
+delta the approach. With D the compliance of the nodes of one roller, global modes included, u = 2 D f opens the gap
+under the forces f of the nodes. Between the rollers lies a layer p = k d. Its law is met in four ways, all of them
 minima of convex energies, on the same displacements u:
 
     nodes    "at nodes":  f = k a <-(g_0 + u)>  at the nodes, a their areas
-    hats     "full":  p = sum s_j psi_j, f = M s, 0 <= s, 0 <= w + 2 M D M s + M s/k, w the weak gaps of g_0
-    cells    as hats, with functions that are constant in a cell around each node instead: f = B s, B_ij = int psi_i dA
+    nodes     "full":  p = sum s_j psi_j, f = M s, 0 <= s, 0 <= w + 2 M D M s + M s/k, w the weak gaps of g_0
+    cells    as nodes, with functions that are constant in a cell around each node instead: f = B s, B_ij = int psi_i dA
              over the cell j
     points   f_i = int psi_i k <-(g_0 + sum_j psi_j u_j)> dA by Gauss points: the law itself, on bodies of that mesh
 """
@@ -53,16 +53,16 @@ class Pressing:
         self._sample()
 
     def _sample(self) -> None:
-        """Values (points, nodes) of the hats at the Gauss points, their areas and angles."""
+        """Values (points, nodes) of the nodes at the Gauss points, their areas and angles."""
         (x, wx), (z, wz) = ((0.5 * (p + 1.0), 0.5 * w) for p, w in map(np.polynomial.legendre.leggauss, GAUSS))
         n, rows = len(self.columns), self.grid.rows
-        hat_x = np.zeros((n - 1, len(x), n))
-        hat_z = np.zeros((rows - 1, len(z), rows))
+        grid_node_x = np.zeros((n - 1, len(x), n))
+        grid_node_z = np.zeros((rows - 1, len(z), rows))
         for j in range(n - 1):
-            hat_x[j, :, j], hat_x[j, :, j + 1] = 1.0 - x, x
+            grid_node_x[j, :, j], grid_node_x[j, :, j + 1] = 1.0 - x, x
         for k in range(rows - 1):
-            hat_z[k, :, k], hat_z[k, :, k + 1] = 1.0 - z, z
-        self.psi = np.kron(hat_x.reshape(-1, n), hat_z.reshape(-1, rows))
+            grid_node_z[k, :, k], grid_node_z[k, :, k + 1] = 1.0 - z, z
+        self.psi = np.kron(grid_node_x.reshape(-1, n), grid_node_z.reshape(-1, rows))
         along = (np.diff(self.grid.z)[:, None] * wz).ravel() * RADIUS * self.grid.pitch
         self.dA = np.kron(np.tile(wx, n - 1), along)
         self.at = np.repeat(((np.arange(n - 1)[:, None] + x).ravel() - (n - 1) // 2) * self.grid.pitch, len(along))
@@ -73,7 +73,7 @@ class Pressing:
         return float(np.sqrt(np.einsum("jk,kl,jl->", line, self.gram_z, line)))
 
     def means(self, forces: np.ndarray, angle: np.ndarray) -> np.ndarray:
-        """Pressures (nodes,) meaned over the hats, of `forces` (n, rows) at the columns' angles (n,)."""
+        """Pressures (nodes,) meaned over the nodes, of `forces` (n, rows) at the columns' angles (n,)."""
         place = (angle - self.angle[0]) / self.grid.pitch
         column = np.floor(place + 1e-9).astype(int)
         out = np.zeros((len(self.columns), self.grid.rows))
@@ -90,8 +90,8 @@ class Pressing:
         return von_mises(self.body.stress[POINTS].evaluate(q, {"tread": load}))
 
     def forces(self, way: str, k: float, center: float, load: float) -> np.ndarray:
-        """Forces (nodes,) of the hats under the total force `load` [N], line of centres at the angle `center`; k [Pa/m]
-        of the layer."""
+        """Forces (nodes,) of the nodes under the total force `load` [N], line of centres at the angle `center`; k
+        [Pa/m] of the layer."""
 
         return carrying(lambda delta: getattr(self, f"by_{way}")(k, center, delta), load, SETTLED, way)
 
@@ -104,8 +104,8 @@ class Pressing:
         gap = np.repeat(self.gap(self.angle, center, delta), self.grid.rows)
         return active_set(self.D + np.diag(1.0 / (k * self.area)), gap)
 
-    def by_hats(self, k: float, center: float, delta: float) -> np.ndarray:
-        """Forces (nodes,) at the approach `delta` [m] of pressures in hats."""
+    def by_shape_functions(self, k: float, center: float, delta: float) -> np.ndarray:
+        """Forces (nodes,) at the approach `delta` [m] of pressures in nodes."""
         weak = self.psi.T @ (self.dA * self.gap(self.at, center, delta))
         return self.M @ active_set(self.M @ self.D @ self.M + self.M / k, weak)
 
@@ -143,7 +143,7 @@ class Pressing:
 
 
 def in_cells(steps: np.ndarray) -> np.ndarray:
-    """Integrals of hats (lines) over the cells around their nodes (columns), half way to the next: a half cell of step
+    """Integrals of nodes (lines) over the cells around their nodes (columns), half way to the next: a half cell of step
     h holds 3/8 h of its own node's hat and 1/8 h of the next one's. Cells at both ends are halves."""
     n = len(steps) + 1
     out = np.zeros((n, n))

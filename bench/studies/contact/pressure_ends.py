@@ -1,12 +1,12 @@
 r"""Errors at the edge of a patch, of nodes, shape functions and contact-fixed cells; ten minutes.
 
 Two equal treads (`evaluations.tread`) are pressed together by a given force with a layer between them, in the ways of
-`pressing`: at *nodes*, by *hats* ("full"), by pressures constant in *cells*, at *points*; and by the program
+`pressing`: at *nodes*, by *nodes* ("full"), by pressures constant in *cells*, at *points*; and by the program
 on STRIPS contact-fixed cells (`patch_ends`), "patch 11" and so on, on the same bodies.
 
 The *reference* is `points` on a mesh of REFINED times as many sectors. Pressures are compared as everywhere, meaned
-over the hats of the coarse grid, f_i/a_i, which is what its forces can tell, in the L2 norm of the surface; the
-reference's forces are shared between the hats of the coarse grid by their values there. The stress is that of
+over the nodes of the coarse grid, f_i/a_i, which is what its forces can tell, in the L2 norm of the surface; the
+reference's forces are shared between the nodes of the coarse grid by their values there. The stress is that of
 `evaluations`, von Mises at points under the patch, the largest difference over the largest; it is compared on one mesh
 only, because close to the surface the cells themselves err by more than the pressures.
 """
@@ -101,7 +101,7 @@ def pressing(sectors: int, layers: int, approach: float, finer: int = 1) -> Pres
 
 
 def compute() -> list[tuple[int, float, float, Ends]]:
-    """Sectors, approach [m], layer over a hat, and what was found."""
+    """Sectors, approach [m], layer over a node, and what was found."""
     rows = []
     for sectors, layers in MESHES:
         fine = pressing(sectors, layers, max(APPROACHES), REFINED)
@@ -139,12 +139,12 @@ def page(rows: list[tuple[int, float, float, Ends]]) -> str:
     return f"""# Where a patch ends: "full" and "at nodes" compared with the law itself
 
 Two equal steel rollers, R = {RADIUS * 1e3:.0f} mm, linear cells, pressed together by the force that "at nodes" has
-at the approach, with a layer so many times as stiff as the surface under a hat. *Columns* of the grid, which is the
-mesh, in a half-width. The law of the layer is met at the *nodes*, by pressures in *hats* ("full"), by
+at the approach, with a layer so many times as stiff as the surface under a node. *Columns* of the grid, which is the
+mesh, in a half-width. The law of the layer is met at the *nodes*, by pressures in *nodes* ("full"), by
 pressures constant in *cells* around the nodes, or at *points* inside the elements; the last is the law itself on bodies
 of that mesh. Worst of {len(PHASES)} places of the patch on the grid.
 
-Pressure, meaned over the hats, L2 norm: against the *reference*, the law at points of {REFINED} times as many sectors;
+Pressure, meaned over the nodes, L2 norm: against the *reference*, the law at points of {REFINED} times as many sectors;
 against the *law* at points of the same mesh; against *at nodes* on the same mesh.
 
 {table(head, pressure)}
@@ -157,7 +157,7 @@ Stress under the patch, von Mises, the largest difference over the largest, on t
 The same bodies, layers, forces and reference with `Contact(grid="contact_fixed")`, on {
         ", ".join(map(str, STRIPS))
     } strips
-across ({STRIPS[0]} is what `Contact` takes by itself) by {ROWS} rows. Its pressures are meaned over the hats of the
+across ({STRIPS[0]} is what `Contact` takes by itself) by {ROWS} rows. Its pressures are meaned over the nodes of the
 bodies' grid, as all others are.
 
 {table(patch_head, travelling)}
@@ -166,13 +166,14 @@ bodies' grid, as all others are.
 
 READ_MATERIAL = """\
 What to read from it. Nodes err where a patch ends between two of them: a node has its whole share of the surface or
-nothing. Hats that are not negative cannot end inside a cell: the outermost one reaches beyond the patch, or is missing,
+nothing. Nodes that are not negative cannot end inside a cell: the outermost one reaches beyond the patch,
+    or is missing,
 and its neighbours make up for it. Under a layer as compliant as the penalties of practice both err by about the same,
 in different ways, so that their difference is larger than either error; a quadrature without error would differ from
 "at nodes" by as much as that errs. Under a layer that is hardly there nodes are the better ones, and most of the
 difference is an error of "full": it excludes tension at every point of the surface, not only in the sum at a node.
-Pressures in cells have less of it. The law at points, in hats that are cut off at the edge of the patch, would have
-none, at a price: products of hats over a part of a cell are no constants of a body, so that no compliance of the
+Pressures in cells have less of it. The law at points, in nodes that are cut off at the edge of the patch, would have
+none, at a price: products of nodes over a part of a cell are no constants of a body, so that no compliance of the
 pressures could be tabulated when it is reduced, and any change of the edge would need rows of the local solve again.
 """
 
@@ -196,10 +197,10 @@ def read_patch(rows: list[tuple[int, float, float, Ends]]) -> str:
 What to read from it. On {MESHES[0][0]} sectors "full" errs by {between("hats")} against the reference, "at nodes" by
 {between("nodes")}, contact-fixed cells by {counts}.
 Their edge lies inside a cell too, but the cell is as narrow as is asked for, on the same body and mesh: the error falls
-with the strips, where that of hats and nodes falls with the mesh only. From "at nodes" they differ by what that errs,
-with {most} strips by {beyond:.1%} more at most: the distance of "full" from "at nodes" is one of hats and nodes, which
+with the strips, where that of nodes and nodes falls with the mesh only. From "at nodes" they differ by what that errs,
+with {most} strips by {beyond:.1%} more at most: the distance of "full" from "at nodes" is one of nodes and nodes, which
 end where the mesh lets them. The {STRIPS[0]} strips of the default are no finer than the grid here: a strip is a
-quarter of the half-width, and a pressure that is constant in it makes steps which hats narrower than it see. They are
+quarter of the half-width, and a pressure that is constant in it makes steps which nodes narrower than it see. They are
 chosen for force and largest pressure, right to {CELL_ERROR:.1%}; whoever wants the pressure at the edge takes more, by
 `Contact(cells=)` or `Contact(cell_error=)`.
 

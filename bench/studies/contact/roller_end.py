@@ -1,10 +1,10 @@
 r"""Pressure at the ends of a roller compared with finite elements (`free_end`).
 
 The rollers are those of `free_end`, but whole: hex27 cells around, cells along the axis that grow from both ends
-inwards, a hat at every node of the rim, no modes but those of the hub. The hub is guided down and carries the load; the
-state is the static one. On a rigid plane gaps are taken at points. A longer partner is a reduced roller below, whose
-cells have lines where the short one ends; the pair is one on the line of centres. Of `free_end` nothing is used but
-sizes and the measures of `EndPressure`; mesh, elimination of modes, weak gaps, compliance and active set are the
+inwards, a node at every node of the rim, no modes but those of the hub. The hub is guided down and carries the load;
+the state is the static one. On a rigid plane gaps are taken at points. A longer partner is a reduced roller below,
+whose cells have lines where the short one ends; the pair is one on the line of centres. Of `free_end` nothing is used
+but sizes and the measures of `EndPressure`; mesh, elimination of modes, weak gaps, compliance and active set are the
 package's.
 
 **A longer partner.** At the end of the short roller a corner of angle pi/2 presses into a surface that goes on. With
@@ -52,7 +52,7 @@ PAIR, GUIDE = "pair", "guide"
 RIM_LAYER = 0.8  # depth of the outer layer over the width of its cells
 OVERHANG = 0.01  # m, of a longer partner at each end: 13 half-widths
 FINITE_ELEMENTS = ((4.0, 0.25), (6.0, 0.25), (6.0, 0.125), (6.0, 0.0625), (8.0, 0.0625))  # cells in a, end cell over a
-LEVELS = ((4, 0.25), (6, 0.25), (6, 0.125))  # hats in a, end cell over a
+LEVELS = ((4, 0.25), (6, 0.25), (6, 0.125))  # nodes in a, end cell over a
 REFERENCE = FINITE_ELEMENTS[-1]  # cells in a, end cell over a
 PAIR_REFERENCES = ((4.0, 0.25), (5.0, 0.125))
 PLACES, LENGTHS = (0.0, 0.5, 2.0), (0.25, 1.0)  # half-widths from the end: of pressures, of mean line loads
@@ -68,10 +68,10 @@ def axial_lines(roller: Roller, end_cell: float, overhang: float = 0.0) -> Array
     return np.concatenate([-right[::-1], [0.0], right])
 
 
-def reduced(roller: Roller, half_width: float, hats: int, lines: Array) -> ReducedBody:
-    """The roller with `hats` in a half-width [m] around and cells between `lines` [m], its bore rigid."""
+def reduced(roller: Roller, half_width: float, grid_nodes: int, lines: Array) -> ReducedBody:
+    """The roller with `grid_nodes` in a half-width [m] around and cells between `lines` [m], its bore rigid."""
     R = roller.outer_radius
-    sectors = 4 * round(2.0 * np.pi * R / half_width * hats / 8.0)  # two hats each, one at the bottom
+    sectors = 4 * round(2.0 * np.pi * R / half_width * grid_nodes / 8.0)  # two nodes each, one at the bottom
     depth = graded(RIM_LAYER * 2.0 * np.pi * R / sectors, R - roller.inner_radius, growth=GROWTH_FROM_PATCH)
     mesh = roller_mesh(
         R, roller.inner_radius, float(np.ptp(lines)), sectors=sectors, layers=len(depth) - 1, axial=lines,
@@ -84,15 +84,15 @@ def reduced(roller: Roller, half_width: float, hats: int, lines: Array) -> Reduc
 
 
 def pressed(
-    roller: Roller, load: float, half_width: float, hats: int, end_cell: float, overhang: float | None = None
+    roller: Roller, load: float, half_width: float, grid_nodes: int, end_cell: float, overhang: float | None = None
 ) -> EndPressure:
     """The roller under the load [N] on a rigid plane, or, with `overhang` [m] at both ends, on a longer one of its kind
-    (0: on its equal), as an `EndPressure` of one end, `dofs` the active hats.
+    (0: on its equal), as an `EndPressure` of one end, `dofs` the active nodes.
 
-    half_width a [m] expected, `hats` in it, first cell at the end `end_cell` a wide: for the mesh only. Pressures are
-    means over the hats around. `InputError` where no static state is found.
+    half_width a [m] expected, `grid_nodes` in it, first cell at the end `end_cell` a wide: for the mesh only. Pressures
+    are means over the nodes around. `InputError` where no static state is found.
     """
-    body = reduced(roller, half_width, hats, axial_lines(roller, end_cell * half_width))
+    body = reduced(roller, half_width, grid_nodes, axial_lines(roller, end_cell * half_width))
     grid = body.contact_surfaces["rim"].grid
     scene = Scene()
     upper = scene.add_body(body, name="roller")
@@ -102,7 +102,7 @@ def pressed(
         )
         partner = scene.ground.surface(plane, name="plane")
     else:
-        below = reduced(roller, half_width, hats, axial_lines(roller, end_cell * half_width, overhang))
+        below = reduced(roller, half_width, grid_nodes, axial_lines(roller, end_cell * half_width, overhang))
         lower = scene.add_body(below, name="partner", position=(0.0, 0.0, -2.0 * roller.outer_radius))
         scene.add(joints.Fixed(scene.ground, lower["bore"], name="hold"))
         partner = lower["rim"]
@@ -162,11 +162,12 @@ def compute() -> dict[str, list[list[str]]]:
     solved = {level: press_roller(roller, load, a, *level) for level in FINITE_ELEMENTS}
     fine = solved[REFERENCE]
     rows = [_row(["finite elements", f"{REFERENCE[0]:g}", f"{REFERENCE[1]:g} a"], fine, a, None)]
-    for hats, end in LEVELS:
-        name = ["reduced, plane", str(hats), f"{end:g} a"]
-        rows.append(_row(name, pressed(roller, load, a, hats, end), a, figures(fine, a)))
-    hats, end = LEVELS[0]
-    rows.append(_row(["reduced, its equal", str(hats), f"{end:g} a"], pressed(roller, load, a, hats, end, 0.0), a,
+    for grid_nodes, end in LEVELS:
+        name = ["reduced, plane", str(grid_nodes), f"{end:g} a"]
+        rows.append(_row(name, pressed(roller, load, a, grid_nodes, end), a, figures(fine, a)))
+    grid_nodes, end = LEVELS[0]
+    rows.append(_row(["reduced, its equal", str(grid_nodes), f"{end:g} a"], pressed(roller, load, a, grid_nodes, end,
+        0.0), a,
                      figures(fine, a)))  # fmt: skip
     longer = replace(roller, width=roller.width + 2.0 * OVERHANG)
     found = [press_pair(roller, longer, load, a, *level) for level in PAIR_REFERENCES]
@@ -174,9 +175,9 @@ def compute() -> dict[str, list[list[str]]]:
         _row(["finite elements", f"{cells:g}", f"{end:g} a"], f, a, None)
         for (cells, end), f in zip(PAIR_REFERENCES, found, strict=True)
     ]
-    for hats, end in LEVELS[:2]:
-        f = pressed(roller, load, a, hats, end, OVERHANG)
-        beyond.append(_row(["reduced", str(hats), f"{end:g} a"], f, a, figures(found[-1], a)))
+    for grid_nodes, end in LEVELS[:2]:
+        f = pressed(roller, load, a, grid_nodes, end, OVERHANG)
+        beyond.append(_row(["reduced", str(grid_nodes), f"{end:g} a"], f, a, figures(found[-1], a)))
     return {"finite elements": finite_element_rows(solved), "reduced": rows, "longer": beyond}
 
 
@@ -200,8 +201,8 @@ loads*: end over middle. Approach of the hub.
 {table(shown, found["finite elements"])}
 ## Reduced bodies in the step
 
-The whole roller of quadratic cells, reduced, under the same load at rest. *In a*: hats (of finite elements cells) in
-the half-width; *end cell*: the first of the mesh along the axis, with two rows of hats in it. Pressure on the line of
+The whole roller of quadratic cells, reduced, under the same load at rest. *In a*: nodes (of finite elements cells) in
+the half-width; *end cell*: the first of the mesh along the axis, with two rows of nodes in it. Pressure on the line of
 contact at the end, {PLACES[1]:g} a and {PLACES[2]:g} a from it, and mean line load over the last {LENGTHS[0]:g} a and
 {LENGTHS[1]:g} a, all over those in the middle; in brackets the difference from finite elements. *Its equal*: on a
 second reduced roller instead of the plane; the approach is that of both hubs.

@@ -314,52 +314,52 @@ def parting_rows(cells: int = 200, steps: int = 400) -> list[Row]:
 # --- bearings
 
 
-def long_rows(hats: tuple[int, int] = (128, 17)) -> list[Row]:
+def long_rows(grid_nodes: tuple[int, int] = (128, 17)) -> list[Row]:
     """A whole film, of which the middle row has no ends."""
-    length = (hats[1] - 1) * float(np.sqrt(6.0)) * RADIUS  # of a pressure that goes once around, as `BESIDE`
-    body, rows = bore(hats, length, RIGID), []
+    length = (grid_nodes[1] - 1) * float(np.sqrt(6.0)) * RADIUS  # of a pressure that goes once around, as `BESIDE`
+    body, rows = bore(grid_nodes, length, RIGID), []
     for e in (0.5, 0.9):
         scene = bearing(body, None, at=(e, 0.0), cavitation="full_sommerfeld", ambient_pressure=1.0)
         found = completed(find_equilibrium(scene))
         grid = body.contact_surfaces["bore"].grid
-        p = found.films["film"].pressure[-1][:, hats[1] // 2]
+        p = found.films["film"].pressure[-1][:, grid_nodes[1] // 2]
         own = np.sinc(0.5 * grid.pitch / np.pi) ** 2 * grid.pitch  # of the nodes with cos and sin
         force = RADIUS * own * np.array([p @ np.cos(grid.theta), p @ np.sin(grid.theta)])
         exact = JournalBearing(RADIUS, 1.0, CLEARANCE, VISCOSITY, SPEED * RADIUS).long(e)
-        rows.append(Row(f"long bearing, whole film (Sommerfeld), eccentricity {e:g}", f"{hats[0]} columns",
+        rows.append(Row(f"long bearing, whole film (Sommerfeld), eccentricity {e:g}", f"{grid_nodes[0]} columns",
                         "force of the middle row", float(np.hypot(*force)) / exact - 1.0, 2e-3))  # fmt: skip
     return rows
 
 
-def short_rows(hats: tuple[int, int] = (128, 9), ratio: float = 0.05) -> list[Row]:
+def short_rows(grid_nodes: tuple[int, int] = (128, 9), ratio: float = 0.05) -> list[Row]:
     """Ocvirk's bearing."""
     length = ratio * 2.0 * RADIUS
-    body, rows = bore(hats, length, RIGID), []
+    body, rows = bore(grid_nodes, length, RIGID), []
     for e in (0.5, 0.8):
         scene = bearing(body, None, at=(e, 0.0), cavitation="reynolds")
         force = pressed(body, completed(find_equilibrium(scene)).films["film"].pressure[-1])
         load, attitude = JournalBearing(RADIUS, length, CLEARANCE, VISCOSITY, SPEED * RADIUS).short(e)
         turned = float(np.degrees(np.arctan2(force[1], -force[0]) - attitude))
-        case, on = f"short bearing, L/D {ratio:g} (Ocvirk), eccentricity {e:g}", f"{hats[0]} x {hats[1]}"
+        case, on = f"short bearing, L/D {ratio:g} (Ocvirk), eccentricity {e:g}", f"{grid_nodes[0]} x {grid_nodes[1]}"
         rows.append(Row(case, on, f"force (attitude {turned:+.2g}°)", float(np.hypot(*force)) / load - 1.0, 0.02))
     return rows
 
 
 @cache
-def stiff_shaft(hats: tuple[int, int]) -> ReducedBody:
+def stiff_shaft(grid_nodes: tuple[int, int]) -> ReducedBody:
     """A ring whose rim carries the film, and that is held inside."""
-    mesh = roller(RADIUS - CLEARANCE, 0.005, LENGTH, sectors=hats[0], layers=2, order=1, axial=hats[1] - 1)
+    mesh = roller(RADIUS - CLEARANCE, 0.005, LENGTH, sectors=grid_nodes[0], layers=2, order=1, axial=grid_nodes[1] - 1)
     return reduce(
         mesh, replace(STEEL, youngs_modulus=RIGID * STEEL.youngs_modulus), interfaces={"bore": "rigid"},
         contact={"rim": surfaces.Cylinder()}, modes=2, cache=False, progress=False,
     )  # fmt: skip
 
 
-def on_shaft(hats: tuple[int, int], load: float, at: tuple[float, float]) -> Scene:
+def on_shaft(grid_nodes: tuple[int, int], load: float, at: tuple[float, float]) -> Scene:
     """A shaft that carries the grid, in a rigid bore of the ground."""
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     shaft = scene.add_body(
-        stiff_shaft(hats), name="shaft", position=(at[0], 0.0, -at[1]), angular_velocity=(0.0, SPEED, 0.0)
+        stiff_shaft(grid_nodes), name="shaft", position=(at[0], 0.0, -at[1]), angular_velocity=(0.0, SPEED, 0.0)
     )  # fmt: skip
     round_it = surfaces.Bore(radius=RADIUS, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
     housing = scene.ground.surface(round_it, name="housing")
@@ -370,17 +370,17 @@ def on_shaft(hats: tuple[int, int], load: float, at: tuple[float, float]) -> Sce
     return scene
 
 
-def grid_rows(hats: tuple[int, int] = (64, 9), load: float = 2e3, turns: int = 3) -> list[Row]:
+def grid_rows(grid_nodes: tuple[int, int] = (64, 9), load: float = 2e3, turns: int = 3) -> list[Row]:
     """The same bearing with the grid on the shaft and in the bore: at rest, and turning by a column per step."""
-    own = bearing(bore(hats, LENGTH, RIGID), (load, 0.0), cavitation="reynolds")
+    own = bearing(bore(grid_nodes, LENGTH, RIGID), (load, 0.0), cavitation="reynolds")
     exact = _place(completed(find_equilibrium(own)))
-    still = _place(completed(find_equilibrium(on_shaft(hats, load, (0.3 * CLEARANCE, 0.0)))))
-    step = TURN / hats[0]
-    scene = on_shaft(hats, load, (exact[0] * CLEARANCE, exact[1] * CLEARANCE))
+    still = _place(completed(find_equilibrium(on_shaft(grid_nodes, load, (0.3 * CLEARANCE, 0.0)))))
+    step = TURN / grid_nodes[0]
+    scene = on_shaft(grid_nodes, load, (exact[0] * CLEARANCE, exact[1] * CLEARANCE))
     found = completed(run(scene, turns * TURN, step=step, start="equilibrium", progress=False))
-    x = found.bodies["shaft"].position[-hats[0] :]
+    x = found.bodies["shaft"].position[-grid_nodes[0] :]
     moving = np.array([x[:, 0].mean(), -x[:, 2].mean()]) / CLEARANCE
-    size, on = float(np.hypot(*exact)), f"{hats[0]} x {hats[1]}"
+    size, on = float(np.hypot(*exact)), f"{grid_nodes[0]} x {grid_nodes[1]}"
     case = "grid on the shaft compared with grid in the bore"
     return [
         Row(case, on, "place at rest, over the eccentricity", float(np.hypot(*(still - exact))) / size, 0.01),
@@ -393,9 +393,9 @@ def _place(found: History) -> Array:
     return np.array([x[0], -x[2]])
 
 
-def dry_rows(hats: tuple[int, int] = (64, 9), speeds: Sequence[float] = (3.0, 0.3)) -> list[Row]:
+def dry_rows(grid_nodes: tuple[int, int] = (64, 9), speeds: Sequence[float] = (3.0, 0.3)) -> list[Row]:
     """Asperities against a film that hardly carries, and dry contact by the same law."""
-    body, rows = bore(hats), []
+    body, rows = bore(grid_nodes), []
     scene = bearing(body, (HEAVY, 0.0), speed=0.0, feeds=[GROOVE], at=(0.9, 0.0))
     first, second = scene.films.pop().ports
     scene.add(Contact(first, second, law=ASPERITIES, name="dry"))
@@ -408,7 +408,10 @@ def dry_rows(hats: tuple[int, int] = (64, 9), speeds: Sequence[float] = (3.0, 0.
             )
         )
         film, x = wet.films["film"], wet.bodies["shaft"].position[-1]
-        case, on = f"asperities and film at {speed:g} rad/s compared with dry contact", f"{hats[0]} x {hats[1]}"
+        case, on = (
+            f"asperities and film at {speed:g} rad/s compared with dry contact",
+            f"{grid_nodes[0]} x {grid_nodes[1]}",
+        )
         rows += [
             Row(case, on, "largest pressure of asperities", film.largest_asperity_pressure[-1] / largest - 1.0, 0.05),
             Row(case, on, "eccentricity", float(np.hypot(x[0], x[2])) / place - 1.0, 0.05),

@@ -27,7 +27,7 @@ from warpffrf.study.markdown import table
 FOLDER, PAGE = "docs/studies", "oil_film.md"
 RADIUS, CLEARANCE, VISCOSITY, SPEED = 0.025, 25e-6, 0.01, 300.0  # m, m, Pa s, rad/s
 RATIOS, ECCENTRICITIES = (0.5, 1.0), (0.2, 0.5, 0.8, 0.9)
-HATS = ((64, 9), (128, 17), (180, 31))
+GRID_NODES = ((64, 9), (128, 17), (180, 31))
 VOLUMES = (360, 64)
 TURNING = 0.25  # of the shaft's speed, of a load that turns
 
@@ -63,7 +63,7 @@ def finite_rows() -> list[list[str]]:
                 RADIUS, length, CLEARANCE, VISCOSITY, SPEED, e, columns=VOLUMES[0], rows=VOLUMES[1], mode="reynolds"
             )
             row = [f"{ratio:g}", f"{e:g}", f"{volumes.load:.5g}", f"{np.degrees(volumes.attitude):.2f}"]
-            for columns, along in HATS:
+            for columns, along in GRID_NODES:
                 film = journal(length, columns, along, mode="reynolds")
                 state = film.steady(at(e))
                 force = film.force(state)
@@ -152,11 +152,11 @@ def parting_rows() -> list[list[str]]:
     return rows
 
 
-def standing(load: float, hats: tuple[int, int]) -> float:
+def standing(load: float, grid_nodes: tuple[int, int]) -> float:
     """Eccentricity [m] under a load [N] that stands, at the speed |omega - 2 w| at which one that turns with
     w = TURNING omega does the same."""
     film = JournalFilm(
-        RADIUS, RADIUS, CLEARANCE, VISCOSITY, SPEED * abs(1.0 - 2.0 * TURNING), *hats, mode="reynolds"
+        RADIUS, RADIUS, CLEARANCE, VISCOSITY, SPEED * abs(1.0 - 2.0 * TURNING), *grid_nodes, mode="reynolds"
     )  # fmt: skip
     place = 0.6 * at(0.5)
     film.begin(place)
@@ -165,10 +165,10 @@ def standing(load: float, hats: tuple[int, int]) -> float:
     return float(np.hypot(*place))
 
 
-def turning(load: float, hats: tuple[int, int], per_turn: int) -> tuple[float, float]:
+def turning(load: float, grid_nodes: tuple[int, int], per_turn: int) -> tuple[float, float]:
     """Eccentricity [m] under a load [N] that turns, after four turns of the shaft in so many steps each, and the mean
     number of Newton iterations per step from the second turn on."""
-    film = JournalFilm(RADIUS, RADIUS, CLEARANCE, VISCOSITY, SPEED, *hats, mode="reynolds")
+    film = JournalFilm(RADIUS, RADIUS, CLEARANCE, VISCOSITY, SPEED, *grid_nodes, mode="reynolds")
     place, step, counts = np.array([0.5, -0.3]) * CLEARANCE, 2.0 * np.pi / SPEED / per_turn, []
     film.begin(place)
     for k in range(1, 4 * per_turn + 1):
@@ -178,11 +178,11 @@ def turning(load: float, hats: tuple[int, int], per_turn: int) -> tuple[float, f
     return float(np.hypot(*place)), float(np.mean(counts[per_turn:]))
 
 
-def turning_rows(load: float, steps: Sequence[int], hats: tuple[int, int] = (48, 9)) -> list[list[str]]:
+def turning_rows(load: float, steps: Sequence[int], grid_nodes: tuple[int, int] = (48, 9)) -> list[list[str]]:
     """Against the load that stands, by steps per revolution."""
-    exact, rows = standing(load, hats), []
+    exact, rows = standing(load, grid_nodes), []
     for per_turn in steps:
-        found, iterations = turning(load, hats, per_turn)
+        found, iterations = turning(load, grid_nodes, per_turn)
         rows.append([str(per_turn), _off(found, exact), f"{iterations:.1f}"])
     return rows
 
@@ -204,7 +204,7 @@ def threshold_rows() -> list[list[str]]:
 def balance_rows() -> list[list[str]]:
     """Torques about both axes, and power, of a fed bearing."""
     rows = []
-    for columns, along in HATS:
+    for columns, along in GRID_NODES:
         film, place = journal(RADIUS, columns, along, feeds=(columns // 2,)), np.array([0.6, 0.2]) * CLEARANCE
         state = film.steady(place)
         force = film.force(state)
@@ -233,7 +233,7 @@ def compute() -> dict[str, list[list[str]]]:
 
 def page(found: dict[str, list[list[str]]]) -> str:
     """Markdown."""
-    hats = [f"{a} x {b} nodes" for a, b in HATS]
+    grid_nodes = [f"{a} x {b} nodes" for a, b in GRID_NODES]
     return f"""# The law of oil films
 
 Reynolds' equation on bilinear shape functions with the cavity volume per area as the unknown where the film is not full
@@ -245,7 +245,7 @@ Reynolds' equation on bilinear shape functions with the cavity volume per area a
 Rupture by Reynolds' condition. Load [N] and attitude [deg] on {VOLUMES[0]} x {VOLUMES[1]} volumes, implemented
 separately; errors of load, attitude and largest pressure of the film on nodes.
 
-{table(["L/D", "eccentricity", "load", "attitude", *hats], found["finite"])}
+{table(["L/D", "eccentricity", "load", "attitude", *grid_nodes], found["finite"])}
 ## Treatments of the cavity
 
 L/D 0.5, 128 x 17 nodes, the film widest at 180°. Oil that is carried as cavity and film into the feed conserves mass;

@@ -38,7 +38,7 @@ class StepTime:
 
     local_modes: int  # of one roller
     active_nodes: float  # mean over the run
-    outer_columns: int
+    retained_columns: int
     iterations: float  # Newton iterations per step, mean
     factorisations: float  # of the active block per step, mean
     seconds_per_step: float
@@ -123,7 +123,7 @@ def measured(history: History, local_modes: int) -> StepTime:
     return StepTime(
         local_modes=local_modes,
         active_nodes=float(contact.active_nodes.mean()),
-        outer_columns=int(c["outer_columns"]),
+        retained_columns=int(c["retained_columns"]),
         iterations=float(c["mean_iterations"]),
         factorisations=float(history.factorisations[1:].sum() / steps),
         seconds_per_step=c["seconds_in_graph"] / steps,

@@ -33,8 +33,8 @@ class Grid:
 
 
 GRIDS = {
-    "hats, 0.13 mm": Grid("body_fixed"),
-    "hats, 0.09 mm": Grid("body_fixed", rollers.Size(sectors=3600, layers=18, axial=4)),
+    "nodes, 0.13 mm": Grid("body_fixed"),
+    "nodes, 0.09 mm": Grid("body_fixed", rollers.Size(sectors=3600, layers=18, axial=4)),
     "7 x 9 cells, 4 mm mesh": Grid("contact_fixed", COARSE, cells=(7, 9)),
     "9 x 7 cells, 4 mm mesh": Grid("contact_fixed", COARSE, cells=(9, 7)),
     "cells to 0.5 %, 4 mm mesh": Grid("contact_fixed", COARSE),
@@ -73,13 +73,14 @@ TWO_ROLLERS = Study(
     f"The machine of [the two-roller demo](../two_rollers.md), started from its equilibrium under "
     f"{rollers.LOAD / 1e3:g} kN, over {RUN * 1e3:g} ms: spun up in {rollers.SPIN_UP * 1e3:g} ms, and loaded "
     f"to {rollers.LOAD_AFTER / 1e3:g} kN between {LOAD_STEP * 1e3:g} and "
-    f"{(LOAD_STEP + rollers.LOAD_STEP_TAKES) * 1e3:g} ms. `cells` are what pressures stand on: hats of an FE mesh with "
+    f"{(LOAD_STEP + rollers.LOAD_STEP_TAKES) * 1e3:g} ms. `cells` are what pressures stand on: nodes of an FE mesh "
+    f"with "
     "elements of that size at the rim, whose compliance they have, or cells that travel with the patch and have that "
     "of a half-space near the load, over the same mesh or over one of 4 mm. Cells are as many as are given, strips "
     "across by rows along, or as many as the program takes for an error of force and largest pressure of so many "
     "percent. Local modes are quasi-static: cells need that.\n\n"
-    f"The rim runs at {SURFACE_SPEED:g} m/s, so that hats of {PITCH * 1e3:.2g} mm pass the contact at "
-    f"{SURFACE_SPEED / PITCH * 1e-3:.0f} kHz, which no step of this study resolves: forces on hats do not converge "
+    f"The rim runs at {SURFACE_SPEED:g} m/s, so that nodes of {PITCH * 1e3:.2g} mm pass the contact at "
+    f"{SURFACE_SPEED / PITCH * 1e-3:.0f} kHz, which no step of this study resolves: forces on nodes do not converge "
     "with these steps. Without rolling they do, [see there](pressed_rollers.md).",
     make,
 )

@@ -33,7 +33,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import hat
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, vec3
-from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.scratch import Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import LoadState
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -60,7 +60,7 @@ def triple(a: wp.array3d(dtype=real), w: int, d: int, at: int) -> vec3:
 
 
 @kernel
-def uncondense(run: Run, system: OuterSystem, receptance: wp.array2d(dtype=real)):
+def uncondense(run: Run, system: RetainedSystem, receptance: wp.array2d(dtype=real)):
     """Lanes over dense modes: their lines and columns of their body's block of the tangent, diagonal at this point;
     none of them is condensed."""
     w, lane = wp.tid()
@@ -116,7 +116,7 @@ def sum_modes(run: Run, trial: Trial, qd1: wp.array(dtype=real), qd1_rate: wp.ar
 
 
 @kernel
-def add_inertia(run: Run, trial: Trial, residuals: Residuals, system: OuterSystem, q1: wp.array2d(dtype=real)):
+def add_inertia(run: Run, trial: Trial, residuals: Residuals, system: RetainedSystem, q1: wp.array2d(dtype=real)):
     """Lanes over bodies: unbalanced torque and modal forces, the dense blocks of the tangent except their pair terms
     (`couple_modes`), and the kinetic energy of these terms.
     """
@@ -125,8 +125,8 @@ def add_inertia(run: Run, trial: Trial, residuals: Residuals, system: OuterSyste
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     half = real(0.5)
-    acc = run.clk[w].outer.acc
-    vel = run.clk[w].outer.vel
+    acc = run.clk[w].retained.acc
+    vel = run.clk[w].retained.vel
     b = lane
     while b < model.bodies.count:
         trial.extra_energy[w, b] = real(0.0)
@@ -193,7 +193,7 @@ def couple_modes(run: Run, trial: Trial, loads: LoadState, residuals: Residuals,
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
         return
     d = int(0)
-    N = model.outer.count
+    N = model.retained.count
     while d < model.dense.count:
         b = model.dense.body[d]
         count = model.bodies.inertia_count[b]
@@ -207,7 +207,7 @@ def couple_modes(run: Run, trial: Trial, loads: LoadState, residuals: Residuals,
         two = real(2.0)
         for c in range(3):
             axpy(count, -s[c] * s[c], model.dense.table, at + c * stride, tangent, line)
-            along = two * run.clk[w].outer.vel * s[c] + trial.omega1_rate[w, b][c]
+            along = two * run.clk[w].retained.vel * s[c] + trial.omega1_rate[w, b][c]
             axpy(count, along, model.dense.table, at + (6 + c) * stride, tangent, line)
         axpy(count, -two * s[0] * s[1], model.dense.table, at + 3 * stride, tangent, line)
         axpy(count, -two * s[1] * s[2], model.dense.table, at + 4 * stride, tangent, line)

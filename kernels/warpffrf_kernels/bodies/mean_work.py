@@ -41,7 +41,7 @@ from warpffrf_kernels.core.integration import share_of_miss
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
-from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.scratch import Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import LoadState
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -82,7 +82,7 @@ def add_mean_work(run: Run, trial: Trial, loads: LoadState, residuals: Residuals
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
-    rule = run.clk[w].outer
+    rule = run.clk[w].retained
     one = real(1.0)
     quarter = real(0.25)
     whole = share_of_miss(run, w) != real(0.0)
@@ -120,7 +120,7 @@ def add_mean_work(run: Run, trial: Trial, loads: LoadState, residuals: Residuals
 
 
 @kernel
-def couple_pulls(run: Run, trial: Trial, residuals: Residuals, system: OuterSystem):
+def couple_pulls(run: Run, trial: Trial, residuals: Residuals, system: RetainedSystem):
     """Lanes over dense modes: dY_1 with respect to the multipliers of rows."""
     w, lane = wp.tid()
     model = run.models[w]
@@ -145,7 +145,7 @@ def couple_pulls(run: Run, trial: Trial, residuals: Residuals, system: OuterSyst
                             total += pull * (trial.slope[at] - trial.slope0[at])
             if total != real(0.0):
                 line = 6 * model.bodies.count + d
-                column = model.outer.row_offset + row
+                column = model.retained.row_offset + row
                 system.tangent[w, line, column] = system.tangent[w, line, column] - part * total
             row += 1
         d += wp.block_dim()

@@ -105,7 +105,7 @@ def stiffen_membranes(run: Run, trial: Trial, tangent: wp.array(dtype=real)):
         return
     part = real(0.25) * share_of_miss(run, w)
     d = lane
-    N = model.outer.count
+    N = model.retained.count
     while d < model.dense.count:
         b = model.dense.body[d]
         i = d - model.bodies.dense_start[b]

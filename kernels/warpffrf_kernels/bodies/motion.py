@@ -49,7 +49,7 @@ from warpffrf_kernels.core.integration import (
 from warpffrf_kernels.core.rotation import exponential, hat, matrix, tangent_inverse
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
-from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import LoadState, MotionState
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -58,7 +58,7 @@ wp.set_module_options(MODULE_OPTIONS)
 @wp.func
 def first_tau(run: Run, w: int) -> real:
     """The first proximal step of a load step [s]."""
-    return run.clk[w].tau * wp.pow(real(0.01), real(run.ctl[w].careful))
+    return run.clk[w].tau * wp.pow(real(0.01), real(run.ctl[w].proximal_level))
 
 
 @kernel
@@ -116,13 +116,13 @@ def begin_step(run: Run):
         if run.ctl[w].mode == k.START:
             beta = real(0.5)
     run.clk[w].h = h
-    run.clk[w].outer = coefficients_from(am, af, beta, gamma, h)
-    run.ctl[w].turned = 0
+    run.clk[w].retained = coefficients_from(am, af, beta, gamma, h)
+    run.ctl[w].friction_changed = 0
     if run.ctl[w].mode == k.LOADING:
-        run.clk[w].outer = coefficients_from(am, af, beta, gamma, first_tau(run, w))
-        run.ctl[w].forget = 1  # the friction state of joints may change in the step
-    if run.ctl[w].mode == k.DYNAMIC and run.ctl[w].forget != 0:
-        run.clk[w].outer = forgetful(h)
+        run.clk[w].retained = coefficients_from(am, af, beta, gamma, first_tau(run, w))
+        run.ctl[w].restart = 1  # the friction state of joints may change in the step
+    if run.ctl[w].mode == k.DYNAMIC and run.ctl[w].restart != 0:
+        run.clk[w].retained = forgetful(h)
     if run.ctl[w].mode == k.DYNAMIC:
         am = run.local_coefficients[w, 0]
         af = run.local_coefficients[w, 1]
@@ -183,7 +183,7 @@ def predict_bodies(run: Run, state: MotionState, impulses: ImpulsiveContact, tri
     if run.ctl[w].run == 0 or run.ctl[w].again != 0:  # a repeated attempt starts from the result of the previous one
         return
     h = run.clk[w].h
-    rule = run.clk[w].outer
+    rule = run.clk[w].retained
     b = lane
     while b < state.v.shape[1]:
         trial.dx[w, b] = predicted(h, rule, state.v[w, b], impulses.v_rate0[w, b], impulses.v_alg0[w, b])
@@ -216,7 +216,7 @@ def predict_modes(run: Run, state: MotionState, impulses: ImpulsiveContact, load
 
 @kernel
 def move_bodies(
-    run: Run, state: MotionState, impulses: ImpulsiveContact, trial: Trial, residuals: Residuals, system: OuterSystem
+    run: Run, state: MotionState, impulses: ImpulsiveContact, trial: Trial, residuals: Residuals, system: RetainedSystem
 ):
     """Trial state of each body, its unbalanced inertia and gravity forces, and their tangent (blocks of `tangent`)."""
     w, lane = wp.tid()
@@ -224,7 +224,7 @@ def move_bodies(
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     h = run.clk[w].h
-    rule = run.clk[w].outer
+    rule = run.clk[w].retained
     b = lane
     while b < model.bodies.count:
         a_t = acceleration_of(
@@ -252,7 +252,7 @@ def move_bodies(
         t = J * spin_rate + wp.cross(spin, J * spin)
         Ti = tangent_inverse(trial.psi[w, b])
         trial.psi_inverse[w, b] = Ti
-        S = (run.clk[w].outer.acc * J + run.clk[w].outer.vel * (hat(spin) * J - hat(J * spin))) * Ti
+        S = (run.clk[w].retained.acc * J + run.clk[w].retained.vel * (hat(spin) * J - hat(J * spin))) * Ti
         o = 6 * b
         for i in range(3):
             residuals.residual[w, o + i] = f[i]
@@ -262,12 +262,12 @@ def move_bodies(
                 system.tangent[w, o + i, o + 3 + j] = real(0.0)
                 system.tangent[w, o + 3 + i, o + j] = real(0.0)
                 system.tangent[w, o + 3 + i, o + 3 + j] = S[i, j]
-            system.tangent[w, o + i, o + i] = m * run.clk[w].outer.acc
+            system.tangent[w, o + i, o + i] = m * run.clk[w].retained.acc
         b += wp.block_dim()
 
 
 @kernel
-def hold_motions(run: Run, trial: Trial, system: OuterSystem, residuals: Residuals):
+def hold_motions(run: Run, trial: Trial, system: RetainedSystem, residuals: Residuals):
     """Per world, in static steps: the force n (n.d) of each constrained motion n."""
     w = wp.tid()
     model = run.models[w]

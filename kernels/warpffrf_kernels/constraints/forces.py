@@ -87,7 +87,7 @@ def couple_springs(run: Run, loads: LoadState, residuals: Residuals):
         first = model.groups.start[g]
         n = model.groups.size[g]
         size = n
-        slope = run.clk[w].outer.vel
+        slope = run.clk[w].retained.vel
         if slope == real(0.0):
             size = model.groups.sprung[g]
         at = (w * model.groups.count + g) * 36

@@ -39,7 +39,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import hat
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
-from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.scratch import Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import LoadState
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -123,7 +123,7 @@ def column_of(model: Model, body: int, coordinate: int) -> int:
 @wp.func
 def add_change(
     model: Model, trial: Trial, w: int, body: int, interface: int, modes: int, A: mat33, lever: vec3, turned: vec3,
-    P: vec3, dP: vec3, M: vec3, dM: vec3, N: vec3, dN: vec3, column: int, system: OuterSystem,
+    P: vec3, dP: vec3, M: vec3, dM: vec3, N: vec3, dN: vec3, column: int, system: RetainedSystem,
 ):  # fmt: skip
     """Adds the change of a body's residuals to a column: force P, moment M about its origin, couple N at the marker
     (all world axes) and their changes; the body rotates by `turned`."""
@@ -197,7 +197,7 @@ def pull_of(kind: int, pull: real, f: vec3, t: vec3, R_a: mat33, R_b: mat33, i: 
 
 
 @kernel
-def stiffen(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, system: OuterSystem):
+def stiffen(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, system: RetainedSystem):
     """Per world: add the geometric stiffness of all rows to the retained matrix."""
     w = wp.tid()
     model = run.models[w]
@@ -281,7 +281,7 @@ def stiffen(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, syst
 
 
 @kernel
-def stiffen_applied(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, system: OuterSystem):
+def stiffen_applied(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, system: RetainedSystem):
     """Per world, in static steps: add the geometric stiffness of point forces and torques to the retained matrix."""
     w = wp.tid()
     model = run.models[w]

@@ -57,7 +57,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.ring import SavedJointFriction
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
-from warpffrf_kernels.core.scratch import OuterSystem, Residuals
+from warpffrf_kernels.core.scratch import Residuals, RetainedSystem
 from warpffrf_kernels.core.state import JointFrictionState, LoadState
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -73,7 +73,7 @@ NOTHING = wp.constant(wp.float64(1.0e-300))  # keeps fractions finite
 @wp.func
 def acts(run: Run, w: int) -> bool:
     """Whether the evaluation is part of a step; gamma is 0 if the host evaluates a single state."""
-    return run.ctl[w].mode == k.LOADING or (run.ctl[w].mode == k.DYNAMIC and run.clk[w].outer.gamma > real(0.0))
+    return run.ctl[w].mode == k.LOADING or (run.ctl[w].mode == k.DYNAMIC and run.clk[w].retained.gamma > real(0.0))
 
 
 @wp.func
@@ -89,7 +89,7 @@ def rate_slope(run: Run, w: int) -> real:
     """d(rate)/d(coordinate)."""
     if run.ctl[w].mode == k.LOADING:
         return real(1.0) / run.clk[w].h
-    return run.clk[w].outer.vel
+    return run.clk[w].retained.vel
 
 
 @wp.func
@@ -165,8 +165,8 @@ def row_compliance(model: Model, run: Run, w: int, row: int, residuals: Residual
             while d < model.bodies.dense_start[b] + model.bodies.dense_count[b]:
                 m = model.dense.mode[d]
                 c = residuals.C_modal[(w * model.rows.count + row) * model.modes.count + m]
-                damping = run.clk[w].outer.vel * model.modes.damping[m]
-                total += c * c / (run.clk[w].outer.acc + damping + model.modes.stiffness[m])
+                damping = run.clk[w].retained.vel * model.modes.damping[m]
+                total += c * c / (run.clk[w].retained.acc + damping + model.modes.stiffness[m])
                 d += 1
     for side in range(2):
         b = model.markers.body[marker_of(model, row, side)]
@@ -174,8 +174,8 @@ def row_compliance(model: Model, run: Run, w: int, row: int, residuals: Residual
             for i in range(3):
                 f = residuals.C[w, row, 6 * b + i]
                 t = residuals.C[w, row, 6 * b + 3 + i]
-                total += f * f / (model.bodies.mass[b] * run.clk[w].outer.acc)
-                total += t * t / (model.bodies.inertia[b][i, i] * run.clk[w].outer.acc)
+                total += f * f / (model.bodies.mass[b] * run.clk[w].retained.acc)
+                total += t * t / (model.bodies.inertia[b][i, i] * run.clk[w].retained.acc)
     return total
 
 
@@ -220,13 +220,13 @@ def rub(run: Run, loads: LoadState, residuals: Residuals, joints: JointFrictionS
                 way = wp.normalize(v)
             if wp.length(way) == real(0.0):
                 branch = int(0)
-        elif run.ctl[w].forget != 0 and branch == 0 and wp.length(f) > bound * (real(1.0) + SLACK):
+        elif run.ctl[w].restart != 0 and branch == 0 and wp.length(f) > bound * (real(1.0) + SLACK):
             branch = int(1)
             way = wp.normalize(f)
-            run.ctl[w].turned = 1
-        elif run.ctl[w].forget != 0 and branch != 0 and wp.dot(way, v) <= real(0.0):
+            run.ctl[w].friction_changed = 1
+        elif run.ctl[w].restart != 0 and branch != 0 and wp.dot(way, v) <= real(0.0):
             branch = int(0)
-            run.ctl[w].turned = 1
+            run.ctl[w].friction_changed = 1
         elif branch != 0 and n == 2 and wp.dot(way, v) > real(0.0):
             way = wp.normalize(v)
         residuals.slip_branch[w, e] = branch
@@ -261,14 +261,14 @@ def rub(run: Run, loads: LoadState, residuals: Residuals, joints: JointFrictionS
 def renew(run: Run):
     """Per world: renews the retained matrix if stick has become slip, or slip stick, since it was assembled."""
     w = wp.tid()
-    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].turned == 0:
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].friction_changed == 0:
         return
     run.ctl[w].refresh = 1
-    run.ctl[w].turned = 0
+    run.ctl[w].friction_changed = 0
 
 
 @kernel
-def couple_friction(run: Run, loads: LoadState, residuals: Residuals, system: OuterSystem):
+def couple_friction(run: Run, loads: LoadState, residuals: Residuals, system: RetainedSystem):
     """Lanes over joints with friction: coupling of their rows with each other and with the rows of the normal load, in
     the retained matrix."""
     w, lane = wp.tid()
@@ -278,7 +278,7 @@ def couple_friction(run: Run, loads: LoadState, residuals: Residuals, system: Ou
     e = lane
     while e < model.elements[0].joint_frictions.count:
         n = model.elements[0].joint_frictions.size[e]
-        at = model.outer.row_offset + model.elements[0].joint_frictions.start[e]
+        at = model.retained.row_offset + model.elements[0].joint_frictions.start[e]
         along = residuals.slip_softness[w, e, 0]
         across = residuals.slip_softness[w, e, 1]
         if residuals.slip_branch[w, e] != 0:
@@ -295,7 +295,7 @@ def couple_friction(run: Run, loads: LoadState, residuals: Residuals, system: Ou
                 dR = -force_of(residuals.row_wrench, w, row)
                 dM = -torque_of(residuals.row_wrench, w, row)
                 slope = bound_slope(model, e, axis, R, M, dR, dM)
-                column = model.outer.row_offset + row
+                column = model.retained.row_offset + row
                 for r in range(n):
                     entry = along * residuals.slip_way[w, e, r] * slope / model.elements[0].joint_frictions.weight[e, r]
                     system.tangent[w, at + r, column] = system.tangent[w, at + r, column] + entry
@@ -310,7 +310,7 @@ def end_slips(run: Run, loads: LoadState, residuals: Residuals, joints: JointFri
     model = run.models[w]
     if run.ctl[w].attempt == 0:
         return
-    run.ctl[w].turned = 0
+    run.ctl[w].friction_changed = 0
     e = int(0)
     while e < model.elements[0].joint_frictions.count:
         residuals.slip_loss[w, e] = real(0.0)
@@ -331,19 +331,19 @@ def end_slips(run: Run, loads: LoadState, residuals: Residuals, joints: JointFri
                 rate = slip_rate(run, w, row, residuals, loads)
                 moved += residuals.slip_way[w, e, r] * weight * rate
             loss = real(0.5) * (before + after)
-            if run.ctl[w].forget != 0:
+            if run.ctl[w].restart != 0:
                 loss = after
             residuals.slip_loss[w, e] = wp.max(loss, real(0.0))
             branch = residuals.slip_branch[w, e]
             if model.elements[0].joint_frictions.slip_velocity[e] == real(0.0):
-                if run.ctl[w].forget != 0:
+                if run.ctl[w].restart != 0:
                     if branch != joints.slipping[w, e] or (branch != 0 and kept < real(0.0)):
-                        run.ctl[w].turned = 1
+                        run.ctl[w].friction_changed = 1
                 elif branch == 0:
                     if wp.sqrt(held) > residuals.slip_bound[w, e] * (real(1.0) + SLACK):
-                        run.ctl[w].turned = 1
+                        run.ctl[w].friction_changed = 1
                 elif moved <= real(0.0) or after < real(0.0) or before < real(0.0):
-                    run.ctl[w].turned = 1
+                    run.ctl[w].friction_changed = 1
         e += 1
 
 

@@ -81,7 +81,7 @@ def stop_lengths(run: Run, pretension: PretensionState, residuals: Residuals):
     e = int(0)
     while e < model.elements[0].pretensions.count:
         if residuals.holds[w, e] != pretension.locked[w, e]:
-            run.ctl[w].turned = 1
+            run.ctl[w].friction_changed = 1
         e += 1
 
 

@@ -229,7 +229,7 @@ def evaluate_rows(run: Run, trial: Trial, loads: LoadState, residuals: Residuals
                 rate += row_rate(model, w, row, a, residuals, trial, qd1)
             if body_b >= 0 and body_b != body_a:
                 rate += row_rate(model, w, row, b, residuals, trial, qd1)
-            k_e = model.rows.stiffness[row] + model.rows.damping[row] * run.clk[w].outer.vel
+            k_e = model.rows.stiffness[row] + model.rows.damping[row] * run.clk[w].retained.vel
             law = model.rows.stiffness[row] * value + model.rows.damping[row] * rate + model.rows.preload[row]
             if model.rows.elastic[row] >= 0:
                 spring = characteristic(model, model.rows.elastic[row], value)
@@ -238,9 +238,9 @@ def evaluate_rows(run: Run, trial: Trial, loads: LoadState, residuals: Residuals
             if model.rows.viscous[row] >= 0:
                 damper = characteristic(model, model.rows.viscous[row], rate)
                 law += damper[0]
-                k_e += damper[1] * run.clk[w].outer.vel
+                k_e += damper[1] * run.clk[w].retained.vel
             if model.rows.elastic[row] >= 0 or model.rows.viscous[row] >= 0:
-                k_e = firm(model, row, force, run.clk[w].outer.acc, k_e)
+                k_e = firm(model, row, force, run.clk[w].retained.acc, k_e)
             if k_e != real(0.0):
                 residuals.defect[w, row] = (law - loads.lam[w, row]) / k_e
                 residuals.softness[w, row] = real(1.0) / k_e

@@ -21,15 +21,15 @@ class ContactGeometry:
     point_place: DeviceArray = reals("world", "pair", "window_point", 2, note="column and row on B")
     point_line: DeviceArray = reals("world", "pair", "point_number", note="see `at_points`")
     held_ball: DeviceArray = matrices("world", "pair")
-    weak_gap: DeviceArray = reals("world", "pair", "hat", unit="m")
-    shifted_gap: DeviceArray = reals("world", "pair", "hat", unit="m")
-    area: DeviceArray = reals("world", "pair", "hat", unit="m2")
-    wrench: DeviceArray = reals("world", "pair", "hat", 6, note="per unit pressure")
+    weak_gap: DeviceArray = reals("world", "pair", "node", unit="m")
+    shifted_gap: DeviceArray = reals("world", "pair", "node", unit="m")
+    area: DeviceArray = reals("world", "pair", "node", unit="m2")
+    wrench: DeviceArray = reals("world", "pair", "node", 6, note="per unit pressure")
     more_wrench: DeviceArray = reals(
-        "world", "pair", "held_hat", 6, note="what the true one has beside", zero_without=True
+        "world", "pair", "held_node", 6, note="what the true one has beside", zero_without=True
     )
-    stencil: DeviceArray = reals("world", "pair", "hat", "stencil", unit="m2", zero_without=True)
-    stencil_at: DeviceArray = integers("world", "pair", "hat", 2, note="column and row on B", zero_without=True)
+    stencil: DeviceArray = reals("world", "pair", "node", "stencil", unit="m2", zero_without=True)
+    stencil_at: DeviceArray = integers("world", "pair", "node", 2, note="column and row on B", zero_without=True)
 
 
 @topic
@@ -37,7 +37,7 @@ class PatchScratch:
     """Contact-fixed cells, see the kernels of `patch`."""
 
     patch_place: DeviceArray = reals("world", "patch_pair", 4, note="column and z [m] of A, W [m], column of B")
-    patch_buffer: DeviceArray = reals("world", "patch_pair", "patch_hat", unit="Pa")
+    patch_buffer: DeviceArray = reals("world", "patch_pair", "patch_cell", unit="Pa")
     patch_made: DeviceArray = reals(
         "world", "patch_pair", 3, note="W, tangent of the step and weight for which rows of G were made", carried=True
     )
@@ -45,39 +45,41 @@ class PatchScratch:
         "world", "patch_pair", note="1: the next one does not undo the one before it", carried=True
     )
     patch_change: DeviceArray = reals(
-        "world", "patch_pair", "patch_hat", unit="Pa", note="of pressures in the last accepted step", carried=True
+        "world", "patch_pair", "patch_cell", unit="Pa", note="of pressures in the last accepted step", carried=True
     )
     patch_ball: DeviceArray = matrices("world", "patch_pair")
     patch_laid: DeviceArray = reals("world", "patch_pair", 2, note="W and ends of the next", carried=True)
     patch_near: DeviceArray = reals("world", "patch_pair", "near_number", unit="m3/Pa", carried=True)
-    far_at: DeviceArray = integers("world", "patch_pair", "2*patch_hat", 2, note="first column and row of splines")
-    far_weight: DeviceArray = reals("world", "patch_pair", "2*patch_hat", 9, unit="m2")
+    far_at: DeviceArray = integers("world", "patch_pair", "2*patch_cell", 2, note="first column and row of splines")
+    far_weight: DeviceArray = reals("world", "patch_pair", "2*patch_cell", 9, unit="m2")
     far_window: DeviceArray = integers("world", "patch_pair", 2, 2, note="first column and columns, by side")
-    far_load: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="N", flat=True)
-    far_field: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m", flat=True)
-    far_modes: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m", flat=True)
+    far_load: DeviceArray = reals("world", "patch_pair", "2*far_spline", unit="N", flat=True)
+    far_field: DeviceArray = reals("world", "patch_pair", "2*far_spline", unit="m", flat=True)
+    far_modes: DeviceArray = reals("world", "patch_pair", "2*far_spline", unit="m", flat=True)
     far_answered: DeviceArray = integers(
         "world", "patch_pair", note="which of the next three are those of the evaluation"
     )
-    far_soft: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m/N", note="a line", run=True)
-    far_answer: DeviceArray = reals("world", "patch_pair", "2*far_node", "patch_place", unit="m/Pa", run=True)
+    far_soft: DeviceArray = reals("world", "patch_pair", "2*far_spline", unit="m/N", note="a line", run=True)
+    far_answer: DeviceArray = reals("world", "patch_pair", "2*far_spline", "patch_place", unit="m/Pa", run=True)
     far_gradient: DeviceArray = reals("world", "patch_pair", "patch_mode", "patch_place", run=True)
     far_line: DeviceArray = reals("world", "patch_place", unit="m/Pa", note="a row of G")
     far_strip: DeviceArray = integers("world", "patch_pair", "2*patch_column", 2, note="columns of splines of a strip")
-    far_share: DeviceArray = reals("world", "patch_pair", "2*far_node", "patch_place", unit="m2", run=True)
+    far_share: DeviceArray = reals("world", "patch_pair", "2*far_spline", "patch_place", unit="m2", run=True)
     far_laid: DeviceArray = integers("world", "patch_pair", 2, 2, note="the window of the next two", carried=True)
-    far_table: DeviceArray = reals("world", "patch_pair", "2*far_node", "far_node", unit="m/N", run=True, carried=True)
-    far_trace: DeviceArray = reals("world", "patch_pair", "patch_mode", "far_node", run=True, carried=True)
+    far_table: DeviceArray = reals(
+        "world", "patch_pair", "2*far_spline", "far_spline", unit="m/N", run=True, carried=True
+    )
+    far_trace: DeviceArray = reals("world", "patch_pair", "patch_mode", "far_spline", run=True, carried=True)
     patch_pressure: DeviceArray = reals("world", "patch_pair", "patch_place", unit="Pa")
     slot_place: DeviceArray = integers("world", "patch_slot")
     patch_between: DeviceArray = reals("world", "beside_patch", "between_place", unit="m3/Pa", note="over both strips")
     slot_reach: DeviceArray = integers("world", "patch_slot", note="last place of its pair, of the slots so far")
     far_others: DeviceArray = reals(
-        "world", "patch_pair", "2*far_node", unit="m", note="by the patches beside", flat=True
+        "world", "patch_pair", "2*far_spline", unit="m", note="by the patches beside", flat=True
     )
-    beside_local: DeviceArray = reals("world", "pair", "hat", unit="m", note="by the patches beside", flat=True)
+    beside_local: DeviceArray = reals("world", "pair", "node", unit="m", note="by the patches beside", flat=True)
     far_beside: DeviceArray = reals(
-        "world", "far_node", unit="m/Pa", note="of a cell on the splines of another patch", flat=True
+        "world", "far_spline", unit="m/Pa", note="of a cell on the splines of another patch", flat=True
     )
 
 
@@ -97,30 +99,30 @@ class RollingScratch:
     place_none: DeviceArray = reals("world", "rolling_pair", "4*rolling_place", unit="Pa", note="zeros", run=True)
     rub_laid: DeviceArray = integers("world", "rolling_pair", 2, 2, note="the window of the next two", carried=True)
     rub_table: DeviceArray = reals(
-        "world", "rolling_pair", "4*rolling_node", "3*rolling_node", unit="m/N",
+        "world", "rolling_pair", "4*rolling_spline", "3*rolling_spline", unit="m/N",
         note="by a force along: displacement along, outward", run=True, carried=True,
     )  # fmt: skip
-    rub_trace: DeviceArray = reals("world", "rolling_pair", "rolling_mode", "2*rolling_node", run=True, carried=True)
-    rub_load: DeviceArray = reals("world", "rolling_pair", "4*rolling_node", unit="N", run=True)
-    press_load: DeviceArray = reals("world", "rolling_pair", "2*rolling_node", unit="N", note="of changes", run=True)
-    rub_field: DeviceArray = reals("world", "rolling_pair", "4*rolling_node", unit="m", note="local modes", run=True)
-    rub_modes: DeviceArray = reals("world", "rolling_pair", "4*rolling_node", unit="m", note="global modes", run=True)
-    rub_push: DeviceArray = reals("world", "rolling_pair", "2*rolling_node", unit="m", note="outward", run=True)
-    grown: DeviceArray = reals("world", "rolling_pair", "2*rolling_node", note="outward over the radius", run=True)
-    gap_change: DeviceArray = reals("world", "rolling_pair", "rolling_hat", unit="m3", note="by a round", run=True)
+    rub_trace: DeviceArray = reals("world", "rolling_pair", "rolling_mode", "2*rolling_spline", run=True, carried=True)
+    rub_load: DeviceArray = reals("world", "rolling_pair", "4*rolling_spline", unit="N", run=True)
+    press_load: DeviceArray = reals("world", "rolling_pair", "2*rolling_spline", unit="N", note="of changes", run=True)
+    rub_field: DeviceArray = reals("world", "rolling_pair", "4*rolling_spline", unit="m", note="local modes", run=True)
+    rub_modes: DeviceArray = reals("world", "rolling_pair", "4*rolling_spline", unit="m", note="global modes", run=True)
+    rub_push: DeviceArray = reals("world", "rolling_pair", "2*rolling_spline", unit="m", note="outward", run=True)
+    grown: DeviceArray = reals("world", "rolling_pair", "2*rolling_spline", note="outward over the radius", run=True)
+    gap_change: DeviceArray = reals("world", "rolling_pair", "rolling_cell", unit="m3", note="by a round", run=True)
     near_shift: DeviceArray = reals(
-        "world", "rolling_pair", "2*rolling_hat", unit="m3", note="by the half-spaces", run=True
+        "world", "rolling_pair", "2*rolling_cell", unit="m3", note="by the half-spaces", run=True
     )
-    weak_shift: DeviceArray = reals("world", "rolling_pair", "4*rolling_hat", unit="m3", note="A, B", run=True)
-    weak_modes: DeviceArray = reals("world", "rolling_pair", "4*rolling_hat", unit="m3", note="A, B", run=True)
+    weak_shift: DeviceArray = reals("world", "rolling_pair", "4*rolling_cell", unit="m3", note="A, B", run=True)
+    weak_modes: DeviceArray = reals("world", "rolling_pair", "4*rolling_cell", unit="m3", note="A, B", run=True)
     weak_grown: DeviceArray = reals(
-        "world", "rolling_pair", "rolling_hat", unit="m2", note="growth, A less B", run=True
+        "world", "rolling_pair", "rolling_cell", unit="m2", note="growth, A less B", run=True
     )
     rub_line: DeviceArray = reals(
-        "world", "rolling_pair", "4*rolling_node", note="of a cell's two directions", run=True
+        "world", "rolling_pair", "4*rolling_spline", note="of a cell's two directions", run=True
     )
     rub_soft: DeviceArray = reals(
-        "world", "rolling_pair", "4*rolling_node", "2*rolling_node", unit="m/N", note="S_tt and modes", run=True
+        "world", "rolling_pair", "4*rolling_spline", "2*rolling_spline", unit="m/N", note="S_tt and modes", run=True
     )
 
 
@@ -128,22 +130,22 @@ class RollingScratch:
 class ContactFields:
     """Displacements that open gaps, and loads on the grids of the second surfaces."""
 
-    gap: DeviceArray = reals("world", "pair", "hat", unit="m")
-    opened: DeviceArray = reals("world", "pair", "hat", unit="m", note="the gap without the pressures")
-    base: DeviceArray = reals("world", "pair", "hat", unit="Pa", note="pressures of the evaluation")
-    first_field: DeviceArray = reals("world", "pair", "hat", unit="m", note="by the modes of A")
+    gap: DeviceArray = reals("world", "pair", "node", unit="m")
+    opened: DeviceArray = reals("world", "pair", "node", unit="m", note="the gap without the pressures")
+    base: DeviceArray = reals("world", "pair", "node", unit="Pa", note="pressures of the evaluation")
+    first_field: DeviceArray = reals("world", "pair", "node", unit="m", note="by the modes of A")
     second_field: DeviceArray = reals(
-        "world", "pair", "node", unit="m", note="by those of B", run=True, zero_without=True
+        "world", "pair", "second_node", unit="m", note="by those of B", run=True, zero_without=True
     )
-    first_step: DeviceArray = reals("world", "pair", "hat", unit="m", note="the same, of increments")
-    second_step: DeviceArray = reals("world", "pair", "node", unit="m", run=True, zero_without=True)
-    first_local: DeviceArray = reals("world", "pair", "hat", unit="m", note="by the local modes of A", run=True)
+    first_step: DeviceArray = reals("world", "pair", "node", unit="m", note="the same, of increments")
+    second_step: DeviceArray = reals("world", "pair", "second_node", unit="m", run=True, zero_without=True)
+    first_local: DeviceArray = reals("world", "pair", "node", unit="m", note="by the local modes of A", run=True)
     second_local: DeviceArray = reals(
-        "world", "pair", "node", unit="m", note="by those of B", run=True, zero_without=True
+        "world", "pair", "second_node", unit="m", note="by those of B", run=True, zero_without=True
     )
-    second_load: DeviceArray = reals("world", "pair", "node", unit="N", zero_without=True, flat=True)
+    second_load: DeviceArray = reals("world", "pair", "second_node", unit="N", zero_without=True, flat=True)
     second_wrench: DeviceArray = reals("world", "pair", 6, unit=FORCE)
-    proposed: DeviceArray = integers("world", "pair", "hat", note="active set after a solve")
+    proposed: DeviceArray = integers("world", "pair", "node", note="active set after a solve")
 
 
 @topic
@@ -151,14 +153,14 @@ class ContactSolve:
     """The system of the active nodes."""
 
     lasting: DeviceArray = integers("world", 6, note="see `normal.lasting`", carried=True)
-    slot_of: DeviceArray = integers("world", "pair", "hat", carried=True)
-    slot_hat: DeviceArray = integers("world", "slot", 2, note="pair and hat", zero_without=True, carried=True)
-    T: DeviceArray = reals("world", "slot", "node", note="response of the second surface", run=True)
+    slot_of: DeviceArray = integers("world", "pair", "node", carried=True)
+    slot_node: DeviceArray = integers("world", "slot", 2, note="pair and hat", zero_without=True, carried=True)
+    T: DeviceArray = reals("world", "slot", "second_node", note="response of the second surface", run=True)
     J: DeviceArray = reals(
         "world", "slot", "pair_mode", note="d(gap)/d(modes)", run=True, zero_without=True, carried=True
     )
     G: DeviceArray = reals("world", "slot", "slot", unit="m/Pa", note="gaps by pressures", carried=True)
-    L: DeviceArray = reals("world", "slot", "coupled", note="d(gap)/d(outer)")
+    L: DeviceArray = reals("world", "slot", "coupled", note="d(gap)/d(retained)")
     soft: DeviceArray = reals("world", "layer_slot", "layer_slot", note="G with the yield of layers", instead="G")
     scaled_modes: DeviceArray = reals("world", "pair_mode", run=True)
     field_beside: DeviceArray = reals("world", "surface_place", run=True)
@@ -169,18 +171,20 @@ class ContactSolve:
     block: DeviceArray = integers(
         "world", "pair", 4, note="where a pair's begin and how many; of those that left", carried=True
     )
-    row_scale: DeviceArray = reals("world", "pair", note="W of a patch where its rows were made over W; 1 of hats")
+    row_scale: DeviceArray = reals("world", "pair", note="W of a patch where its rows were made over W; 1 of nodes")
     kept: DeviceArray = integers("world", note="what of the next three is that of the solve before")
     factor: DeviceArray = reals("world", "slot", "slot", note="U of each pair's block of G", carried=True, flat=True)
     W: DeviceArray = reals("world", "slot", "coupled", note="U^-T L", flat=True)
     square: DeviceArray = reals("world", "pair", "coupled", "coupled", note="W^T W", flat=True)
-    bordered: DeviceArray = reals("world", "contact_outer", "contact_outer", note="outer matrix with the pressures")
-    bordered_rhs: DeviceArray = reals("world", "contact_outer")
+    bordered: DeviceArray = reals(
+        "world", "contact_retained", "contact_retained", note="retained matrix with the pressures"
+    )
+    bordered_rhs: DeviceArray = reals("world", "contact_retained")
     solution: DeviceArray = reals("world", "slot", unit="Pa", flat=True)
     krylov: DeviceArray = reals("world", 4, "slot_beside", note="of the gradients: see `solve_between`", run=True)
-    krylov_rhs: DeviceArray = reals("world", "outer_beside", run=True)
-    krylov_z: DeviceArray = reals("world", "outer_beside", run=True)
-    krylov_path: DeviceArray = reals("world", "outer_beside", run=True)
+    krylov_rhs: DeviceArray = reals("world", "retained_beside", run=True)
+    krylov_z: DeviceArray = reals("world", "retained_beside", run=True)
+    krylov_path: DeviceArray = reals("world", "retained_beside", run=True)
 
 
 @topic
@@ -194,11 +198,11 @@ class LayerScratch:
     layer_beginning: DeviceArray = reals("world", "pair", "layer_point", unit="m")
     layer_now: DeviceArray = reals("world", "pair", "layer_point", unit="m")
     layer_drag_now: DeviceArray = reals("world", "pair", "layer_point", unit="Pa")
-    layer_support: DeviceArray = reals("world", "pair", "layer_hat")
-    layer_offset: DeviceArray = reals("world", "pair", "layer_hat", unit="m")
-    layer_tangent: DeviceArray = reals("world", "pair", "layer_hat", 9, unit="m/Pa")
-    layer_rhs: DeviceArray = reals("world", "layer_outer", run=True)
-    layer_moved: DeviceArray = reals("world", "layer_outer", note="outer increments by pressures", run=True)
+    layer_support: DeviceArray = reals("world", "pair", "layer_node")
+    layer_offset: DeviceArray = reals("world", "pair", "layer_node", unit="m")
+    layer_tangent: DeviceArray = reals("world", "pair", "layer_node", 9, unit="m/Pa")
+    layer_rhs: DeviceArray = reals("world", "layer_retained", run=True)
+    layer_moved: DeviceArray = reals("world", "layer_retained", note="retained increments by pressures", run=True)
 
 
 @topic

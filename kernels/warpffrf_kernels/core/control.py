@@ -49,19 +49,19 @@ class Control:
     factored: int  # free coordinates of the current stick-slip factorisation, 0 without one
     impulsive: int  # action of contact on dynamic local modes in this step and the next: see `impulsive_contact`
     repeated: int  # attempts repeated because of their contact or friction
-    downhill: int  # 1 if a static step must not increase the energy
+    energy_bounded: int  # 1 if a static step must not increase the energy
     again: int  # 1 if the attempt repeats one with more impulsive pairs
     round: int  # rounds of the mean forces of impulsive pairs in this attempt
     even: int  # 1 if these means return the energy of their pairs
     reweighed: int  # 1 if their weights have changed since the rows of G were assembled
     impulses: int  # accepted steps in which a pair was impulsive and touched
     shaken: int  # 1 if the previous step was impulsive, or halved after an impulsive one
-    spell: int  # consecutive steps with too high a numerical line, see `energy_watch`
+    gaining_steps: int  # consecutive steps with too high a numerical line, see `energy_watch`
     trapezoidal: int  # 1 if the attempt uses the trapezoidal rule from true accelerations
-    forget: int  # 1 if the attempt uses no old acceleration, see `joint_friction`
-    turned: int  # 1 if the friction state of a joint (stick, slip or its direction) changed in the attempt
-    forgotten: int  # accepted steps that used no old acceleration
-    careful: int  # exponent that shortens the first proximal steps of a load step, see `proximal`
+    restart: int  # 1 if the attempt uses no old acceleration, see `joint_friction`
+    friction_changed: int  # 1 if the friction state of a joint (stick, slip or its direction) changed in the attempt
+    restarted_steps: int  # accepted steps that used no old acceleration
+    proximal_level: int  # exponent that shortens the first proximal steps of a load step, see `proximal`
 
 
 @wp.struct
@@ -74,7 +74,7 @@ class Coefficients:
     gamma: real
     acc: real  # d(acceleration)/d(displacement)
     vel: real  # d(velocity)/d(displacement)
-    forget: real  # 1: the old algorithmic acceleration does not enter the increment
+    restart: real  # 1: the old algorithmic acceleration does not enter the increment
 
 
 @wp.struct
@@ -98,7 +98,7 @@ class Clock:
     made: real  # spurious energy, see `energy_watch`
     least: real  # minimum so far of the energy created by the pairs
     noise: real  # round-off level of the created energy
-    outer: Coefficients  # bodies and the modes integrated with them
+    retained: Coefficients  # bodies and the modes integrated with them
     local: Coefficients  # local modes integrated separately
 
 
@@ -122,7 +122,7 @@ STEP_ERROR = wp.constant(512)
 GAIN = wp.constant(2048)  # spurious energy exceeds the limit, see `energy_watch`
 PASSED = wp.constant(4096)  # a patch with friction has advanced by more than its own length
 LEAPT = wp.constant(8192)  # two surfaces have passed each other without contact, see `leaps`
-RESTLESS = wp.constant(16384)  # a load step that has not come to rest, see `proximal`
+NOT_AT_REST = wp.constant(16384)  # a load step that has not come to rest, see `proximal`
 ROOM = wp.constant(1024)  # more slots are needed than allocated: `Engine` allocates more and repeats the attempt
 
 # --- values of `Control.impulsive`

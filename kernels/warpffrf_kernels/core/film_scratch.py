@@ -6,8 +6,8 @@ from warpffrf_kernels.core.declaration import (
     reals,
     topic,
 )
-from warpffrf_kernels.core.films import HAT_LINE, PULL
 from warpffrf_kernels.core.films import LINE as FILM_LINE
+from warpffrf_kernels.core.films import NODE_LINE, PULL
 from warpffrf_kernels.core.scratch import MODAL
 
 
@@ -19,18 +19,18 @@ class FilmScratch:
     film_rates: DeviceArray = reals("world", 3, unit="1/s", note="coefficients of BDF2")
     film_least: DeviceArray = reals("world", "film_point", unit="m", note="by which the prediction closes gaps")
     film_acting: DeviceArray = reals("world", "film_system", unit="Pa", note="pressures that deform", run=True)
-    film_opened: DeviceArray = reals("world", "film_hat", unit="m", note="by deformation")
-    film_local: DeviceArray = reals("world", "film_hat", unit="m", note="of this by local modes")
-    film_seat: DeviceArray = integers("world", "film_seat", 2, note="hats of the second surface, see `films.seats`")
+    film_opened: DeviceArray = reals("world", "film_node", unit="m", note="by deformation")
+    film_local: DeviceArray = reals("world", "film_node", unit="m", note="of this by local modes")
+    film_seat: DeviceArray = integers("world", "film_seat", 2, note="nodes of the second surface, see `films.seats`")
     film_seat_at: DeviceArray = reals("world", "film_seat", 2, note="where between them")
     film_press_load: DeviceArray = reals("world", "film_press", unit="N", note="by pressures and asperities")
     film_second_load: DeviceArray = reals(
-        "world", "film_second_hat", unit="N", note="on hats of the second surface", flat=True
+        "world", "film_second_node", unit="N", note="on nodes of the second surface", flat=True
     )
     film_second_opened: DeviceArray = reals(
-        "world", "film_second_hat", unit="m", note="there, by deformation", flat=True
+        "world", "film_second_node", unit="m", note="there, by deformation", flat=True
     )
-    film_second_energy: DeviceArray = reals("world", "film_second_hat", unit="J", note="of its local modes")
+    film_second_energy: DeviceArray = reals("world", "film_second_node", unit="J", note="of its local modes")
     film_second_weight: DeviceArray = reals(
         "world", "film_load", unit="m2", note="W: (line, second hat)", carried=True, flat=True
     )
@@ -39,7 +39,7 @@ class FilmScratch:
     )
     film_second_wide: DeviceArray = reals("world", "film_load", note="room of each line", run=True)
     film_second_ahead: DeviceArray = reals(
-        "world", "film_second_hat", unit="m", note="change by deformation", flat=True
+        "world", "film_second_node", unit="m", note="change by deformation", flat=True
     )
     film_carried: DeviceArray = reals("world", "film_function", 2, unit="m/s", note="U: around, along")
     film_mass_now: DeviceArray = reals("world", "film_point", unit="m", note="of the trial state")
@@ -53,10 +53,10 @@ class FilmScratch:
     film_modal: DeviceArray = reals("world", "film_column", unit=MODAL, note="load on modes", zero_without=True)
     film_changed: DeviceArray = integers("world", "film", note="functions that changed sides", zero_without=True)
     film_switch: DeviceArray = integers("world", "film_unknown", note="1 where the last iteration changed sides")
-    film_hat_line: DeviceArray = reals("world", "film_hat", HAT_LINE, note="where there are asperities")
-    film_energy_now: DeviceArray = reals("world", "film_hat", unit="J/m2", note="of asperities")
-    film_rough: DeviceArray = integers("world", "film_hat", note="1 where asperities touch", carried=True)
-    film_wide: DeviceArray = reals("world", "film_near", unit="m2/s", note="dR by the gap at hats")
+    film_node_line: DeviceArray = reals("world", "film_node", NODE_LINE, note="where there are asperities")
+    film_energy_now: DeviceArray = reals("world", "film_node", unit="J/m2", note="of asperities")
+    film_rough: DeviceArray = integers("world", "film_node", note="1 where asperities touch", carried=True)
+    film_wide: DeviceArray = reals("world", "film_near", unit="m2/s", note="dR by the gap at nodes")
     film_matrix: DeviceArray = reals(
         "world", "film_number", note="lines of J, R, B, P, then of J, R, J^-1 B, P", run=True, carried=True
     )
@@ -71,7 +71,7 @@ class FilmScratch:
     film_stiffness: DeviceArray = reals("world", "film_square", note="P^T J^-1 B", carried=True)
     film_push: DeviceArray = reals("world", "film_column", note="P^T J^-1 R")
     film_change: DeviceArray = reals("world", "film_system", note="of pressures or voids", run=True)
-    film_opening: DeviceArray = reals("world", "film_hat", unit="m", note="change by deformation")
+    film_opening: DeviceArray = reals("world", "film_node", unit="m", note="change by deformation")
     film_ahead: DeviceArray = reals("world", "film_point", unit="m", note="change of the gap")
     film_part: DeviceArray = reals("world", note="of the increments that is taken")
     film_taken: DeviceArray = reals("world", "film", 2, unit="J", note="by flow, by sliding", zero_without=True)

@@ -35,14 +35,14 @@ def coefficients_from(am: real, af: real, beta: real, gamma: real, h: real) -> C
 def forgetful(h: real) -> Coefficients:
     """The implicit Euler method, which uses no old acceleration: d = h v_1, v_1 = v_0 + h a_1, vdot_1 = a_1."""
     c = coefficients_from(real(0.0), real(0.0), real(1.0), real(1.0), h)
-    c.forget = real(1.0)
+    c.restart = real(1.0)
     return c
 
 
 @wp.func
 def of_old(c: Coefficients) -> real:
     """Weight of a_0 in the increment, 1/2 - beta, or 0."""
-    return (real(0.5) - c.beta) * (real(1.0) - c.forget)
+    return (real(0.5) - c.beta) * (real(1.0) - c.restart)
 
 
 @wp.func
@@ -50,7 +50,7 @@ def coefficients_of(clk: wp.array(dtype=Clock), w: int, rule: int) -> Coefficien
     """Coefficients of the coordinates integrated by `rule`; EXACT requires none."""
     if rule == LOCAL:
         return clk[w].local
-    return clk[w].outer
+    return clk[w].retained
 
 
 @wp.func
@@ -102,8 +102,8 @@ def share_of_miss(run: Run, w: int) -> real:
     """Change of a force at the end of a step with its mean over the step, for forces whose mean is given (`mean_work`).
     It is 0 except in time steps that use old accelerations, and in evaluations without a step, whose velocities do not
     contain the accelerations (gamma = 0, `linearise`)."""
-    c = run.clk[w].outer
-    if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC or run.ctl[w].forget != 0 or c.gamma == real(0.0):
+    c = run.clk[w].retained
+    if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC or run.ctl[w].restart != 0 or c.gamma == real(0.0):
         return real(0.0)
     return (real(1.0) - c.alpha_m) / (c.gamma * (real(1.0) - c.alpha_f))
 

@@ -22,8 +22,8 @@ class Laps:
     line_start: DeviceArray = integers("lap_group+1", note="into what each line of a tableau has one of")
     table_start: DeviceArray = integers("lap_group+1", note="into lap_table: (column, line)")
     square_start: DeviceArray = integers("lap_group+1", note="into lap_stiffness: (column, column)")
-    outer_start: DeviceArray = integers("lap_group+1", note="into the outer columns of its bodies")
-    followed_start: DeviceArray = integers("lap_group+1", note="into lap_followed: (outer column, coordinate)")
+    retained_start: DeviceArray = integers("lap_group+1", note="into the retained columns of its bodies")
+    followed_start: DeviceArray = integers("lap_group+1", note="into lap_followed: (retained column, coordinate)")
     differing_start: DeviceArray = integers("lap_group+1", note="into lines of cells that differ, as many as may")
     factor_start: DeviceArray = integers("lap_group+1", note="into lap_factor: (column, line)")
     update_start: DeviceArray = integers("lap_group+1", note="into lap_left, lap_right: (line that differs, line)")
@@ -39,7 +39,9 @@ class Laps:
     gap: DeviceArray = reals("lap_cell", unit="m", note="where the scene begins, less the interference")
     own: DeviceArray = reals("lap_cell", unit="m/N", note="compliance along the face")
     column_mode: DeviceArray = integers("lap_column", note="mode that a coordinate is, -1 of a rigid one")
-    outer: DeviceArray = integers("lap_outer", note="outer unknown")
-    outer_column: DeviceArray = integers("lap_outer", note="coordinate that it is within the group, -1 of a rigid one")
+    retained: DeviceArray = integers("lap_retained", note="retained unknown")
+    retained_column: DeviceArray = integers(
+        "lap_retained", note="coordinate that it is within the group, -1 of a rigid one"
+    )
     compliance: DeviceArray = reals("lap_compliance_entry", unit="m/N", note="G")
     motion: DeviceArray = reals("lap_motion_entry", note="J")

@@ -27,8 +27,8 @@ class Bodies:
     inertia: DeviceArray = matrices("body", unit="kg m2", note="about the centre of mass, body axes")
     modal_start: DeviceArray = integers("body+1", note="first mode")
     global_count: DeviceArray = integers("body", note="modes that move interfaces, the first ones of the body")
-    dense_start: DeviceArray = integers("body", note="first mode that is an outer unknown")
-    dense_count: DeviceArray = integers("body", note="modes that are outer unknowns, the first ones")
+    dense_start: DeviceArray = integers("body", note="first mode that is an retained unknown")
+    dense_count: DeviceArray = integers("body", note="modes that are retained unknowns, the first ones")
     inertia_count: DeviceArray = integers("body", note="modes that carry inertia, the first of these")
     inertia_start: DeviceArray = integers("body", note="into the table of `Dense`")
     square_start: DeviceArray = integers("body+1", note="first square of the membrane energy")
@@ -41,12 +41,14 @@ class Modes:
     count: int
     dynamic_count: int  # modes of kind 1 and 2
     top_frequency: real  # rad/s, the highest of all modes
-    outer_frequency: real  # rad/s, the highest of kind 0
+    retained_frequency: real  # rad/s, the highest of kind 0
     stiffness: DeviceArray = reals("mode", unit="rad2/s2", note="omega^2")
     damping: DeviceArray = reals("mode", unit="rad/s", note="2 zeta omega")
-    kind: DeviceArray = integers("mode", note="0 the outer integrator's, 1 HHT, 2 exact for a linear load")
+    kind: DeviceArray = integers(
+        "mode", note="0 the integrator of the retained coordinates's, 1 HHT, 2 exact for a linear load"
+    )
     reach: DeviceArray = reals("mode", unit="kg^-1/2", note="largest displacement per unit coordinate")
-    dense_of: DeviceArray = integers("mode", note="number among the outer unknowns, -1 for one that is condensed")
+    dense_of: DeviceArray = integers("mode", note="number among the retained unknowns, -1 for one that is condensed")
 
 
 @topic
@@ -76,7 +78,7 @@ class Membrane:
 
 
 @topic
-class Outer:
+class Retained:
     """The retained unknowns: motions of bodies, modes that are not condensed, multipliers."""
 
     row_offset: int  # 6 * bodies + these modes
@@ -268,7 +270,7 @@ class Surfaces:
     theta: DeviceArray = reals("surface", unit="rad", note="angle of column 0")
     pitch: DeviceArray = reals("surface", unit="rad", note="between columns")
     columns: DeviceArray = integers("surface")
-    periodic: DeviceArray = integers("surface", note="1: hats all around; 0: hats on an arc only")
+    periodic: DeviceArray = integers("surface", note="1: nodes all around; 0: nodes on an arc only")
     turn: DeviceArray = integers(
         "surface", note="columns of the full turn that the compliance counts, 0 when it covers an arc"
     )
@@ -337,7 +339,7 @@ class Pairs:
     first: DeviceArray = integers("pair", note="surface")
     second: DeviceArray = integers("pair", note="surface")
     family: DeviceArray = integers("pair", note="0 LINE_OF_CENTRES, 1 AT_POINTS, 2 PATCH")
-    coupled_count: DeviceArray = integers("pair", note="outer columns the gap of a pair depends on")
+    coupled_count: DeviceArray = integers("pair", note="retained columns the gap of a pair depends on")
     coupled: DeviceArray = integers("pair", "coupled", note="these")
     friction: DeviceArray = reals("pair", note="coefficient mu, the largest of all slip speeds; 0 without")
     slip_velocity: DeviceArray = reals(
@@ -386,7 +388,7 @@ class Window:
     half: int  # grid columns on each side of the line of centres
     columns: int  # 2 * half + 1
     rows: int  # of the first surface, maximum of all pairs
-    hats: int  # columns * rows
+    grid_nodes: int  # columns * rows
     stencil_columns: int  # extent of a node of the first surface on the grid of the second
     stencil_rows: int
     second_half: int
@@ -436,7 +438,7 @@ class Limits:
     max_guarded: int
     max_level: int
     energy_tolerance: real
-    most_made: real  # allowed spurious energy, relative to the largest energy of a run; 0: unlimited
+    gain_limit: real  # allowed spurious energy, relative to the largest energy of a run; 0: unlimited
 
 
 @topic
@@ -558,7 +560,7 @@ class Model:
     modes: Modes
     dense: Dense
     membrane: Membrane
-    outer: Outer
+    retained: Retained
     interfaces: Interfaces
     markers: Markers
     rows: Rows

@@ -23,7 +23,7 @@ class SavedBooks:
     saved_time: DeviceArray = reals("world", "ring_row", unit="s")
     saved_step: DeviceArray = reals("world", "ring_row", unit="s", note="size of the step that led here")
     saved_iterations: DeviceArray = integers("world", "ring_row", note="of the steps since the last row")
-    saved_solves: DeviceArray = integers("world", "ring_row", note="of the hats in play, likewise")
+    saved_solves: DeviceArray = integers("world", "ring_row", note="of the active nodes, likewise")
     saved_energy: DeviceArray = reals("world", "ring_row", "line", unit="J")
 
 
@@ -66,9 +66,9 @@ class SavedContact:
     )
     saved_pair_wrench: DeviceArray = reals("world", "ring_row", "pair", 6, unit="N, N m", note="on A")
     saved_second_wrench: DeviceArray = reals("world", "ring_row", "pair", 6, unit="N, N m", note="on B")
-    saved_pressure: DeviceArray = reals("world", "ring_row", "pair", "hat", unit="Pa")
-    saved_active: DeviceArray = integers("world", "ring_row", "pair", note="hats under pressure")
-    saved_second_load: DeviceArray = reals("world", "ring_row", "pair", "node", unit="N")
+    saved_pressure: DeviceArray = reals("world", "ring_row", "pair", "node", unit="Pa")
+    saved_active: DeviceArray = integers("world", "ring_row", "pair", note="nodes under pressure")
+    saved_second_load: DeviceArray = reals("world", "ring_row", "pair", "second_node", unit="N")
     saved_patch: DeviceArray = reals("world", "ring_row", "patch_pair", 4, note="as patch_place")
 
 
@@ -76,9 +76,9 @@ class SavedContact:
 class SavedFriction:
     """Pairs with friction; two directions are stored together, cell by cell."""
 
-    saved_traction: DeviceArray = reals("world", "ring_row", "pair", "2*friction_hat", unit="Pa")
-    saved_slip_velocity: DeviceArray = reals("world", "ring_row", "pair", "2*friction_hat", unit="m/s")
-    saved_cell_state: DeviceArray = integers("world", "ring_row", "pair", "friction_hat", note="open, stick, slip")
+    saved_traction: DeviceArray = reals("world", "ring_row", "pair", "2*friction_node", unit="Pa")
+    saved_slip_velocity: DeviceArray = reals("world", "ring_row", "pair", "2*friction_node", unit="m/s")
+    saved_cell_state: DeviceArray = integers("world", "ring_row", "pair", "friction_node", note="open, stick, slip")
     saved_friction: DeviceArray = reals("world", "ring_row", "friction_pair", 4, note="as friction_record")
     saved_advanced: DeviceArray = reals("world", "ring_row", "friction_pair", unit="columns", note="as most_advanced")
 
@@ -101,11 +101,11 @@ class SavedFilms:
     """Oil films."""
 
     saved_film: DeviceArray = reals("world", "ring_row", "film", FILM_NUMBERS, note="see `films.keeping`")
-    saved_film_pressure: DeviceArray = reals("world", "ring_row", "film_hat", unit="Pa")
-    saved_film_gap: DeviceArray = reals("world", "ring_row", "film_hat", unit="m")
-    saved_film_void: DeviceArray = reals("world", "ring_row", "film_hat", unit="m")
-    saved_film_asperity: DeviceArray = reals("world", "ring_row", "film_hat", unit="Pa")
-    saved_film_second: DeviceArray = reals("world", "ring_row", "film_second_hat", unit="N")
+    saved_film_pressure: DeviceArray = reals("world", "ring_row", "film_node", unit="Pa")
+    saved_film_gap: DeviceArray = reals("world", "ring_row", "film_node", unit="m")
+    saved_film_void: DeviceArray = reals("world", "ring_row", "film_node", unit="m")
+    saved_film_asperity: DeviceArray = reals("world", "ring_row", "film_node", unit="Pa")
+    saved_film_second: DeviceArray = reals("world", "ring_row", "film_second_node", unit="N")
 
 
 @topic

@@ -95,23 +95,23 @@ class Residuals:
 
 
 @topic
-class OuterSystem:
+class RetainedSystem:
     """The retained linear system: bodies, modes that are not condensed, rows."""
 
-    tangent: DeviceArray = reals("world", "outer", "outer")
-    rhs: DeviceArray = reals("world", "outer")
-    scaling: DeviceArray = reals("world", "outer")
-    pivots: DeviceArray = integers("world", "outer")
-    elimination: DeviceArray = reals("world", "outer", "outer")
-    inverse_transposed: DeviceArray = reals("world", "outer", "outer", run=True)
+    tangent: DeviceArray = reals("world", "retained", "retained")
+    rhs: DeviceArray = reals("world", "retained")
+    scaling: DeviceArray = reals("world", "retained")
+    pivots: DeviceArray = integers("world", "retained")
+    elimination: DeviceArray = reals("world", "retained", "retained")
+    inverse_transposed: DeviceArray = reals("world", "retained", "retained", run=True)
     C_receptance: DeviceArray = reals("world", "row", "mode", run=True, carried=True)
     sparse_factor: DeviceArray = reals("world", "factor_number", run=True)
-    sparse_vector: DeviceArray = reals("world", 2, "outer", run=True)
+    sparse_vector: DeviceArray = reals("world", 2, "retained", run=True)
     sparse_lines: DeviceArray = reals("world", "factor_line", run=True)
     fallback: DeviceArray = integers("world", 2, note="solves by the dense elimination", carried=True)
-    z: DeviceArray = reals("world", "outer", note="outer increments", run=True)
-    projection_rhs: DeviceArray = reals("world", "projected_outer", run=True)
-    change: DeviceArray = reals("world", "outer", note="of velocities by their projection", run=True)
+    z: DeviceArray = reals("world", "retained", note="retained increments", run=True)
+    projection_rhs: DeviceArray = reals("world", "projected_retained", run=True)
+    change: DeviceArray = reals("world", "retained", note="of velocities by their projection", run=True)
     modal_step: DeviceArray = reals("world", "mode", unit="m kg^1/2", run=True)
     hold: DeviceArray = reals("world", "6*held_body", "6*body", note="motions that a static state keeps", carried=True)
     hold_count: DeviceArray = integers("world", carried=True)
@@ -135,7 +135,9 @@ class ImpulsiveContact:
     v_rest: DeviceArray = vectors("world", "contact_body", unit="m/s2", note="what impulsive forces add to v_alg")
     omega_rest: DeviceArray = vectors("world", "contact_body", unit="rad/s2")
     qd_rest: DeviceArray = reals("world", "contact_mode", unit="m kg^1/2/s2")
-    restless: DeviceArray = integers("world", "pair", note="1 where the active set goes on changing", zero_without=True)
+    unsettled: DeviceArray = integers(
+        "world", "pair", note="1 where the active set goes on changing", zero_without=True
+    )
     theta: DeviceArray = reals("world", "pair", note="weight of the trial force in the mean", carried=True)
     bracket: DeviceArray = reals("world", "pair", 9, note="of theta, see `impulsive_means`", carried=True)
     weight: DeviceArray = reals("world", "pair", note="d(mean force)/d(trial force)", carried=True)

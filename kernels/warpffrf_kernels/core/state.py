@@ -78,8 +78,8 @@ class PretensionState:
 class ContactState:
     """Contact pairs: the active set in the contact frame, and the force history used by the integrator."""
 
-    active: DeviceArray = integers("world", "pair", "hat", note="1 where the window is under pressure", restored=True)
-    pressure: DeviceArray = reals("world", "pair", "hat", unit="Pa", restored=True)
+    active: DeviceArray = integers("world", "pair", "node", note="1 where the window is under pressure", restored=True)
+    pressure: DeviceArray = reals("world", "pair", "node", unit="Pa", restored=True)
     patch_offset: DeviceArray = reals(
         "world",
         "pair",
@@ -108,7 +108,7 @@ class ContactState:
 class FrictionState:
     """Tractions in the contact frame, columns of (2, rows) of a window, and the slip history."""
 
-    traction: DeviceArray = reals("world", "pair", "2*friction_hat", unit="Pa", restored=True)
+    traction: DeviceArray = reals("world", "pair", "2*friction_node", unit="Pa", restored=True)
     friction_offset: DeviceArray = reals(
         "world",
         "friction_pair",
@@ -118,11 +118,11 @@ class FrictionState:
         flat=True,
     )
     elastic_before: DeviceArray = reals(
-        "world", "pair", "2*friction_hat", unit="m", note="elastic slip at the end of the last step"
+        "world", "pair", "2*friction_node", unit="m", note="elastic slip at the end of the last step"
     )
     history_center: DeviceArray = integers("world", "pair", note="grid column of its window's centre")
     pressed_before: DeviceArray = integers(
-        "world", "pair", "friction_hat", note="1 where the last step left a node under pressure"
+        "world", "pair", "friction_node", note="1 where the last step left a node under pressure"
     )
     history_phase: DeviceArray = reals(
         "world", "pair", unit="columns", note="nearest place, or line of centres, at the end of the last step"
@@ -182,7 +182,7 @@ class FilmState:
     film_pressure: DeviceArray = reals("world", 2, "film_function", unit="Pa")
     film_void: DeviceArray = reals("world", 2, "film_function", unit="m", note="volume of voids over area")
     film_full: DeviceArray = integers("world", 2, "film_function", note="1: a pressure, 0: a void")
-    film_asperity: DeviceArray = reals("world", 2, "film_hat", unit="Pa")
+    film_asperity: DeviceArray = reals("world", 2, "film_node", unit="Pa")
     film_energy: DeviceArray = reals("world", 2, "film", unit="J", note="of asperities")
     film_void_before: DeviceArray = reals("world", "film_function", unit="m", note="of the step before the last")
     film_mass: DeviceArray = reals("world", 2, "film_point", unit="m", note="gap times rho/rho_0")

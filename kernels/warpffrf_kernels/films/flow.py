@@ -184,18 +184,18 @@ def balance_film(run: Run, trial: Trial, films: FilmState, oil: FilmScratch):
         apart = real(0.0)  # difference of asperity pressure and law, relative to the largest pressure
         most = SMALL_PRESSURE
         stored = oil.film_sums[w, film, STORED]
-        if model.elements[0].films[0].second_hats[film] > 0:
-            m = model.elements[0].films[0].second_hat_start[film]
-            while m < model.elements[0].films[0].second_hat_start[film + 1]:
+        if model.elements[0].films[0].second_nodes[film] > 0:
+            m = model.elements[0].films[0].second_node_start[film]
+            while m < model.elements[0].films[0].second_node_start[film + 1]:
                 stored += oil.film_second_energy[w, m]
                 m += 1
         if model.elements[0].films[0].rough[film] > 0:
-            m = model.elements[0].films[0].hat_start[film]
-            while m < model.elements[0].films[0].hat_start[film + 1]:
-                given = oil.film_hat_line[w, m, PRESSED]
+            m = model.elements[0].films[0].node_start[film]
+            while m < model.elements[0].films[0].node_start[film + 1]:
+                given = oil.film_node_line[w, m, PRESSED]
                 apart = wp.max(apart, wp.abs(films.film_asperity[w, 1, m] - given))
                 most = wp.max(most, given)
-                stored += model.elements[0].films[0].hat_area[m] * oil.film_energy_now[w, m]
+                stored += model.elements[0].films[0].node_area[m] * oil.film_energy_now[w, m]
                 sum += given
                 m += 1
         films.film_energy[w, 1, film] = stored
@@ -247,23 +247,23 @@ def push_films(
                 outwards = dot(functions, model.elements[0].films[0].moment, line, film_pressure, at)
             rough = model.elements[0].films[0].rough[film]
             line = model.elements[0].films[0].rough_moment_start[film] + m * rough
-            at = (2 * w + 1) * model.elements[0].films[0].hat_start[model.elements[0].films[0].count]
-            at += model.elements[0].films[0].hat_start[film]
+            at = (2 * w + 1) * model.elements[0].films[0].node_start[model.elements[0].films[0].count]
+            at += model.elements[0].films[0].node_start[film]
             outwards += dot(rough, model.elements[0].films[0].rough_moment, line, film_asperity, at)
             residuals.modal_residual[w, start + m] = residuals.modal_residual[w, start + m] + outwards
             oil.film_modal[w, model.elements[0].films[0].column_start[film] + 12 + m] = -outwards
             m += 1
-        hats = model.elements[0].films[0].second_hats[film]
+        grid_nodes = model.elements[0].films[0].second_nodes[film]
         more = model.elements[0].films[0].second_modes[film]
         start = model.surfaces.modal_start[model.elements[0].films[0].second[film]]
         line = model.elements[0].films[0].second_shape_start[film]
-        at = w * model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count]
-        at += model.elements[0].films[0].second_hat_start[film]
+        at = w * model.elements[0].films[0].second_node_start[model.elements[0].films[0].count]
+        at += model.elements[0].films[0].second_node_start[film]
         c = int(0)
         while c < more:
             outwards = real(0.0)
             i = int(0)
-            while i < hats:
+            while i < grid_nodes:
                 outwards += model.elements[0].films[0].second_shape[line + i * more + c] * oil.film_second_load[at + i]
                 i += 1
             residuals.modal_residual[w, start + c] = residuals.modal_residual[w, start + c] + outwards

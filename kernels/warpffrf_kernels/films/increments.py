@@ -10,7 +10,7 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.film_scratch import FilmScratch
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
-from warpffrf_kernels.core.scratch import OuterSystem
+from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.core.state import FilmState
 from warpffrf_kernels.films.sampling import GAP, HALF, at_point
 from warpffrf_kernels.films.seats import opened_at_seat
@@ -22,7 +22,7 @@ from warpffrf_kernels.films.unknowns import (
     lines_of,
     matrix_at,
     opened_by_column,
-    outer_column,
+    retained_column,
     system_at,
 )
 
@@ -33,14 +33,14 @@ NO_VOID = wp.constant(wp.float64(1.0e-13))  # of the clearance: round-off of a c
 
 
 @kernel
-def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: OuterSystem):
+def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: RetainedSystem):
     """Per world: dx of all films with the retained increments, and the step length for which no gap closes."""
     w, lane = wp.tid()
     model = run_of_run.models[w]
     if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].changes != 0:
         return
     part = real(1.0)
-    outer = w * model.outer.count
+    retained = w * model.retained.count
     modal = w * model.modes.count
     film = int(0)
     while film < model.elements[0].films[0].count:
@@ -60,9 +60,9 @@ def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: Out
             change = -oil.film_solution[run + i]
             c = int(0)
             while c < columns:
-                at = outer_column(model, film, c)
+                at = retained_column(model, film, c)
                 if at >= 0:
-                    change -= oil.film_matrix[base + i * stride + lines + 1 + c] * system.z[outer + at]
+                    change -= oil.film_matrix[base + i * stride + lines + 1 + c] * system.z[retained + at]
                 c += 1
             oil.film_change[run + i] = change
             if i < n:
@@ -75,32 +75,34 @@ def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: Out
             oil.film_acting[run + i] = change
             i += wp.block_dim()
         sync()
-        first_hat = model.elements[0].films[0].hat_start[film]
+        first_node = model.elements[0].films[0].node_start[film]
         # opening of the first surface at its nodes
         m = lane
-        while m < model.elements[0].films[0].hat_start[film + 1] - first_hat:
+        while m < model.elements[0].films[0].node_start[film + 1] - first_node:
             line = model.elements[0].films[0].compliance_start[film] + m * lines
             opened = dot(lines, model.elements[0].films[0].compliance, line, oil.film_acting, run)
             c = int(0)
             while c < modes:
                 at = model.elements[0].films[0].shape_start[film] + m * modes + c
-                opened -= model.elements[0].films[0].shape[at] * system.z[outer + outer_column(model, film, RIGID + c)]
+                opened -= (
+                    model.elements[0].films[0].shape[at] * system.z[retained + retained_column(model, film, RIGID + c)]
+                )
                 c += 1
-            oil.film_opening[w, first_hat + m] = opened
+            oil.film_opening[w, first_node + m] = opened
             m += wp.block_dim()
-        hats = model.elements[0].films[0].second_hats[film]
-        start = w * model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count]
-        start += model.elements[0].films[0].second_hat_start[film]
+        grid_nodes = model.elements[0].films[0].second_nodes[film]
+        start = w * model.elements[0].films[0].second_node_start[model.elements[0].films[0].count]
+        start += model.elements[0].films[0].second_node_start[film]
         # opening of the second surface at its nodes
         m = lane
-        while m < hats:
+        while m < grid_nodes:
             opened = dot(lines, oil.film_second_yield, loads_at(model, w, film) + m * lines, oil.film_acting, run)
             c = RIGID + modes
             while c < columns:
                 at = model.elements[0].films[0].second_shape_start[film] + m * (columns - RIGID - modes) + c
                 opened -= (
                     model.elements[0].films[0].second_shape[at - RIGID - modes]
-                    * system.z[outer + outer_column(model, film, c)]
+                    * system.z[retained + retained_column(model, film, c)]
                 )
                 c += 1
             oil.film_second_ahead[start + m] = opened
@@ -109,14 +111,14 @@ def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: Out
         # change of the gap at the points
         g = model.elements[0].films[0].point_start[film] + lane
         while g < model.elements[0].films[0].point_start[film + 1]:
-            opened = at_point(model, g, oil.film_opening, w, first_hat)
-            if hats > 0:
+            opened = at_point(model, g, oil.film_opening, w, first_node)
+            if grid_nodes > 0:
                 seat = model.elements[0].films[0].seat_start[film] + g - model.elements[0].films[0].point_start[film]
                 opened += opened_at_seat(model, film, w, seat, oil, oil.film_second_ahead)[0]
             for c in range(RIGID):
-                at = outer_column(model, film, c)
+                at = retained_column(model, film, c)
                 if at >= 0:
-                    opened += opened_by_column(oil.film_line, w, g, c) * system.z[outer + at]
+                    opened += opened_by_column(oil.film_line, w, g, c) * system.z[retained + at]
             oil.film_ahead[w, g] = opened
             g += wp.block_dim()
         sync()
@@ -139,8 +141,8 @@ def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: Out
     # all increments are reduced by the same factor
     if part < real(1.0):
         i = lane
-        while i < model.outer.count:
-            system.z[outer + i] = part * system.z[outer + i]
+        while i < model.retained.count:
+            system.z[retained + i] = part * system.z[retained + i]
             i += wp.block_dim()
         i = lane
         while i < model.modes.count:
@@ -185,9 +187,9 @@ def take_film(run_of_run: Run, oil: FilmScratch, films: FilmState):
         i += wp.block_dim()
     m = lane
     while m < model.elements[0].films[0].rough[film]:
-        hat = model.elements[0].films[0].hat_start[film] + m
-        films.film_asperity[w, 1, hat] = wp.max(
-            films.film_asperity[w, 1, hat] + part * oil.film_change[run + n + m], real(0.0)
+        grid_node = model.elements[0].films[0].node_start[film] + m
+        films.film_asperity[w, 1, grid_node] = wp.max(
+            films.film_asperity[w, 1, grid_node] + part * oil.film_change[run + n + m], real(0.0)
         )
         m += wp.block_dim()
     sync()

@@ -56,8 +56,8 @@ def keep_film(run: Run, oil: FilmScratch, films: FilmState):
             films.film_void_before[w, i] = films.film_void[w, 0, i]
             films.film_void[w, 0, i] = films.film_void[w, 1, i]
         i += wp.block_dim()
-    m = model.elements[0].films[0].hat_start[film] + lane
-    while m < model.elements[0].films[0].hat_start[film + 1]:
+    m = model.elements[0].films[0].node_start[film] + lane
+    while m < model.elements[0].films[0].node_start[film + 1]:
         films.film_asperity[w, 0, m] = films.film_asperity[w, 1, m]
         m += wp.block_dim()
     if run.ctl[w].mode != k.START:
@@ -90,21 +90,21 @@ def record_film(run: Run, trial: Trial, films: FilmState, oil: FilmScratch, save
     sides = sides_of(model, w, film, static, trial)
     first = model.elements[0].films[0].function_start[film]
     points = model.elements[0].films[0].point_start[film + 1] - model.elements[0].films[0].point_start[film]
-    m = model.elements[0].films[0].hat_start[film] + lane
-    while m < model.elements[0].films[0].hat_start[film + 1]:
-        f = first + model.elements[0].films[0].hat_function[m]
-        place = model.elements[0].films[0].hat_place[m]
-        seat = points + m - model.elements[0].films[0].hat_start[film]
+    m = model.elements[0].films[0].node_start[film] + lane
+    while m < model.elements[0].films[0].node_start[film + 1]:
+        f = first + model.elements[0].films[0].node_function[m]
+        place = model.elements[0].films[0].node_place[m]
+        seat = points + m - model.elements[0].films[0].node_start[film]
         seen = opened_with_second(model, w, film, sides, place, seat, oil)
         p = real(0.0)
         j = int(0)
-        while j < model.elements[0].films[0].hat_support.shape[1]:
-            there = model.elements[0].films[0].hat_support[m, j]
+        while j < model.elements[0].films[0].node_support.shape[1]:
+            there = model.elements[0].films[0].node_support[m, j]
             if there >= 0:
-                p += model.elements[0].films[0].hat_value[m, j] * films.film_pressure[w, 0, first + there]
+                p += model.elements[0].films[0].node_value[m, j] * films.film_pressure[w, 0, first + there]
             j += 1
         saved.saved_film_pressure[w, at, m] = p
-        saved.saved_film_gap[w, at, m] = seen[0] + model.elements[0].films[0].hat_form[m] + oil.film_opened[w, m]
+        saved.saved_film_gap[w, at, m] = seen[0] + model.elements[0].films[0].node_form[m] + oil.film_opened[w, m]
         saved.saved_film_void[w, at, m] = films.film_void[w, 0, f]
         saved.saved_film_asperity[w, at, m] = films.film_asperity[w, 0, m]
         m += wp.block_dim()
@@ -153,8 +153,8 @@ def record_film(run: Run, trial: Trial, films: FilmState, oil: FilmScratch, save
         saved.saved_film[w, at, film, OIL] = filling - empty
         roughest = real(0.0)
         largest = real(0.0)
-        m = model.elements[0].films[0].hat_start[film]
-        while m < model.elements[0].films[0].hat_start[film + 1]:
+        m = model.elements[0].films[0].node_start[film]
+        while m < model.elements[0].films[0].node_start[film + 1]:
             roughest = wp.max(roughest, films.film_asperity[w, 0, m])
             largest = wp.max(largest, saved.saved_film_pressure[w, at, m])
             m += 1
@@ -171,8 +171,8 @@ def record_second(run: Run, oil: FilmScratch, saved: SavedFilms):
     if run.ctl[w].record == 0:
         return
     at = run.ctl[w].saved % saved.saved_film_second.shape[1]
-    total = model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count]
-    m = model.elements[0].films[0].second_hat_start[film] + lane
-    while m < model.elements[0].films[0].second_hat_start[film + 1]:
+    total = model.elements[0].films[0].second_node_start[model.elements[0].films[0].count]
+    m = model.elements[0].films[0].second_node_start[film] + lane
+    while m < model.elements[0].films[0].second_node_start[film + 1]:
         saved.saved_film_second[w, at, m] = oil.film_second_load[w * total + m]
         m += wp.block_dim()

@@ -105,7 +105,8 @@ def at_point(model: Model, point: int, field: wp.array2d(dtype=real), w: int, fi
     total = real(0.0)
     for c in range(4):
         total += (
-            model.elements[0].films[0].between[point, c] * field[w, first + model.elements[0].films[0].hat[point, c]]
+            model.elements[0].films[0].between[point, c]
+            * field[w, first + model.elements[0].films[0].grid_node[point, c]]
         )
     return total
 
@@ -124,8 +125,8 @@ def open_film(run: Run, films: FilmState, oil: FilmScratch):
         films.film_void[w, 1, i] = films.film_void[w, 0, i]
         films.film_full[w, 1, i] = films.film_full[w, 0, i]
         i += wp.block_dim()
-    i = model.elements[0].films[0].hat_start[film] + lane
-    while i < model.elements[0].films[0].hat_start[film + 1]:
+    i = model.elements[0].films[0].node_start[film] + lane
+    while i < model.elements[0].films[0].node_start[film + 1]:
         films.film_asperity[w, 1, i] = films.film_asperity[w, 0, i]
         i += wp.block_dim()
     if lane == 0:
@@ -212,13 +213,13 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
     first_unknown = model.elements[0].films[0].unknown_start[film]
     run = w * model.elements[0].films[0].system_start[model.elements[0].films[0].count]
     run += model.elements[0].films[0].system_start[film]
-    first_hat = model.elements[0].films[0].hat_start[film]
+    first_node = model.elements[0].films[0].node_start[film]
     point = model.elements[0].films[0].point_start[film]
     points = model.elements[0].films[0].point_start[film + 1] - point
     # pressures that deform: of asperities, then of the film
     i = lane
     while i < rough:
-        film_now.film_acting[run + unknowns + i] = films.film_asperity[w, 1, first_hat + i]
+        film_now.film_acting[run + unknowns + i] = films.film_asperity[w, 1, first_node + i]
         i += wp.block_dim()
     i = lane
     while i < unknowns:
@@ -229,36 +230,36 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
         i += wp.block_dim()
     sync()
     lines = unknowns + rough
-    hats = model.elements[0].films[0].hat_start[film + 1] - first_hat
+    grid_nodes = model.elements[0].films[0].node_start[film + 1] - first_node
     A = model.elements[0].films[0].first[film]
     modes = model.elements[0].films[0].modes[film]
     modal = w * model.modes.count + model.surfaces.modal_start[A]
     # opening of the first surface at its nodes; pressure law, normal and moments of the asperities there
     m = lane
-    while m < hats:
+    while m < grid_nodes:
         row = model.elements[0].films[0].compliance_start[film] + m * lines
-        u = model.elements[0].films[0].lift[first_hat + m]
+        u = model.elements[0].films[0].lift[first_node + m]
         u += dot(lines, model.elements[0].films[0].compliance, row, film_now.film_acting, run)
-        film_now.film_local[w, first_hat + m] = u
+        film_now.film_local[w, first_node + m] = u
         line = model.elements[0].films[0].shape_start[film] + m * modes
         u -= dot(modes, model.elements[0].films[0].shape, line, trial.q1, modal)
-        film_now.film_opened[w, first_hat + m] = u
+        film_now.film_opened[w, first_node + m] = u
         if rough > 0:
-            place = model.elements[0].films[0].hat_place[first_hat + m]
+            place = model.elements[0].films[0].node_place[first_node + m]
             seen = opened_with_second(model, w, film, sides, place, points + m, film_now)
-            gap = seen[0] + model.elements[0].films[0].hat_form[first_hat + m] + u
+            gap = seen[0] + model.elements[0].films[0].node_form[first_node + m] + u
             law = asperities_at(model, film, -gap)
             n = vec3(seen[1], seen[2], seen[3])
             moment = wp.cross(place, wp.transpose(sides.turn_a) * n)
             arm = wp.transpose(sides.turn_b) * (sides.from_b + sides.turn_a * place)
             second_moment = -wp.cross(arm, wp.transpose(sides.turn_b) * n)
             for c in range(3):
-                film_now.film_hat_line[w, first_hat + m, c] = n[c]
-                film_now.film_hat_line[w, first_hat + m, 3 + c] = moment[c]
-                film_now.film_hat_line[w, first_hat + m, 6 + c] = second_moment[c]
-            film_now.film_hat_line[w, first_hat + m, PRESSED] = law[0]
-            film_now.film_hat_line[w, first_hat + m, STIFFNESS] = law[1]
-            film_now.film_energy_now[w, first_hat + m] = law[2]
+                film_now.film_node_line[w, first_node + m, c] = n[c]
+                film_now.film_node_line[w, first_node + m, 3 + c] = moment[c]
+                film_now.film_node_line[w, first_node + m, 6 + c] = second_moment[c]
+            film_now.film_node_line[w, first_node + m, PRESSED] = law[0]
+            film_now.film_node_line[w, first_node + m, STIFFNESS] = law[1]
+            film_now.film_energy_now[w, first_node + m] = law[2]
         m += wp.block_dim()
     # velocity U at the functions
     i = first + lane
@@ -274,7 +275,7 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
     while g < point + points:
         place = model.elements[0].films[0].point_place[g]
         seen = opened_with_second(model, w, film, sides, place, g - point, film_now)
-        h = seen[0] + model.elements[0].films[0].form[g] + at_point(model, g, film_now.film_opened, w, first_hat)
+        h = seen[0] + model.elements[0].films[0].form[g] + at_point(model, g, film_now.film_opened, w, first_node)
         if not h > real(0.0):
             run_of_run.ctl[w].failure = run_of_run.ctl[w].failure | k.NOT_CONVERGED
             run_of_run.ctl[w].run = 0
@@ -296,7 +297,7 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
         pressed = real(0.0)
         if rough > 0:
             for c in range(4):
-                load = films.film_asperity[w, 1, first_hat + model.elements[0].films[0].hat[g, c]]
+                load = films.film_asperity[w, 1, first_node + model.elements[0].films[0].grid_node[g, c]]
                 pressed += model.elements[0].films[0].between[g, c] * load
         # sliding and flow factors
         slide = sliding_at(sides, place)
@@ -378,6 +379,6 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
         dragged = (drag_x - drag) * slide_x * slide_x + (drag_z - drag) * slide_z * slide_z
         film_now.film_pull[w, g, SHEAR] = weight * (drag + rub) * speed * speed + weight * dragged
         film_now.film_pull[w, g, BY_ASPERITIES] = weight * pressed
-        yielded = at_point(model, g, film_now.film_local, w, first_hat)
+        yielded = at_point(model, g, film_now.film_local, w, first_node)
         film_now.film_pull[w, g, STORED] = real(0.5) * weight * (pushing + pressed) * yielded
         g += wp.block_dim()

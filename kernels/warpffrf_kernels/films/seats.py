@@ -59,13 +59,13 @@ def seat_on(model: Model, film: int, theta: real, z: real) -> Seat:
 
 
 @wp.func
-def hat_at(x: real, end: int) -> real:
+def node_at(x: real, end: int) -> real:
     """Value at x of the shape function of one `end`, 0 or 1, of a cell from 0 to 1."""
     return wp.max(real(1.0) - wp.abs(x - real(end)), real(0.0))
 
 
 @wp.func
-def hat_slope(x: real, end: int) -> real:
+def node_slope(x: real, end: int) -> real:
     """Its slope."""
     away = x - real(end)
     if wp.abs(away) >= real(1.0):
@@ -76,7 +76,7 @@ def hat_slope(x: real, end: int) -> real:
 
 
 @wp.func
-def seat_hat(seats: wp.array3d(dtype=int), w: int, seat: int, c: int) -> int:
+def seat_node(seats: wp.array3d(dtype=int), w: int, seat: int, c: int) -> int:
     """The c-th of the four nodes of a seat, counted within B."""
     return seats[w, seat, c / 2] + c % 2
 
@@ -84,14 +84,14 @@ def seat_hat(seats: wp.array3d(dtype=int), w: int, seat: int, c: int) -> int:
 @wp.func
 def seat_part(places: wp.array3d(dtype=real), w: int, seat: int, c: int) -> real:
     """Its value there."""
-    return hat_at(places[w, seat, 0], c / 2) * hat_at(places[w, seat, 1], c % 2)
+    return node_at(places[w, seat, 0], c / 2) * node_at(places[w, seat, 1], c % 2)
 
 
 @wp.func
 def opened_at_seat(model: Model, film: int, w: int, seat: int, oil: FilmScratch, opened: wp.array(dtype=real)) -> vec3:
     """Opening by B at a seat [m], and its slopes by theta and z of B's chart; `opened`: at its nodes, flat."""
-    first = w * model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count]
-    first += model.elements[0].films[0].second_hat_start[film]
+    first = w * model.elements[0].films[0].second_node_start[model.elements[0].films[0].count]
+    first += model.elements[0].films[0].second_node_start[film]
     rows = model.elements[0].films[0].second_grid[film, 1]
     row = model.elements[0].films[0].second_row_start[film] + oil.film_seat[w, seat, 0] % rows
     length = model.elements[0].films[0].second_row[row + 1] - model.elements[0].films[0].second_row[row]
@@ -100,10 +100,10 @@ def opened_at_seat(model: Model, film: int, w: int, seat: int, oil: FilmScratch,
     v = oil.film_seat_at[w, seat, 1]
     found = vec3(real(0.0))
     for c in range(4):
-        there = opened[first + seat_hat(oil.film_seat, w, seat, c)]
-        across = hat_at(u, c / 2)
-        along = hat_at(v, c % 2)
+        there = opened[first + seat_node(oil.film_seat, w, seat, c)]
+        across = node_at(u, c / 2)
+        along = node_at(v, c % 2)
         found += there * vec3(
-            across * along, hat_slope(u, c / 2) * along / pitch, across * hat_slope(v, c % 2) / length
+            across * along, node_slope(u, c / 2) * along / pitch, across * node_slope(v, c % 2) / length
         )
     return found

@@ -28,7 +28,7 @@ from warpffrf_kernels.films.sampling import (
     FILLING_BY_GAP,
     HALF,
 )
-from warpffrf_kernels.films.seats import seat_hat, seat_on, seat_part
+from warpffrf_kernels.films.seats import seat_node, seat_on, seat_part
 from warpffrf_kernels.films.sides import on_second, sides_of
 from warpffrf_kernels.films.unknowns import RIGID, add_scaled, lines_of
 from warpffrf_kernels.surfaces.surface import chart_of
@@ -43,7 +43,7 @@ def place_of_seat(model: Model, film: int, seat: int) -> vec3:
     points = model.elements[0].films[0].point_start[film + 1] - point
     if seat < points:
         return model.elements[0].films[0].point_place[point + seat]
-    return model.elements[0].films[0].hat_place[model.elements[0].films[0].hat_start[film] + seat - points]
+    return model.elements[0].films[0].node_place[model.elements[0].films[0].node_start[film] + seat - points]
 
 
 @kernel
@@ -51,8 +51,8 @@ def load_second(run_of_run: Run, trial: Trial, films: FilmState, oil: FilmScratc
     """Per (world, film), lanes over seats, then nodes of B: their positions, f, and the opening due to it."""
     w, film, lane = wp.tid()
     model = run_of_run.models[w]
-    hats = model.elements[0].films[0].second_hats[film]
-    if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].moved == 0 or hats == 0:
+    grid_nodes = model.elements[0].films[0].second_nodes[film]
+    if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].moved == 0 or grid_nodes == 0:
         return
     static = int(0)
     if run_of_run.ctl[w].mode == STATIC:
@@ -60,7 +60,7 @@ def load_second(run_of_run: Run, trial: Trial, films: FilmState, oil: FilmScratc
     sides = sides_of(model, w, film, static, trial)
     s = model.elements[0].films[0].second[film]
     first = model.elements[0].films[0].function_start[film]
-    first_hat = model.elements[0].films[0].hat_start[film]
+    first_node = model.elements[0].films[0].node_start[film]
     start = model.elements[0].films[0].seat_start[film]
     i = lane
     while i < model.elements[0].films[0].seat_start[film + 1] - start:
@@ -86,15 +86,15 @@ def load_second(run_of_run: Run, trial: Trial, films: FilmState, oil: FilmScratc
                 if half:
                     p = wp.max(p, real(0.0))
                 if model.elements[0].films[0].rough[film] > 0:
-                    p += films.film_asperity[w, 1, first_hat + f]  # functions are nodes then
+                    p += films.film_asperity[w, 1, first_node + f]  # functions are nodes then
                 load += model.elements[0].films[0].press_value[i, j] * p
             j += 1
         oil.film_press_load[w, i] = load
         i += wp.block_dim()
-    second_hat = model.elements[0].films[0].second_hat_start[film]
-    run = w * model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count] + second_hat
+    second_node = model.elements[0].films[0].second_node_start[film]
+    run = w * model.elements[0].films[0].second_node_start[model.elements[0].films[0].count] + second_node
     i = lane
-    while i < hats:
+    while i < grid_nodes:
         oil.film_second_load[run + i] = real(0.0)
         i += wp.block_dim()
     sync()
@@ -102,19 +102,19 @@ def load_second(run_of_run: Run, trial: Trial, films: FilmState, oil: FilmScratc
     while i < press + presses:  # the loads of a node are added by one lane, in a fixed order
         on = start + model.elements[0].films[0].press_seat[i]
         for c in range(4):
-            hat = seat_hat(oil.film_seat, w, on, c)
-            if hat % wp.block_dim() == lane:
+            grid_node = seat_node(oil.film_seat, w, on, c)
+            if grid_node % wp.block_dim() == lane:
                 load = seat_part(oil.film_seat_at, w, on, c) * oil.film_press_load[w, i]
-                oil.film_second_load[run + hat] = oil.film_second_load[run + hat] + load
+                oil.film_second_load[run + grid_node] = oil.film_second_load[run + grid_node] + load
         i += 1
     sync()
     modes = model.elements[0].films[0].second_modes[film]
     modal = w * model.modes.count + model.surfaces.modal_start[s]
     i = lane
-    while i < hats:
-        row = model.elements[0].films[0].second_compliance_start[film] + i * hats
-        local = dot(hats, model.elements[0].films[0].second_compliance, row, oil.film_second_load, run)
-        oil.film_second_energy[w, second_hat + i] = real(0.5) * local * oil.film_second_load[run + i]
+    while i < grid_nodes:
+        row = model.elements[0].films[0].second_compliance_start[film] + i * grid_nodes
+        local = dot(grid_nodes, model.elements[0].films[0].second_compliance, row, oil.film_second_load, run)
+        oil.film_second_energy[w, second_node + i] = real(0.5) * local * oil.film_second_load[run + i]
         line = model.elements[0].films[0].second_shape_start[film] + i * modes
         oil.film_second_opened[run + i] = local - dot(
             modes, model.elements[0].films[0].second_shape, line, trial.q1, modal
@@ -127,8 +127,8 @@ def weigh_second(run_of_run: Run, films: FilmState, oil: FilmScratch):
     """Per (world, film), lanes over unknowns: lines of W, columns of Q, if the retained matrix is renewed."""
     w, film, lane = wp.tid()
     model = run_of_run.models[w]
-    hats = model.elements[0].films[0].second_hats[film]
-    if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].moved == 0 or run_of_run.ctl[w].refresh == 0 or hats == 0:
+    grid_nodes = model.elements[0].films[0].second_nodes[film]
+    if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].moved == 0 or run_of_run.ctl[w].refresh == 0 or grid_nodes == 0:
         return
     n = model.elements[0].films[0].unknowns[film]
     lines = lines_of(model, film)
@@ -138,9 +138,9 @@ def weigh_second(run_of_run: Run, films: FilmState, oil: FilmScratch):
     half = model.elements[0].films[0].rule[film] == HALF
     i = lane
     while i < lines:
-        row = run + i * hats
+        row = run + i * grid_nodes
         j = int(0)
-        while j < hats:
+        while j < grid_nodes:
             oil.film_second_weight[row + j] = real(0.0)
             oil.film_second_wide[row + j] = real(0.0)
             j += 1
@@ -152,25 +152,27 @@ def weigh_second(run_of_run: Run, films: FilmState, oil: FilmScratch):
             if half and films.film_pressure[w, 1, f] < real(0.0):
                 pushes = False
         else:
-            f += model.elements[0].films[0].hat_function[model.elements[0].films[0].hat_start[film] + i - n]
+            f += model.elements[0].films[0].node_function[model.elements[0].films[0].node_start[film] + i - n]
         e = model.elements[0].films[0].press_entry_start[f]
         while e < model.elements[0].films[0].press_entry_start[f + 1] and pushes:
             seat = start + model.elements[0].films[0].press_seat[model.elements[0].films[0].press_entry[e]]
             push = model.elements[0].films[0].press_entry_value[e]
             for c in range(4):
-                hat = seat_hat(oil.film_seat, w, seat, c)
+                grid_node = seat_node(oil.film_seat, w, seat, c)
                 part = push * seat_part(oil.film_seat_at, w, seat, c)
-                oil.film_second_weight[row + hat] = oil.film_second_weight[row + hat] + part
+                oil.film_second_weight[row + grid_node] = oil.film_second_weight[row + grid_node] + part
             e += 1
         j = int(0)
-        while j < hats:
+        while j < grid_nodes:
             load = oil.film_second_weight[row + j]
             if load != real(0.0):
-                line = model.elements[0].films[0].second_compliance_start[film] + j * hats
-                add_scaled(hats, load, model.elements[0].films[0].second_compliance, line, oil.film_second_wide, row)
+                line = model.elements[0].films[0].second_compliance_start[film] + j * grid_nodes
+                add_scaled(
+                    grid_nodes, load, model.elements[0].films[0].second_compliance, line, oil.film_second_wide, row
+                )
             j += 1
         j = int(0)
-        while j < hats:
+        while j < grid_nodes:
             oil.film_second_yield[run + j * lines + i] = oil.film_second_wide[row + j]
             j += 1
         i += wp.block_dim()
@@ -186,15 +188,15 @@ def loads_at(model: Model, w: int, film: int) -> int:
 @wp.func
 def write_second(model: Model, w: int, film: int, i: int, row: int, oil: FilmScratch, stiff: real):
     """Contribution of B's compliance to the line of unknown i, in J, B and P; `stiff` [Pa/m]: of its asperities."""
-    hats = model.elements[0].films[0].second_hats[film]
+    grid_nodes = model.elements[0].films[0].second_nodes[film]
     n = model.elements[0].films[0].unknowns[film]
     lines = lines_of(model, film)
     point = model.elements[0].films[0].point_start[film]
     start = model.elements[0].films[0].seat_start[film]
     run = loads_at(model, w, film)
-    wide = run + i * hats
+    wide = run + i * grid_nodes
     j = int(0)
-    while j < hats:
+    while j < grid_nodes:
         oil.film_second_wide[wide + j] = real(0.0)
         j += 1
     if i < n:
@@ -208,22 +210,22 @@ def write_second(model: Model, w: int, film: int, i: int, row: int, oil: FilmScr
             by_gap += model.elements[0].films[0].slope_along[g, a] * oil.film_line[w, g, ALONG_BY_GAP]
             by_gap += model.elements[0].films[0].value[g, a] * oil.film_line[w, g, FILLING_BY_GAP]
             for c in range(4):
-                hat = seat_hat(oil.film_seat, w, start + g - point, c)
+                grid_node = seat_node(oil.film_seat, w, start + g - point, c)
                 part = seat_part(oil.film_seat_at, w, start + g - point, c)
-                oil.film_second_wide[wide + hat] = oil.film_second_wide[wide + hat] + by_gap * part
+                oil.film_second_wide[wide + grid_node] = oil.film_second_wide[wide + grid_node] + by_gap * part
             e += 1
     else:
         seat = start + model.elements[0].films[0].point_start[film + 1] - point + i - n
         for c in range(4):
-            hat = seat_hat(oil.film_seat, w, seat, c)
-            oil.film_second_wide[wide + hat] = oil.film_second_wide[wide + hat] + stiff * seat_part(
+            grid_node = seat_node(oil.film_seat, w, seat, c)
+            oil.film_second_wide[wide + grid_node] = oil.film_second_wide[wide + grid_node] + stiff * seat_part(
                 oil.film_seat_at, w, seat, c
             )
     modes = model.elements[0].films[0].second_modes[film]
     by_columns = row + lines + 1 + RIGID + model.elements[0].films[0].modes[film]
     pushes = by_columns + RIGID + model.elements[0].films[0].modes[film] + modes
     j = int(0)
-    while j < hats:
+    while j < grid_nodes:
         line = model.elements[0].films[0].second_shape_start[film] + j * modes
         by_gap = oil.film_second_wide[wide + j]
         if by_gap != real(0.0):

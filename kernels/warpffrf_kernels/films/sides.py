@@ -149,7 +149,7 @@ def opened_with_second(
 ) -> wp.vec4d:
     """`opened_by_motion` plus the opening by a deformable second surface; seat: of the point, within the film."""
     found = opened_by_motion(model, film, sides, place)
-    if model.elements[0].films[0].second_hats[film] == 0:
+    if model.elements[0].films[0].second_nodes[film] == 0:
         return found
     at = model.elements[0].films[0].seat_start[film] + seat
     more = opened_at_seat(model, film, w, at, oil, oil.film_second_opened)

@@ -24,7 +24,7 @@ from warpffrf_kernels.core.film_scratch import FilmScratch
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
-from warpffrf_kernels.core.scratch import OuterSystem
+from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.core.state import FilmState
 from warpffrf_kernels.films.flow import holding, inflow, neighbour
 from warpffrf_kernels.films.sampling import (
@@ -53,7 +53,7 @@ from warpffrf_kernels.films.unknowns import (
     line_length,
     lines_of,
     matrix_at,
-    outer_column,
+    retained_column,
     system_at,
     vector_at,
 )
@@ -101,7 +101,7 @@ def is_thin(model: Model, w: int, film: int, i: int, films: FilmState, oil: Film
     """Whether the column of unknown i is almost empty outside its own line: a cavity, or asperities out of contact."""
     n = model.elements[0].films[0].unknowns[film]
     if i >= n:
-        return oil.film_rough[w, model.elements[0].films[0].hat_start[film] + i - n] == 0
+        return oil.film_rough[w, model.elements[0].films[0].node_start[film] + i - n] == 0
     f = model.elements[0].films[0].function_of[model.elements[0].films[0].unknown_start[film] + i]
     return films.film_full[w, 1, model.elements[0].films[0].function_start[film] + f] == 0
 
@@ -262,19 +262,19 @@ def write_asperities(model: Model, w: int, film: int, m: int, row: int, thin: in
     modes = model.elements[0].films[0].modes[film]
     columns = columns_of(model, film)
     first = model.elements[0].films[0].function_start[film]
-    hat = model.elements[0].films[0].hat_start[film] + m
-    stiff = oil.film_hat_line[w, hat, STIFFNESS]
+    grid_node = model.elements[0].films[0].node_start[film] + m
+    stiff = oil.film_node_line[w, grid_node, STIFFNESS]
     line = model.elements[0].films[0].compliance_start[film] + m * lines
     add_scaled(lines, stiff, model.elements[0].films[0].compliance, line, oil.film_matrix, row)
     line = model.elements[0].films[0].shape_start[film] + m * modes
     add_scaled(modes, -stiff, model.elements[0].films[0].shape, line, oil.film_matrix, row + lines + 1 + RIGID)
     clear_thin(lines, oil.film_order, system_at(model, w, film), thin, oil.film_matrix, row)
     put_rigid(
-        oil.film_matrix, row + lines + 1, stiff * vector_at(oil.film_hat_line, w, hat, 0),
-        stiff * vector_at(oil.film_hat_line, w, hat, 3), stiff * vector_at(oil.film_hat_line, w, hat, 6),
+        oil.film_matrix, row + lines + 1, stiff * vector_at(oil.film_node_line, w, grid_node, 0),
+        stiff * vector_at(oil.film_node_line, w, grid_node, 3), stiff * vector_at(oil.film_node_line, w, grid_node, 6),
     )  # fmt: skip
     oil.film_matrix[row + n + m] = oil.film_matrix[row + n + m] + real(1.0)
-    f = first + model.elements[0].films[0].hat_function[hat]
+    f = first + model.elements[0].films[0].node_function[grid_node]
     push_n = vec3(real(0.0))
     push_first = vec3(real(0.0))
     push_second = vec3(real(0.0))
@@ -301,8 +301,8 @@ def rest_of(model: Model, w: int, film: int, i: int, oil: FilmScratch, films: Fi
     """R of unknown i."""
     n = model.elements[0].films[0].unknowns[film]
     if i >= n:
-        hat = model.elements[0].films[0].hat_start[film] + i - n
-        return films.film_asperity[w, 1, hat] - oil.film_hat_line[w, hat, PRESSED]
+        grid_node = model.elements[0].films[0].node_start[film] + i - n
+        return films.film_asperity[w, 1, grid_node] - oil.film_node_line[w, grid_node, PRESSED]
     f = model.elements[0].films[0].function_of[model.elements[0].films[0].unknown_start[film] + i]
     return oil.film_rest[w, model.elements[0].films[0].function_start[film] + f]
 
@@ -321,16 +321,18 @@ def assemble_film(run_of_run: Run, films: FilmState, oil: FilmScratch, film_stif
     stride = line_length(model, film)
     base = matrix_at(model, w, film)
     run = system_at(model, w, film)
-    hat = model.elements[0].films[0].hat_start[film]
-    second = model.elements[0].films[0].second_hats[film] > 0
+    grid_node = model.elements[0].films[0].node_start[film]
+    second = model.elements[0].films[0].second_nodes[film] > 0
     bad = int(0)
     if run_of_run.ctl[w].refresh != 0:
         # asperities in contact, and the order of elimination
         i = lane
         while i < rough:
-            oil.film_rough[w, hat + i] = 0
-            if films.film_asperity[w, 1, hat + i] > real(0.0) or oil.film_hat_line[w, hat + i, PRESSED] > real(0.0):
-                oil.film_rough[w, hat + i] = 1
+            oil.film_rough[w, grid_node + i] = 0
+            if films.film_asperity[w, 1, grid_node + i] > real(0.0) or oil.film_node_line[
+                w, grid_node + i, PRESSED
+            ] > real(0.0):
+                oil.film_rough[w, grid_node + i] = 1
             i += wp.block_dim()
         thin = order_unknowns(model, w, film, lane, films, oil)
         # lines of J, R, B, P, and a reordered copy for the factorisation
@@ -341,14 +343,14 @@ def assemble_film(run_of_run: Run, films: FilmState, oil: FilmScratch, film_stif
             while j < stride:
                 oil.film_matrix[row + j] = real(0.0)
                 j += 1
-            if second and (i < n or oil.film_rough[w, hat + i - n] != 0):
+            if second and (i < n or oil.film_rough[w, grid_node + i - n] != 0):
                 stiff = real(0.0)
                 if i >= n:
-                    stiff = oil.film_hat_line[w, hat + i - n, STIFFNESS]
+                    stiff = oil.film_node_line[w, grid_node + i - n, STIFFNESS]
                 write_second(model, w, film, i, row, oil, stiff)
             if i < n:
                 write_flow(model, w, film, i, row, thin, films, oil)
-            elif oil.film_rough[w, hat + i - n] != 0:
+            elif oil.film_rough[w, grid_node + i - n] != 0:
                 write_asperities(model, w, film, i - n, row, thin, oil)
             else:
                 oil.film_matrix[row + i] = real(1.0)
@@ -419,7 +421,7 @@ def assemble_film(run_of_run: Run, films: FilmState, oil: FilmScratch, film_stif
 
 
 @kernel
-def stiffen_by_films(run: Run, oil: FilmScratch, system: OuterSystem):
+def stiffen_by_films(run: Run, oil: FilmScratch, system: RetainedSystem):
     """Per world: add the condensed contribution of all films to the retained system."""
     w = wp.tid()
     model = run.models[w]
@@ -430,14 +432,14 @@ def stiffen_by_films(run: Run, oil: FilmScratch, system: OuterSystem):
         columns = columns_of(model, film)
         c = int(0)
         while c < columns:
-            i = outer_column(model, film, c)
+            i = retained_column(model, film, c)
             if i >= 0:
                 system.rhs[w, i] = (
                     system.rhs[w, i] - oil.film_push[w, model.elements[0].films[0].column_start[film] + c]
                 )
                 d = int(0)
                 while d < columns and run.ctl[w].refresh != 0:
-                    j = outer_column(model, film, d)
+                    j = retained_column(model, film, d)
                     if j >= 0:
                         at = model.elements[0].films[0].square_start[film] + c * columns + d
                         system.tangent[w, i, j] = system.tangent[w, i, j] + oil.film_stiffness[w, at]

@@ -72,7 +72,7 @@ def opened_by_column(film_line: wp.array3d(dtype=real), w: int, g: int, c: int) 
 
 
 @wp.func
-def outer_column(model: Model, film: int, c: int) -> int:
+def retained_column(model: Model, film: int, c: int) -> int:
     """Retained unknown of a coupled column, -1 for the ground."""
     body = model.surfaces.body[model.elements[0].films[0].first[film]]
     modes = model.elements[0].films[0].modes[film]

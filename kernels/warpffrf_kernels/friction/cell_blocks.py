@@ -83,12 +83,12 @@ def add_block(
 
 
 @wp.func
-def move_outer(
+def move_retained(
     model: Model, w: int, lane: int, tangential: FrictionSolve, L: wp.array(dtype=real), M: wp.array(dtype=real),
     x: wp.array(dtype=real), z: wp.array(dtype=real),
 ):  # fmt: skip
     """z = M L^T x: the retained increments due to tractions."""
-    N = model.outer.count
+    N = model.retained.count
     i = lane
     while i < N:
         tangential.cell_load[w * N + i] = real(0.0)
@@ -117,12 +117,14 @@ def add_slips(
     L: wp.array(dtype=real), M: wp.array(dtype=real), x: wp.array(dtype=real), y: wp.array(dtype=real),
 ):  # fmt: skip
     """y += part K x over the lines of all pairs; returns z = M L^T x in its array."""
-    move_outer(model, w, lane, tangential, L, M, x, tangential.cell_moved_outer)
+    move_retained(model, w, lane, tangential, L, M, x, tangential.cell_moved_retained)
     pair = int(0)
     while pair < model.pairs.count:
         n = 2 * tangential.cell_block[w, pair, COUNT]
         if n > 0:
             at = first_line(model, w, pair)
             add_block(n, part, D, block_of(model, w, pair), 2 * model.capacity.cells, x, at, y)
-            follow_columns(model, w, pair, n, part, L, borders_of(model, w, pair), tangential.cell_moved_outer, y, at)
+            follow_columns(
+                model, w, pair, n, part, L, borders_of(model, w, pair), tangential.cell_moved_retained, y, at
+            )
         pair += 1

@@ -20,13 +20,13 @@ from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
-from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem, Trial
 from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, block_of, first_line, is_fresh
 from warpffrf_kernels.friction.cell_shares import add_on_shares, line_of
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
 from warpffrf_kernels.friction.tangential_fields import second_high, second_low
 from warpffrf_kernels.linear.block_elimination import add_lines
-from warpffrf_kernels.normal.contact_compliance import outer_row, short_of
+from warpffrf_kernels.normal.contact_compliance import retained_row, short_of
 from warpffrf_kernels.normal.pair_forces import surface_of
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
@@ -43,7 +43,7 @@ def take_cells(run: Run, cells: FrictionCells, tangential: FrictionSolve):
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
-    capacity = model.window.hats
+    capacity = model.window.grid_nodes
     pair = int(0)
     while pair < model.pairs.count and run.ctl[w].stale == 0:
         count = tangential.cell_block[w, pair, COUNT]
@@ -153,7 +153,7 @@ def cell_modes(
 # slots.
 @wp.func_native("""
     const int cap = 2 * model.capacity.cells;
-    const size_t here = (size_t)w * model.pairs.count + pair, cells = here * model.window.hats;
+    const size_t here = (size_t)w * model.pairs.count + pair, cells = here * model.window.grid_nodes;
     const int* mine = cell_slot.data + here * model.capacity.cells;
     const int table = model.responses.tangential.data[model.responses.load_start.data[2 * pair]];
     const int rows = model.surfaces.rows.data[model.pairs.first.data[pair]];
@@ -304,9 +304,9 @@ def assemble_cells(
 
 
 @kernel
-def outer_cells(
+def retained_cells(
     run: Run, trial: Trial, cells: FrictionCells, impulses: ImpulsiveContact, tangential: FrictionSolve,
-    system: OuterSystem,
+    system: RetainedSystem,
 ):  # fmt: skip
     """Per (world, pair): gradient L of the weak slip with respect to the coupled retained columns times the weight of
     the pair, at the start of an attempt and if any pair has new slots."""
@@ -329,7 +329,7 @@ def outer_cells(
             cells.cell_wrench[w, pair, at, 3], cells.cell_wrench[w, pair, at, 4], cells.cell_wrench[w, pair, at, 5]
         )
         number = first_line(model, w, pair) + line
-        outer_row(
+        retained_row(
             model, w, pair, lane, f, t, trial, impulses, tangential.cell_J, number * model.pairs.most_modes, system,
             number * model.pairs.coupled_capacity, tangential.cell_L,
         )  # fmt: skip

@@ -58,7 +58,7 @@ def reached(y: real, j: int) -> real:
 @kernel
 def spread_cells(run: Run, geometry: ContactGeometry, cells: FrictionCells):
     """Per (world, pair), lanes over cells: the parts of a cell on the cells of the second grid; 0 beyond the second
-    window, which only cells far from any patch reach (their nodes would have failed the step, `keep_hat`)."""
+    window, which only cells far from any patch reach (their nodes would have failed the step, `keep_node`)."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_grid(model, pair):
@@ -151,7 +151,7 @@ def on_shares(model: Model, w: int, pair: int, m: int, cells: FrictionCells, sec
 # out += part area Q o u_B of the first `count` active cells of a pair, two numbers each, as in `on_shares`; lanes over
 # the cells. Native, as the inner loop of two assemblies.
 @wp.func_native("""
-    const size_t here = (size_t)w * model.pairs.count + pair, cells = here * model.window.hats;
+    const size_t here = (size_t)w * model.pairs.count + pair, cells = here * model.window.grid_nodes;
     const int SC = model.window.share_columns, SR = model.window.share_rows;
     const int rows_b = model.surfaces.rows.data[model.pairs.second.data[pair]];
     const int* mine = cell_slot.data + here * model.capacity.cells;

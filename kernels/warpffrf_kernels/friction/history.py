@@ -88,7 +88,7 @@ def record_friction(run: Run, friction: FrictionState, cells: FrictionCells, sav
     rows = model.surfaces.rows[model.pairs.first[pair]]
     h = run.clk[w].done_step
     m = lane
-    while m < model.window.hats:
+    while m < model.window.grid_nodes:
         loaded = m < model.window.columns * rows and model.pairs.friction[pair] > real(0.0)
         loaded = loaded and cells.bound[w, pair, m] > real(0.0) and is_whole(run.ctl, w)
         for d in range(2):

@@ -15,7 +15,7 @@ import warp as wp
 from warpffrf_kernels.core.friction_scratch import FrictionSolve, SlipSpeedSolve
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
-from warpffrf_kernels.core.scratch import OuterSystem
+from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.friction.cell_blocks import COUNT, FREE
 from warpffrf_kernels.friction.cell_slips import find_slips, sort_cells
 from warpffrf_kernels.friction.reduced_system import factor_reduced, solve_reduced
@@ -174,7 +174,7 @@ def go_inside(
 @wp.func
 def come_near(
     model: Model, p: Pattern, w: int, lane: int, wanted: real, held: int, tangential: FrictionSolve,
-    slopes: SlipSpeedSolve, radius: wp.array(dtype=real), softness: wp.array(dtype=real), system: OuterSystem,
+    slopes: SlipSpeedSolve, radius: wp.array(dtype=real), softness: wp.array(dtype=real), system: RetainedSystem,
 ) -> int:  # fmt: skip
     """Tractions near the solution, up to a defect of `wanted`; returns the number of steps."""
     pair = int(0)

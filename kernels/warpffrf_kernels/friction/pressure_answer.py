@@ -18,7 +18,7 @@ condensed, pair by pair, with the present active set: with U^T U = G, W = U^-T L
     r + K' dtau,      K' = D + L' M L'^T,      D = K - Y^T Y,      M = (A + W^T W)^-1,
 
 a Schur complement of a positive semidefinite matrix, hence positive semidefinite. D has a block for each pair
-(`cell_blocks`); M is computed in `mobility`.
+(`cell_blocks`); M is computed in `friction_receptance`.
 
 On contact-fixed cells (`rolling`) Y, whose cost grows with the third power of their number, is omitted from K
 (`answering`), so K is kept from step to step. There the pressures follow the change of the tractions, N^T dtau by the
@@ -39,7 +39,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals
 from warpffrf_kernels.core.state import ContactState
-from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, first_line, is_fresh, move_outer
+from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, first_line, is_fresh, move_retained
 from warpffrf_kernels.friction.cell_compliance import scale_modes
 from warpffrf_kernels.friction.cell_shares import add_on_shares
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid, rubs_on_patch
@@ -63,9 +63,9 @@ ROUNDS = wp.constant(20)  # of an iteration: each leaves half of the change, for
 
 
 @wp.func
-def hat_of(model: Model, w: int, slot: int, slot_hat: wp.array3d(dtype=int)) -> int:
+def node_of(model: Model, w: int, slot: int, slot_node: wp.array3d(dtype=int)) -> int:
     """The node of a slot, numbered over all pairs."""
-    return slot_hat[w, slot, 0] * model.window.hats + slot_hat[w, slot, 1]
+    return slot_node[w, slot, 0] * model.window.grid_nodes + slot_node[w, slot, 1]
 
 
 @wp.func
@@ -82,7 +82,7 @@ def is_new(model: Model, w: int, n: int, tangential: FrictionSolve, normal: Cont
     if n != tangential.answer_state[w, ACTIVE] or is_fresh(model, w, tangential.cell_block):
         return True
     a = int(0)
-    while a < n and hat_of(model, w, normal.order[w, a], normal.slot_hat) == tangential.answer_hat[w, a]:
+    while a < n and node_of(model, w, normal.order[w, a], normal.slot_node) == tangential.answer_node[w, a]:
         a += 1
     return a < n
 
@@ -107,7 +107,7 @@ def open_answer(run: Run, normal: ContactSolve, tangential: FrictionSolve):
         tangential.answer_state[w, RENEWED] = 1
         a = int(0)
         while a < n:
-            tangential.answer_hat[w, a] = hat_of(model, w, normal.order[w, a], normal.slot_hat)
+            tangential.answer_node[w, a] = node_of(model, w, normal.order[w, a], normal.slot_node)
             a += 1
 
 
@@ -203,7 +203,7 @@ def answer_on_grid(
     a = normal.block[w, pair, START]
     while a < normal.block[w, pair, START] + normal.block[w, pair, SLOTS]:
         couple_near(
-            model, w, pair, a, normal.slot_hat[w, normal.order[w, a], 1], lane, tangential, cells, geometry, rubbing
+            model, w, pair, a, normal.slot_node[w, normal.order[w, a], 1], lane, tangential, cells, geometry, rubbing
         )
         a += 1
 
@@ -346,7 +346,7 @@ def answer_to(
 
 @wp.func
 def take_gaps(
-    model: Model, w: int, pair: int, lane: int, start: int, hats: int, cells: int, normal: ContactSolve,
+    model: Model, w: int, pair: int, lane: int, start: int, grid_nodes: int, cells: int, normal: ContactSolve,
     rolling: RollingScratch, tangential: FrictionSolve, residuals: Residuals,
 ):  # fmt: skip
     """step = -N^T dtau of a pair on contact-fixed cells: by far fields and half-spaces `gap_change`, and by the
@@ -365,9 +365,11 @@ def take_gaps(
     sync()
     modes = scale_modes(model, w, pair, lane, tangential.cell_scaled, scaled + width, residuals, tangential, scaled)
     a = lane
-    while a < hats:
+    while a < grid_nodes:
         slot = normal.order[w, start + a]
-        value = rolling.gap_change[(w * model.pairs.count + pair) * model.window.hats + normal.slot_hat[w, slot, 1]]
+        value = rolling.gap_change[
+            (w * model.pairs.count + pair) * model.window.grid_nodes + normal.slot_node[w, slot, 1]
+        ]
         value += dot(modes, tangential.cell_scaled, scaled, normal.J, (w * model.capacity.slots + slot) * width)
         tangential.answer_step[w * model.capacity.slots + start + a] = -value
         a += wp.block_dim()
@@ -395,34 +397,40 @@ def press_with_tractions(
             line += wp.block_dim()
         pair += 1
     sync()
-    move_outer(
-        model, w, lane, tangential, tangential.cell_bordered, tangential.mobility, tangential.answer_moved,
+    move_retained(
+        model, w, lane, tangential, tangential.cell_bordered, tangential.friction_receptance, tangential.answer_moved,
         tangential.answer_z,
     )  # fmt: skip
     pair = int(0)
     while pair < model.pairs.count:
         start = normal.block[w, pair, START]
-        hats = normal.block[w, pair, SLOTS]
+        grid_nodes = normal.block[w, pair, SLOTS]
         if rubs_on_patch(model, pair):
             take_gaps(
-                model, w, pair, lane, start, hats, tangential.cell_block[w, pair, COUNT], normal, rolling, tangential,
+                model, w, pair, lane, start, grid_nodes, tangential.cell_block[w, pair, COUNT], normal, rolling,
+                    tangential,
                 residuals,
             )  # fmt: skip
             forward(
-                normal.factor, block_at(model, w, start), model.capacity.slots, hats, tangential.answer_step,
+                normal.factor, block_at(model, w, start), model.capacity.slots, grid_nodes, tangential.answer_step,
                 slots + start,
             )  # fmt: skip
         else:
             answer_to(
-                model, w, pair, start, hats, 2 * tangential.cell_block[w, pair, COUNT], tangential.cell_Y,
+                model, w, pair, start, grid_nodes, 2 * tangential.cell_block[w, pair, COUNT], tangential.cell_Y,
                 tangential.answer_moved, tangential.answer_step,
             )  # fmt: skip
         follow_columns(
-            model, w, pair, hats, real(-1.0), normal.W, lines_at(model, w, start), tangential.answer_z,
+            model, w, pair, grid_nodes, real(-1.0), normal.W, lines_at(model, w, start), tangential.answer_z,
             tangential.answer_step, slots + start,
         )  # fmt: skip
         backward(
-            normal.factor, block_at(model, w, start), model.capacity.slots, hats, tangential.answer_step, slots + start
+            normal.factor,
+            block_at(model, w, start),
+            model.capacity.slots,
+            grid_nodes,
+            tangential.answer_step,
+            slots + start,
         )
         pair += 1
     if lane != 0:
@@ -432,8 +440,8 @@ def press_with_tractions(
     a = int(0)
     while a < n:
         slot = normal.order[w, a]
-        pair = normal.slot_hat[w, slot, 0]
-        m = normal.slot_hat[w, slot, 1]
+        pair = normal.slot_node[w, slot, 0]
+        m = normal.slot_node[w, slot, 1]
         value = wp.max(
             fields.base[w, pair, m] + (solution[w, a] + tangential.answer_step[slots + a]) / impulses.weight[w, pair],
             real(0.0),

@@ -19,8 +19,8 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
 from warpffrf_kernels.core.scratch import ImpulsiveContact
 from warpffrf_kernels.friction.cell_blocks import COUNT, add_slips, block_of, borders_of, first_line
-from warpffrf_kernels.friction.mobility import move_pair
 from warpffrf_kernels.friction.pressure_answer import OPEN, RENEWED, ROUND
+from warpffrf_kernels.friction.receptance import move_pair
 from warpffrf_kernels.friction.slip_speed import MARK, MILDER, SHORTER, share_of, speed_of
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -94,7 +94,7 @@ def condense(
     stride = 2 * model.capacity.cells
     width = model.pairs.coupled_capacity
     coupled = model.pairs.coupled_count[pair]
-    N = model.outer.count
+    N = model.retained.count
     start = block_of(model, w, pair) + row * stride
     edge = borders_of(model, w, pair) + row * width
     copy = w * 2 * stride
@@ -235,7 +235,7 @@ def condense_slopes(
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, OPEN] == 0:
         return
     h = run.clk[w].h
-    N = model.outer.count
+    N = model.retained.count
     stride = 2 * model.capacity.cells
     rounds = tangential.answer_state[w, ROUND]
     renew = rounds == 0 and (tangential.answer_state[w, RENEWED] != 0 or slopes.speed_late[w, 0] != 0)
@@ -246,7 +246,7 @@ def condense_slopes(
         return
     i = lane
     while i < N * N:
-        slopes.speed_M[w * N * N + i] = tangential.mobility[w * N * N + i]
+        slopes.speed_M[w * N * N + i] = tangential.friction_receptance[w * N * N + i]
         speed_bordered[w * N * N + i] = bordered[w * N * N + i]
         i += wp.block_dim()
     softened = int(0)

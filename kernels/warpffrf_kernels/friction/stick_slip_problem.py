@@ -18,7 +18,7 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, weighted
-from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Residuals
+from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem
 from warpffrf_kernels.core.state import ContactState, FrictionState
 from warpffrf_kernels.friction.cell_blocks import COUNT, add_slips, borders_of, first_line
 from warpffrf_kernels.friction.cell_forces import creep_softness
@@ -53,7 +53,7 @@ def drive_modes(
 @kernel
 def pose_tractions(
     run: Run, tangential: FrictionSolve, impulses: ImpulsiveContact, cells: FrictionCells, friction: FrictionState,
-    residuals: Residuals, system: OuterSystem,
+    residuals: Residuals, system: RetainedSystem,
 ):  # fmt: skip
     """Per (world, pair): right-hand side S + dS(ds) + L z + J sigma^-1 (modal drive), and initial guess of all slots.
     pressed_slip: slip by the local modes due to the change of the pressures."""
@@ -101,7 +101,7 @@ def take_off_base(run: Run, tangential: FrictionSolve):
         return
     add_slips(
         run.models[w], w, lane, real(-1.0), tangential, tangential.cell_D, tangential.cell_bordered,
-        tangential.mobility, tangential.cell_base, tangential.cell_right,
+        tangential.friction_receptance, tangential.cell_base, tangential.cell_right,
     )  # fmt: skip
 
 
@@ -126,14 +126,21 @@ def limit_tractions(run: Run, tangential: FrictionSolve, impulses: ImpulsiveCont
 
 @kernel
 def take_tractions(
-    run: Run, tangential: FrictionSolve, impulses: ImpulsiveContact, system: OuterSystem, friction: FrictionState
+    run: Run, tangential: FrictionSolve, impulses: ImpulsiveContact, system: RetainedSystem, friction: FrictionState
 ):
     """Per world: the tractions found, and the retained increments with them and with the pressures' response."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
-    axpy(model.outer.count, real(1.0), tangential.answer_z, w * model.outer.count, system.z, w * model.outer.count)
+    axpy(
+        model.retained.count,
+        real(1.0),
+        tangential.answer_z,
+        w * model.retained.count,
+        system.z,
+        w * model.retained.count,
+    )
     pair = int(0)
     while pair < model.pairs.count:
         rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -146,7 +153,7 @@ def take_tractions(
 
 
 @kernel
-def push_modes(run: Run, tangential: FrictionSolve, system: OuterSystem, receptance: wp.array2d(dtype=real)):
+def push_modes(run: Run, tangential: FrictionSolve, system: RetainedSystem, receptance: wp.array2d(dtype=real)):
     """Per world: adds the increments of the global modes due to the change of the tractions (modes without inertia
     terms; the others are retained coordinates)."""
     w, lane = wp.tid()

@@ -35,18 +35,18 @@ from warpffrf_kernels.core.friction_scratch import FrictionSolve, SlipSpeedSolve
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
-from warpffrf_kernels.core.scratch import OuterSystem
-from warpffrf_kernels.friction.cell_blocks import COUNT, FREE, move_outer
+from warpffrf_kernels.core.scratch import RetainedSystem
+from warpffrf_kernels.friction.cell_blocks import COUNT, FREE, move_retained
 from warpffrf_kernels.friction.cell_slips import CHANGED, judge_cells
 from warpffrf_kernels.friction.interior_point import come_near
 from warpffrf_kernels.friction.reduced_system import factor_reduced, solve_reduced
-from warpffrf_kernels.linear.outer_solve import held_motions
+from warpffrf_kernels.linear.retained_solve import held_motions
 from warpffrf_kernels.linear.sparse_factor import Pattern
 
 wp.set_module_options(MODULE_OPTIONS)
 
 SLOW = wp.constant(wp.float64(0.1))  # of the previous defect: an old factor that leaves more is recomputed
-SETTLED = wp.constant(wp.float64(1.0e-12))  # of the largest bound: below the tolerance of the outer iteration
+SETTLED = wp.constant(wp.float64(1.0e-12))  # of the largest bound: below the tolerance of the retained iteration
 SWEEPS = wp.constant(3)  # of Gauss-Seidel before Newton
 MORE_SWEEPS = wp.constant(20)  # if Newton has not converged after the interior-point method either
 NEWTON = wp.constant(12)  # iterations between two rounds of sweeps
@@ -65,8 +65,8 @@ NEAR = wp.constant(wp.float64(1.0e-6))  # of the largest bound: first interior-p
     const double *A = D.data + here * cap * cap, *l = L.data + here * cap * width, *v = V.data + here * cap * width;
     const double *r0 = right.data + here * cap, *b = radius.data + here * cap / 2;
     const double *soft = softness.data + here * cap / 2, *block = diagonal.data + here * cap / 2 * 3;
-    double *x = tau.data + here * cap, *sum = push.data + (size_t)w * model.outer.count;
-    const double* z = turned.data + (size_t)w * model.outer.count;
+    double *x = tau.data + here * cap, *sum = push.data + (size_t)w * model.retained.count;
+    const double* z = turned.data + (size_t)w * model.retained.count;
     double picked[512], change[512];  // MOST_COUPLED_COLUMNS
     WP_TILE_SYNC();
     if (WP_TILE_THREAD_IDX == 0) {
@@ -139,9 +139,9 @@ def sweep_cells(
     radius: wp.array(dtype=real), softness: wp.array(dtype=real),
 ):  # fmt: skip
     """Gauss-Seidel over the cells of all pairs, with the retained increments due to all tractions."""
-    N = model.outer.count
-    move_outer(
-        model, w, lane, tangential, slopes.speed_L, slopes.speed_M, slopes.speed_tau, tangential.cell_moved_outer
+    N = model.retained.count
+    move_retained(
+        model, w, lane, tangential, slopes.speed_L, slopes.speed_M, slopes.speed_tau, tangential.cell_moved_retained
     )
     for _sweep in range(sweeps):
         pair = int(0)
@@ -155,7 +155,7 @@ def sweep_cells(
                 sync()
                 sweep_pair(
                     model, w, pair, count, slopes.speed_D, slopes.speed_L, slopes.speed_V, slopes.speed_diagonal,
-                    slopes.speed_right, radius, softness, tangential.cell_moved_outer, slopes.speed_tau,
+                    slopes.speed_right, radius, softness, tangential.cell_moved_retained, slopes.speed_tau,
                     tangential.cell_load,
                 )  # fmt: skip
                 c = int(0)
@@ -163,7 +163,7 @@ def sweep_cells(
                     if tangential.cell_load[w * N + c] != real(0.0):
                         axpy(
                             N, tangential.cell_load[w * N + c], slopes.speed_M, (w * N + c) * N,
-                            tangential.cell_moved_outer, w * N,
+                            tangential.cell_moved_retained, w * N,
                         )  # fmt: skip
                     c += 1
                 sync()
@@ -299,7 +299,8 @@ def move_cells(
 
 @kernel
 def solve_tractions(
-    run: Run, slopes: SlipSpeedSolve, system: OuterSystem, tangential: FrictionSolve, patterns: wp.array(dtype=Pattern),
+    run: Run, slopes: SlipSpeedSolve, system: RetainedSystem, tangential: FrictionSolve,
+        patterns: wp.array(dtype=Pattern),
     radius: wp.array(dtype=real), softness: wp.array(dtype=real),
 ):  # fmt: skip
     """Per world: the tractions tau of all slots, from an initial guess, for r = right + K tau + softness tau and discs

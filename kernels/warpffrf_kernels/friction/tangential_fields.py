@@ -95,9 +95,9 @@ def push_gaps(run: Run, geometry: ContactGeometry, cells: FrictionCells, second_
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
-    base = (w * model.pairs.count + pair) * model.window.hats
+    base = (w * model.pairs.count + pair) * model.window.grid_nodes
     base_b = (w * model.pairs.count + pair) * model.window.nodes
-    clear_field(lane, model.window.hats, base, cells.first_push)
+    clear_field(lane, model.window.grid_nodes, base, cells.first_push)
     clear_field(lane, model.window.nodes, base_b, cells.second_push)
     low = geometry.window[w, pair, 0] + model.window.half
     columns = geometry.window[w, pair, 1] - geometry.window[w, pair, 0] + 1
@@ -124,8 +124,8 @@ def add_push(run: Run, cells: FrictionCells, fields: ContactFields):
         return
     at = w * model.pairs.count + pair
     axpy(
-        model.window.hats, real(1.0), cells.first_push, at * model.window.hats, fields.first_local,
-        at * model.window.hats,
+        model.window.grid_nodes, real(1.0), cells.first_push, at * model.window.grid_nodes, fields.first_local,
+        at * model.window.grid_nodes,
     )  # fmt: skip
     axpy(
         model.window.nodes, real(1.0), cells.second_push, at * model.window.nodes, fields.second_local,
@@ -147,9 +147,9 @@ def press_cells(
         return
     if (of_state != 0 and run.ctl[w].moved == 0) or (of_state == 0 and run.ctl[w].changes != 0):
         return
-    base = (w * model.pairs.count + pair) * 2 * model.window.hats
+    base = (w * model.pairs.count + pair) * 2 * model.window.grid_nodes
     base_b = (w * model.pairs.count + pair) * 2 * model.window.nodes
-    clear_field(lane, 2 * model.window.hats, base, cells.first_shift)
+    clear_field(lane, 2 * model.window.grid_nodes, base, cells.first_shift)
     clear_field(lane, 2 * model.window.nodes, base_b, cells.second_shift)
     low = geometry.window[w, pair, 0] + model.window.half
     columns = geometry.window[w, pair, 1] - geometry.window[w, pair, 0] + 1
@@ -178,7 +178,7 @@ def shift_slips(run: Run, geometry: ContactGeometry, cells: FrictionCells):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     flexible = model.surfaces.shear_start[model.pairs.second[pair]] >= 0
-    base = (w * model.pairs.count + pair) * 2 * model.window.hats
+    base = (w * model.pairs.count + pair) * 2 * model.window.grid_nodes
     m = (geometry.window[w, pair, 0] + model.window.half) * rows + lane
     while m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
         second = vec3(real(0.0), real(0.0), real(0.0))
@@ -200,7 +200,7 @@ def rub_cells(run: Run, geometry: ContactGeometry, cells: FrictionCells, second_
     low = geometry.window[w, pair, 0] + model.window.half
     columns = geometry.window[w, pair, 1] - geometry.window[w, pair, 0] + 1
     at = (w * model.pairs.count + pair) * 2
-    start = at * model.window.hats + 2 * low * model.surfaces.rows[model.pairs.first[pair]]
+    start = at * model.window.grid_nodes + 2 * low * model.surfaces.rows[model.pairs.first[pair]]
     add_fields(
         model, w, 2 * pair, low, columns, model.responses.tangential, real(1.0), 2, geometry, cells.first_force,
         second_force, start, cells.first_shift,
@@ -232,7 +232,7 @@ def displace_cells(run: Run, geometry: ContactGeometry, rubbing: FrictionCells, 
     cells = (geometry.window[w, pair, 1] + H - first + 1) * rows
     origin = geometry.center[w, pair, 0] - H
     origin_b = geometry.center[w, pair, 1] - model.window.second_half
-    base = (w * model.pairs.count + pair) * 2 * model.window.hats
+    base = (w * model.pairs.count + pair) * 2 * model.window.grid_nodes
     base_b = (w * model.pairs.count + pair) * 2 * model.window.nodes
     flexible = model.surfaces.shear_start[B] >= 0
     if flexible:

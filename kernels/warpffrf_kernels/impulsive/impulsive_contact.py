@@ -70,7 +70,7 @@ from warpffrf_kernels.core.integration import EXACT, LOCAL, OUTER, coefficients_
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
-from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import ContactState, FrictionState, LoadState, MotionState
 from warpffrf_kernels.normal.contact_solve import push_by_slots
 from warpffrf_kernels.normal.pair_forces import force_on, is_closed, mean_of, modal_place, whole
@@ -89,11 +89,11 @@ def share(h: real, c: Coefficients, stiffness: real) -> real:
 
 
 @wp.func
-def outer_share(model: Model, clk: wp.array(dtype=Clock), w: int) -> real:
+def retained_share(model: Model, clk: wp.array(dtype=Clock), w: int) -> real:
     """b over beta of bodies and global modes."""
     if model.modes.dynamic_count == 0:
-        return real(0.5) / clk[w].outer.beta
-    return share(clk[w].h, clk[w].outer, model.modes.outer_frequency * model.modes.outer_frequency)
+        return real(0.5) / clk[w].retained.beta
+    return share(clk[w].h, clk[w].retained, model.modes.retained_frequency * model.modes.retained_frequency)
 
 
 @wp.func
@@ -109,9 +109,9 @@ def slip_of(h: real, c: Coefficients, part: real) -> real:
 
 
 @wp.func
-def outer_kappa(model: Model, clk: wp.array(dtype=Clock), w: int) -> real:
+def retained_kappa(model: Model, clk: wp.array(dtype=Clock), w: int) -> real:
     """kappa of bodies."""
-    return kappa_of(clk[w].outer, outer_share(model, clk, w))
+    return kappa_of(clk[w].retained, retained_share(model, clk, w))
 
 
 @wp.func
@@ -120,7 +120,7 @@ def mode_share(model: Model, run: Run, w: int, m: int) -> real:
     rule = rule_of(model, run, w, m)
     part = real(0.0)
     if rule == OUTER:
-        part = outer_share(model, run.clk, w)
+        part = retained_share(model, run.clk, w)
     if rule == LOCAL:
         part = share(run.clk[w].h, run.clk[w].local, model.modes.stiffness[m])
     return part
@@ -185,7 +185,7 @@ def begin_contact(
             impulses.bracket[w, pair, 7] = real(-1.0)
             impulses.weight[w, pair] = real(1.0)
             if kind != 0:
-                impulses.weight[w, pair] = weight_of(outer_kappa(model, run.clk, w), impulses.theta[w, pair])
+                impulses.weight[w, pair] = weight_of(retained_kappa(model, run.clk, w), impulses.theta[w, pair])
             pair += 1
     sync()
     # initial accelerations of bodies, then of modes, minus the forces and the memory of impulsive pairs
@@ -258,7 +258,7 @@ def push_bodies(
         return
     rubs = model.capacity.cells > 0
     if lane == 0:
-        kappa = outer_kappa(model, run.clk, w)
+        kappa = retained_kappa(model, run.clk, w)
         pair = int(0)
         while pair < model.pairs.count:
             A = model.surfaces.body[model.pairs.first[pair]]
@@ -352,7 +352,7 @@ def compare_receptances(run: Run, impulses: ImpulsiveContact, receptance: wp.arr
     while n < model.modes.count:
         factor = real(1.0)
         if run.ctl[w].mode == k.DYNAMIC and run.ctl[w].impulsive == k.IMPULSIVE:
-            factor = mode_kappa(model, run, w, n) / outer_kappa(model, run.clk, w)
+            factor = mode_kappa(model, run, w, n) / retained_kappa(model, run.clk, w)
         impulses.contact_receptance[w, n] = factor * receptance[w, n]
         n += wp.block_dim()
 
@@ -360,7 +360,7 @@ def compare_receptances(run: Run, impulses: ImpulsiveContact, receptance: wp.arr
 @kernel
 def push_further(
     run: Run, contact: ContactState, normal: ContactSolve, fields: ContactFields, impulses: ImpulsiveContact,
-    system: OuterSystem, receptance: wp.array2d(dtype=real),
+    system: RetainedSystem, receptance: wp.array2d(dtype=real),
 ):  # fmt: skip
     """Per world, lanes over modes: the part of `contact_receptance` missing in the modal increments. Modes with inertia
     terms have it from the retained system (their receptance is 0)."""

@@ -33,7 +33,7 @@ the force), is repeated as an impulsive one (`judge_pairs`).
 would chatter on it. There theta is 1, the force at the end: E is convex, so no energy is gained and a face may lose all
 of its own kinetic energy, which decreases with the number of modes. Scenes with such modes treat all pairs as impulsive
 together, from the repetition of a step in which the nodal forces change by more than CALM of their sum, or in which the
-integrator gains more than the energy tolerance, until contact is calm (`find_restless`); the gate of `commit` applies
+integrator gains more than the energy tolerance, until contact is calm (`find_unsettled`); the gate of `commit` applies
 to both.
 """
 
@@ -49,7 +49,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, Trial
 from warpffrf_kernels.core.state import ContactState, FrictionState, MotionState
-from warpffrf_kernels.impulsive.impulsive_contact import mode_kappa, outer_kappa, weight_of
+from warpffrf_kernels.impulsive.impulsive_contact import mode_kappa, retained_kappa, weight_of
 from warpffrf_kernels.impulsive.impulsive_memory import filtered
 from warpffrf_kernels.normal.pair_forces import (
     body_mobility,
@@ -161,7 +161,7 @@ def balance_means(
     if run.ctl[w].mode != k.DYNAMIC or run.ctl[w].again == 0 or run.ctl[w].round > MOST_ROUNDS:
         run.ctl[w].even = 1
         return
-    kappa = outer_kappa(model, run.clk, w)
+    kappa = retained_kappa(model, run.clk, w)
     changed = int(0)
     pair = int(0)
     while pair < model.pairs.count:
@@ -346,13 +346,13 @@ def judge_pairs(run: Run, contact: ContactState, impulses: ImpulsiveContact, tri
         return
     before = pair_work(model, w, pair, 0, contact.pair_force, contact.pair_modal, trial)
     after = pair_work(model, w, pair, 1, contact.pair_force, contact.pair_modal, trial)
-    worked = mean_of(run.clk[w].outer.gamma, before, after)
+    worked = mean_of(run.clk[w].retained.gamma, before, after)
     if contact.impulsive[w, pair] != 0:
         worked = mean_of(impulses.theta[w, pair], before, after)
     elif run.ctl[w].trapezoidal == 0:
         recalled = pair_work(model, w, pair, 0, contact.memory, contact.modal_memory, trial)
         ahead = filtered(run.clk, w, OUTER, before, after, recalled)
-        worked = mean_of(run.clk[w].outer.gamma, recalled, ahead)
+        worked = mean_of(run.clk[w].retained.gamma, recalled, ahead)
     total = worked + contact.pair_energy[w, pair, 1] - contact.pair_energy[w, pair, 0] + impulses.pair_loss[w, pair]
     own = own_energy(model, w, pair, contact, state)
     swung = swings(contact.pair_energy, w, pair)
@@ -365,7 +365,7 @@ def judge_pairs(run: Run, contact: ContactState, impulses: ImpulsiveContact, tri
 
 
 @kernel
-def find_restless(
+def find_unsettled(
     run: Run, geometry: ContactGeometry, contact: ContactState, impulses: ImpulsiveContact,
     pressure_before: wp.array3d(dtype=real), patch_offset_before: wp.array2d(dtype=real),
 ):  # fmt: skip
@@ -382,16 +382,16 @@ def find_restless(
     before = real(0.0)
     after = real(0.0)
     m = int(0)
-    while m < model.window.hats:
+    while m < model.window.grid_nodes:
         weight = wp.max(geometry.area[w, pair, m], real(0.0))
         p0 = real(0.0)
-        if m - shift >= 0 and m - shift < model.window.hats:
+        if m - shift >= 0 and m - shift < model.window.grid_nodes:
             p0 = weight * pressure_before[w, pair, m - shift]
         p1 = weight * contact.pressure[w, pair, m]
         change += wp.abs(p1 - p0)
         before += p0
         after += p1
         m += 1
-    impulses.restless[w, pair] = 0
+    impulses.unsettled[w, pair] = 0
     if change > CALM * wp.max(before, after):
-        impulses.restless[w, pair] = 1
+        impulses.unsettled[w, pair] = 1

@@ -15,7 +15,7 @@ from warpffrf_kernels.core.state import ContactState, FrictionState
 from warpffrf_kernels.impulsive.impulsive_contact import (
     kappa_of,
     mode_share,
-    outer_share,
+    retained_share,
     slip_of,
 )
 from warpffrf_kernels.normal.pair_forces import is_closed, mean_of, modal_place, surface_of, whole
@@ -59,9 +59,9 @@ def finish_rates(run: Run, contact: ContactState, impulses: ImpulsiveContact, fr
     model = run.models[w]
     if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC:
         return
-    part = outer_share(model, run.clk, w)
-    kappa = kappa_of(run.clk[w].outer, part)
-    slip = slip_of(run.clk[w].h, run.clk[w].outer, part)
+    part = retained_share(model, run.clk, w)
+    kappa = kappa_of(run.clk[w].retained, part)
+    slip = slip_of(run.clk[w].h, run.clk[w].retained, part)
     zero = vec3(real(0.0), real(0.0), real(0.0))
     b = lane
     while b < model.bodies.count:

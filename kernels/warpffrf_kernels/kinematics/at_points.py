@@ -140,19 +140,19 @@ def sample_points(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.ar
 
 
 # Weak gap, area, wrench and stencil of one node: the sum over the points of its (up to) four cells. Returns 1 if the
-# stencil cannot hold all of B's nodes. Native like `line_of_centres_weights.sum_hat`.
+# stencil cannot hold all of B's nodes. Native like `line_of_centres_weights.sum_node`.
 @wp.func_native("""
     const int start = model.points.start.data[pair], count = model.points.count.data[pair];
     const int SC = model.window.stencil_columns, SR = model.window.stencil_rows;
     const size_t p0 = (size_t)(w * model.pairs.count + pair);
-    const size_t hat = p0 * model.window.hats + m;
+    const size_t grid_node = p0 * model.window.grid_nodes + m;
     const int column = m / rows, row = m % rows;
     const int* begin = model.points.row_at.data + model.points.row_start.data[pair];
     const int from = begin[row > 0 ? row - 1 : 0], to = begin[row + 1 < rows ? row + 1 : rows - 1];
     const double* line = point_line.data + p0 * (model.window.columns + 1) * model.points.most * 16;
-    double* l = stencil.data + hat * SC * SR;
-    double* f = wrench.data + hat * 6;
-    double* more = more_wrench.data + hat * 6;
+    double* l = stencil.data + grid_node * SC * SR;
+    double* f = wrench.data + grid_node * 6;
+    double* more = more_wrench.data + grid_node * 6;
     for (int e = 0; e < SC * SR; ++e) l[e] = 0.0;
     double sum[12] = {0.0};
     double total = 0.0, size = 0.0, lowest_c = 1e300, lowest_r = 1e300;
@@ -166,13 +166,13 @@ def sample_points(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.ar
         if (q[1] < lowest_c) lowest_c = q[1];
         if (q[2] < lowest_r) lowest_r = q[2];
     }
-    weak_gap.data[hat] = total; area.data[hat] = size;
+    weak_gap.data[grid_node] = total; area.data[grid_node] = size;
     for (int i = 0; i < 3; ++i) for (int c = 0; c < 2; ++c) {
         const double* v = sum + 3 * c;
         f[3 * c + i] = turn.data[i][0] * v[0] + turn.data[i][1] * v[1] + turn.data[i][2] * v[2];
         more[3 * c + i] = turn.data[i][0] * v[6] + turn.data[i][1] * v[7] + turn.data[i][2] * v[8];
     }
-    stencil_at.data[2 * hat] = model.window.second_half; stencil_at.data[2 * hat + 1] = 0;
+    stencil_at.data[2 * grid_node] = model.window.second_half; stencil_at.data[2 * grid_node + 1] = 0;
     if (rigid || size == 0.0) return 0;
     const int oc = (int)::floor(lowest_c), last = rows_b - 2;
     const int orow = (int)::floor(lowest_r) > last ? last : (int)::floor(lowest_r);
@@ -190,7 +190,7 @@ def sample_points(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.ar
         d[0] += psi * (1.0 - u) * (1.0 - v); d[1] += psi * (1.0 - u) * v;
         d[SR] += psi * u * (1.0 - v); d[SR + 1] += psi * u * v;
     }
-    stencil_at.data[2 * hat] = oc - origin; stencil_at.data[2 * hat + 1] = orow;
+    stencil_at.data[2 * grid_node] = oc - origin; stencil_at.data[2 * grid_node + 1] = orow;
     return beyond;
 """)
 def sum_points(

@@ -23,7 +23,7 @@ from warpffrf_kernels.core.model import LINE_OF_CENTRES, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.kinematics.line_of_centres import SERIES
-from warpffrf_kernels.kinematics.line_of_centres_weights import keep_hat
+from warpffrf_kernels.kinematics.line_of_centres_weights import keep_node
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -129,15 +129,15 @@ def sample_few(run: Run, geometry: ContactGeometry):
         strip += wp.block_dim()
 
 
-# Weak gap, area, gradient and stencil of one node, as `line_of_centres_weights.sum_hat`: the sum over the points of its
-# cells.
+# Weak gap, area, gradient and stencil of one node, as `line_of_centres_weights.sum_node`: the sum over the points of
+# its cells.
 @wp.func_native("""
     const int start = model.points.start.data[pair], count = model.points.count.data[pair];
     const int most = (model.window.rows - 1) * model.quadrature.z_points;
     const int room = (model.window.columns + 1) * model.quadrature.theta_points * most;
     const int SC = model.window.stencil_columns, SR = model.window.stencil_rows;
     const size_t p0 = (size_t)(w * model.pairs.count + pair);
-    const size_t hat = p0 * model.window.hats + m;
+    const size_t grid_node = p0 * model.window.grid_nodes + m;
     const int column = m / rows, row = m % rows;
     const int* begin = model.points.row_at.data + model.points.row_start.data[pair];
     const int from = begin[row > 0 ? row - 1 : 0], to = begin[row + 1 < rows ? row + 1 : rows - 1];
@@ -145,8 +145,8 @@ def sample_few(run: Run, geometry: ContactGeometry):
     const double* place = point_place.data + p0 * room * 2;
     const double* st = station.data + p0 * most * 11;
     const double* sw = station_wrench.data + p0 * most * 6;
-    double* l = stencil.data + hat * SC * SR;
-    double* f = wrench.data + hat * 6;
+    double* l = stencil.data + grid_node * SC * SR;
+    double* f = wrench.data + grid_node * 6;
     for (int e = 0; e < SC * SR; ++e) l[e] = 0.0;
     for (int c = 0; c < 6; ++c) f[c] = 0.0;
     double total = 0.0, size = 0.0, lowest_c = 1e300, lowest_r = 1e300;
@@ -178,8 +178,8 @@ def sample_few(run: Run, geometry: ContactGeometry):
             d[SR] += q * u * (1.0 - v); d[SR + 1] += q * u * v;
         }
     }
-    weak_gap.data[hat] = total; area.data[hat] = size;
-    stencil_at.data[2 * hat] = oc - origin; stencil_at.data[2 * hat + 1] = orow;
+    weak_gap.data[grid_node] = total; area.data[grid_node] = size;
+    stencil_at.data[2 * grid_node] = oc - origin; stencil_at.data[2 * grid_node + 1] = orow;
     return beyond;
 """)
 def sum_few(
@@ -227,7 +227,7 @@ def weigh_few(run: Run, geometry: ContactGeometry):
             geometry.station_wrench, geometry.point_gap, geometry.point_place, geometry.weak_gap, geometry.area,
             geometry.wrench, geometry.stencil, geometry.stencil_at,
         )  # fmt: skip
-        keep_hat(model, w, pair, m, rows, beyond, geometry, run)
+        keep_node(model, w, pair, m, rows, beyond, geometry, run)
         m += wp.block_dim()
 
 

@@ -29,7 +29,7 @@ wp.set_module_options(MODULE_OPTIONS)
     const int NS = (rows - 1) * NZ, most = (model.window.rows - 1) * NZ;
     const int SC = model.window.stencil_columns, SR = model.window.stencil_rows;
     const size_t p0 = (size_t)(w * model.pairs.count + pair);
-    const size_t hat = p0 * model.window.hats + m;
+    const size_t grid_node = p0 * model.window.grid_nodes + m;
     const int column = m / rows, row = m % rows;
     const int s0 = (row > 0 ? row - 1 : 0) * model.quadrature.z_points;
     const int s1 = (row + 1 < rows ? row + 1 : rows - 1) * model.quadrature.z_points;
@@ -37,8 +37,8 @@ wp.set_module_options(MODULE_OPTIONS)
     const double* place = point_place.data + p0 * (model.window.columns + 1) * NT * most * 2;
     const double* st = station.data + p0 * most * 11;
     const double* sw = station_wrench.data + p0 * most * 6;
-    double* l = stencil.data + hat * SC * SR;
-    double* f = wrench.data + hat * 6;
+    double* l = stencil.data + grid_node * SC * SR;
+    double* f = wrench.data + grid_node * 6;
     for (int e = 0; e < SC * SR; ++e) l[e] = 0.0;
     for (int c = 0; c < 6; ++c) f[c] = 0.0;
     double total = 0.0, size = 0.0, lowest_c = 1e300, lowest_r = 1e300;
@@ -54,12 +54,12 @@ wp.set_module_options(MODULE_OPTIONS)
         const int zc = s / model.quadrature.z_points;
         const double zeta = model.quadrature.z_abscissa.data[s - zc * model.quadrature.z_points];
         const double wz = (zc == row ? 1.0 - zeta : zeta) * st[s * 11 + 6] * pitch;
-        double hat_weight = 0.0;
+        double node_weight = 0.0;
         for (int t = 0; t < 2 * NT; ++t) {
             const double x = model.quadrature.theta_abscissa.data[t % NT];
             const double q = (t < NT ? x : 1.0 - x) * model.quadrature.theta_weight.data[t % NT] * wz;
             const int p = (column * NT + t) * NS + s;
-            total += q * g[p]; hat_weight += q;
+            total += q * g[p]; node_weight += q;
             const double cf = ::floor(place[2 * p]), rf0 = ::floor(place[2 * p + 1]), last = rows_b - 2;
             const double rf = rf0 > last ? last : rf0, u = place[2 * p] - cf, v = place[2 * p + 1] - rf;
             const int ci = (int)cf - oc, ri = (int)rf - orow;
@@ -68,14 +68,14 @@ wp.set_module_options(MODULE_OPTIONS)
             d[0] += q * (1.0 - u) * (1.0 - v); d[1] += q * (1.0 - u) * v;
             d[SR] += q * u * (1.0 - v); d[SR + 1] += q * u * v;
         }
-        size += hat_weight;
-        for (int c = 0; c < 6; ++c) f[c] += hat_weight * sw[s * 6 + c];
+        size += node_weight;
+        for (int c = 0; c < 6; ++c) f[c] += node_weight * sw[s * 6 + c];
     }
-    weak_gap.data[hat] = total; area.data[hat] = size;
-    stencil_at.data[2 * hat] = oc - origin; stencil_at.data[2 * hat + 1] = orow;
+    weak_gap.data[grid_node] = total; area.data[grid_node] = size;
+    stencil_at.data[2 * grid_node] = oc - origin; stencil_at.data[2 * grid_node + 1] = orow;
     return beyond;
 """)
-def sum_hat(
+def sum_node(
     model: Model,
     w: int,
     pair: int,
@@ -97,7 +97,7 @@ def sum_hat(
 
 
 @wp.func
-def keep_hat(model: Model, w: int, pair: int, m: int, rows: int, beyond: int, geometry: ContactGeometry, run: Run):
+def keep_node(model: Model, w: int, pair: int, m: int, rows: int, beyond: int, geometry: ContactGeometry, run: Run):
     """Area 0 for a node beyond the end of an arc, or so far around the bodies that no part of the second window is
     opposite, or whose opposite points spread beyond its stencil (`beyond`). One that overlaps there may be needed: the
     attempt fails."""
@@ -136,13 +136,13 @@ def weigh(run: Run, geometry: ContactGeometry):
     m = (geometry.window[w, pair, 0] + H) * rows + lane
     end = (geometry.window[w, pair, 1] + H + 1) * rows
     while m < end:
-        beyond = sum_hat(
+        beyond = sum_node(
             model, w, pair, m, rows, rows_b, geometry.center[w, pair, 1] - model.window.second_half,
             model.surfaces.pitch[A], geometry.station, geometry.station_wrench, geometry.point_gap,
             geometry.point_place, geometry.weak_gap, geometry.area, geometry.wrench, geometry.stencil,
             geometry.stencil_at,
         )  # fmt: skip
-        keep_hat(model, w, pair, m, rows, beyond, geometry, run)
+        keep_node(model, w, pair, m, rows, beyond, geometry, run)
         m += wp.block_dim()
 
 

@@ -78,19 +78,19 @@ def form_of(
     cell: int,
     mu: real,
     lap_mode: wp.array2d(dtype=int),
-    lap_aim: wp.array3d(dtype=real),
+    lap_target_form: wp.array3d(dtype=real),
 ) -> Form:
     out = Form()
     out.state = lap_mode[w, cell]
-    out.d = wp.vec2d(lap_aim[w, cell, 0], lap_aim[w, cell, 1])
-    out.kappa = lap_aim[w, cell, 2]
+    out.d = wp.vec2d(lap_target_form[w, cell, 0], lap_target_form[w, cell, 1])
+    out.kappa = lap_target_form[w, cell, 2]
     out.mu = mu
     return out
 
 
 @wp.func
-def set_form(w: int, cell: int, form: Form, lap_mode: wp.array2d(dtype=int), lap_aim: wp.array3d(dtype=real)):
+def set_form(w: int, cell: int, form: Form, lap_mode: wp.array2d(dtype=int), lap_target_form: wp.array3d(dtype=real)):
     lap_mode[w, cell] = form.state
-    lap_aim[w, cell, 0] = form.d[0]
-    lap_aim[w, cell, 1] = form.d[1]
-    lap_aim[w, cell, 2] = form.kappa
+    lap_target_form[w, cell, 0] = form.d[0]
+    lap_target_form[w, cell, 1] = form.d[1]
+    lap_target_form[w, cell, 2] = form.kappa

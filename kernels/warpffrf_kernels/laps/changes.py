@@ -12,7 +12,7 @@ from warpffrf_kernels.core.state import LapState
 from warpffrf_kernels.laps.cells import form_of, put_triple, set_form, triple
 from warpffrf_kernels.laps.forms import OPEN, Form, after, first_of, from_form, second_of, to_form
 from warpffrf_kernels.laps.loops import add_product, mapped_lines, substitute_lines, take_columns
-from warpffrf_kernels.laps.passes import pressed_state, wished
+from warpffrf_kernels.laps.passes import pressed_state, requested
 from warpffrf_kernels.laps.tableau import (
     cells_of,
     factor_at,
@@ -119,8 +119,9 @@ def renew(model: Model, w: int, group: int, lane: int, tableau: LapScratch):
         c = int(0)
         while c < cells_of(model, group):
             set_form(
-                w, first + c, form_of(w, first + c, real(0.0), tableau.lap_mode, tableau.lap_aim), tableau.lap_base,
-                tableau.lap_base_aim,
+                w, first + c, form_of(w, first + c, real(0.0), tableau.lap_mode, tableau.lap_target_form),
+                    tableau.lap_base,
+                tableau.lap_base_target_form,
             )  # fmt: skip
             c += 1
         tableau.lap_words[w, group, FACTORED] = 0
@@ -163,7 +164,7 @@ def press_cells(model: Model, w: int, group: int, lane: int, laps: LapState, tab
         if tableau.lap_mode[w, cell] != form.state:
             make_room(model, w, group, lane, tableau)
             if lane == 0:
-                set_form(w, cell, form, tableau.lap_mode, tableau.lap_aim)
+                set_form(w, cell, form, tableau.lap_mode, tableau.lap_target_form)
             sync()
         c += 1
     if ready == NONE:
@@ -186,19 +187,19 @@ def change_cells(model: Model, w: int, group: int, lane: int, both: bool, tablea
     c = int(0)
     while c < cells_of(model, group):
         cell = first + c
-        wish = tableau.lap_wish[w, cell]
-        if wish == CLOSES or wish == OPENS or (along and (wish == RUBS or wish == TURNS)):
+        request = tableau.lap_request[w, cell]
+        if request == CLOSES or request == OPENS or (along and (request == RUBS or request == TURNS)):
             make_room(model, w, group, lane, tableau)
             if lane == 0:
                 mu = model.elements[0].laps[0].friction[cell]
-                form = wished(w, cell, mu, components, tableau)
-                map = after(to_form(form), from_form(form_of(w, cell, mu, tableau.lap_mode, tableau.lap_aim)))
+                form = requested(w, cell, mu, components, tableau)
+                map = after(to_form(form), from_form(form_of(w, cell, mu, tableau.lap_mode, tableau.lap_target_form)))
                 u = triple(tableau.lap_u, lines + components * c, components)
                 v = triple(tableau.lap_v, lines + components * c, components)
                 put_triple(tableau.lap_u, lines + components * c, components, first_of(map, u, v))
                 put_triple(tableau.lap_v, lines + components * c, components, second_of(map, u, v))
-                set_form(w, cell, form, tableau.lap_mode, tableau.lap_aim)
+                set_form(w, cell, form, tableau.lap_mode, tableau.lap_target_form)
             sync()
-            changed = changed or wish != TURNS
+            changed = changed or request != TURNS
         c += 1
     return changed

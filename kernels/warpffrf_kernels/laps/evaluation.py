@@ -88,7 +88,9 @@ def own_forces(model: Model, w: int, group: int, lane: int, tableau: LapScratch)
     c = lane
     while c < cells_of(model, group):
         at = line_at(model, w, group) + components * c
-        form = form_of(w, first + c, model.elements[0].laps[0].friction[first + c], tableau.lap_mode, tableau.lap_aim)
+        form = form_of(
+            w, first + c, model.elements[0].laps[0].friction[first + c], tableau.lap_mode, tableau.lap_target_form
+        )
         s = forces_of(form, triple(tableau.lap_u, at, components), triple(tableau.lap_v, at, components))
         put_triple(tableau.lap_trial, at, components, s)
         c += wp.block_dim()
@@ -122,8 +124,8 @@ def begin_table(model: Model, w: int, group: int, lane: int, tableau: LapScratch
         form.state = OPEN
         cell = model.elements[0].laps[0].cell_start[group]
         while cell < model.elements[0].laps[0].cell_start[group + 1]:
-            set_form(w, cell, form, tableau.lap_mode, tableau.lap_aim)
-            set_form(w, cell, form, tableau.lap_base, tableau.lap_base_aim)
+            set_form(w, cell, form, tableau.lap_mode, tableau.lap_target_form)
+            set_form(w, cell, form, tableau.lap_base, tableau.lap_base_target_form)
             cell += 1
         tableau.lap_words[w, group, FACTORED] = 0
         tableau.lap_words[w, group, ROOM] = most_of(model, group)
@@ -142,7 +144,9 @@ def put_right(model: Model, w: int, group: int, laps: LapState, tableau: LapScra
         s = triple(tableau.lap_trial, lines + components * c, components)
         y = triple(tableau.lap_strip, lines + components * c, components)
         y += vec3(model.elements[0].laps[0].gap[cell], -laps.lap_slip[w, cell, 0], -laps.lap_slip[w, cell, 1])
-        map = to_form(form_of(w, cell, model.elements[0].laps[0].friction[cell], tableau.lap_mode, tableau.lap_aim))
+        map = to_form(
+            form_of(w, cell, model.elements[0].laps[0].friction[cell], tableau.lap_mode, tableau.lap_target_form)
+        )
         put_triple(tableau.lap_u, lines + components * c, components, first_of(map, s, y))
         put_triple(tableau.lap_v, lines + components * c, components, second_of(map, s, y))
         c += 1
@@ -162,7 +166,7 @@ def book(model: Model, w: int, group: int, laps: LapState, tableau: LapScratch):
     while c < cells_of(model, group):
         cell = first + c
         at = lines + components * c
-        form = form_of(w, cell, model.elements[0].laps[0].friction[cell], tableau.lap_mode, tableau.lap_aim)
+        form = form_of(w, cell, model.elements[0].laps[0].friction[cell], tableau.lap_mode, tableau.lap_target_form)
         s = triple(tableau.lap_trial, at, components)
         y = moved_of(form, triple(tableau.lap_u, at, components), triple(tableau.lap_v, at, components))
         put_triple(tableau.lap_moved, at, components, y)

@@ -81,7 +81,7 @@ def commit_laps(run: Run, tableau: LapScratch, laps: LapState):
             laps.lap_lost[w, cell] = laps.lap_lost[w, cell] - s[1] * y[1] - s[2] * y[2]
             v[1] = real(0.0)
             if state == SLIP:
-                u[2] = u[2] - (tableau.lap_aim[w, cell, 0] * y[2] - tableau.lap_aim[w, cell, 1] * y[1])
+                u[2] = u[2] - (tableau.lap_target_form[w, cell, 0] * y[2] - tableau.lap_target_form[w, cell, 1] * y[1])
             else:
                 v[2] = real(0.0)
             put_triple(tableau.lap_u, at, 3, u)

@@ -131,10 +131,10 @@ def aim_cells(model: Model, w: int, group: int, tableau: LapScratch) -> real:
     while c < cells_of(model, group):
         cell = first + c
         at = lines + components * c
-        tableau.lap_wish[w, cell] = STAYS
+        tableau.lap_request[w, cell] = STAYS
         target = vec3(real(0.0))
         if tableau.lap_mode[w, cell] == SLIP:
-            form = form_of(w, cell, model.elements[0].laps[0].friction[cell], tableau.lap_mode, tableau.lap_aim)
+            form = form_of(w, cell, model.elements[0].laps[0].friction[cell], tableau.lap_mode, tableau.lap_target_form)
             aim = aim_of(
                 form, triple(tableau.lap_u, at, components), triple(tableau.lap_v, at, components), largest,
                 model.elements[0].laps[0].own[cell],
@@ -144,7 +144,7 @@ def aim_cells(model: Model, w: int, group: int, tableau: LapScratch) -> real:
             slipping += 1
             if aim.far != 0:
                 turning += 1
-                tableau.lap_wish[w, cell] = TURNS
+                tableau.lap_request[w, cell] = TURNS
                 tableau.lap_next[w, cell, 0] = aim.d[0]
                 tableau.lap_next[w, cell, 1] = aim.d[1]
                 tableau.lap_next[w, cell, 2] = aim.kappa
@@ -193,33 +193,33 @@ def judge_cells(model: Model, w: int, group: int, tableau: LapScratch, least: re
         if state == OPEN:
             if v[0] < -none * yields:
                 normal += 1
-                tableau.lap_wish[w, cell] = CLOSES
+                tableau.lap_request[w, cell] = CLOSES
                 tableau.lap_next[w, cell, 0] = real(0.0)
                 tableau.lap_next[w, cell, 1] = real(0.0)
                 if components == 3 and mu > real(0.0):
                     own = own_block(model, w, group, c, tableau)
                     f = -(wp.inverse(own) * v)  # brings it to rest with all others unchanged
                     size = wp.sqrt(f[1] * f[1] + f[2] * f[2])
-                    tableau.lap_flips[w, cell] = tableau.lap_flips[w, cell] + 1
+                    tableau.lap_reversals[w, cell] = tableau.lap_reversals[w, cell] + 1
                     rubs = size > mu * wp.max(f[0], real(0.0))
-                    if tableau.lap_flips[w, cell] % 4 == 3:
+                    if tableau.lap_reversals[w, cell] % 4 == 3:
                         rubs = not rubs
                     if rubs and size > real(0.0):
                         tableau.lap_next[w, cell, 0] = f[1] / size
                         tableau.lap_next[w, cell, 1] = f[2] / size
         elif v[0] < -none:
             normal += 1
-            tableau.lap_wish[w, cell] = OPENS
+            tableau.lap_request[w, cell] = OPENS
         elif state == STICK and components == 3:
             size = wp.sqrt(v[1] * v[1] + v[2] * v[2])
             if size > mu * v[0] + none and size > real(0.0):
                 tangential += 1
-                tableau.lap_wish[w, cell] = RUBS
+                tableau.lap_request[w, cell] = RUBS
                 tableau.lap_next[w, cell, 0] = v[1] / size
                 tableau.lap_next[w, cell, 1] = v[2] / size
         elif state == SLIP and v[1] > none * yields:
             tangential += 1
-            tableau.lap_wish[w, cell] = RUBS
+            tableau.lap_request[w, cell] = RUBS
             tableau.lap_next[w, cell, 0] = real(0.0)
             tableau.lap_next[w, cell, 1] = real(0.0)
         c += 1
@@ -228,15 +228,15 @@ def judge_cells(model: Model, w: int, group: int, tableau: LapScratch, least: re
 
 
 @wp.func
-def wished(w: int, cell: int, mu: real, components: int, tableau: LapScratch) -> Form:
+def requested(w: int, cell: int, mu: real, components: int, tableau: LapScratch) -> Form:
     """The state that a cell is to change to."""
     form = Form()
     form.mu = mu
     form.d = wp.vec2d(tableau.lap_next[w, cell, 0], tableau.lap_next[w, cell, 1])
-    if tableau.lap_wish[w, cell] == TURNS:
+    if tableau.lap_request[w, cell] == TURNS:
         form.state = SLIP
         form.kappa = tableau.lap_next[w, cell, 2]
-    elif tableau.lap_wish[w, cell] == OPENS:
+    elif tableau.lap_request[w, cell] == OPENS:
         form.state = OPEN
         form.d = wp.vec2d(real(0.0), real(0.0))
     elif form.d[0] != real(0.0) or form.d[1] != real(0.0):

@@ -100,7 +100,7 @@ def solve_laps(
         tableau.lap_words[w, group, AHEAD] = 0
         c = int(0)
         while c < cells:
-            tableau.lap_flips[w, first + c] = 0
+            tableau.lap_reversals[w, first + c] = 0
             c += 1
     if tableau.lap_words[w, group, HELD] != 0:
         return

@@ -131,8 +131,8 @@ def gather_differing(model: Model, w: int, group: int, tableau: LapScratch):
     while c < cells_of(model, group):
         cell = first + c
         mu = model.elements[0].laps[0].friction[cell]
-        before = form_of(w, cell, mu, tableau.lap_base, tableau.lap_base_aim)
-        now = form_of(w, cell, mu, tableau.lap_mode, tableau.lap_aim)
+        before = form_of(w, cell, mu, tableau.lap_base, tableau.lap_base_target_form)
+        now = form_of(w, cell, mu, tableau.lap_mode, tableau.lap_target_form)
         tableau.lap_slot[w, cell] = -1
         for i in range(3):
             if i < components:

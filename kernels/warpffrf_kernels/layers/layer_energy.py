@@ -26,7 +26,7 @@ from warpffrf_kernels.core.scratch import ImpulsiveContact
 from warpffrf_kernels.core.state import ContactState, LayerState
 from warpffrf_kernels.impulsive.impulsive_means import has_converged
 from warpffrf_kernels.layers.layer_laws import CHI, CONSTANT, layer_depth, layer_energy, layer_pressure
-from warpffrf_kernels.layers.weak_layer import cell_exists, corner_of, hat_value, linear_yield, point_area, rate_of
+from warpffrf_kernels.layers.weak_layer import cell_exists, corner_of, linear_yield, node_value, point_area, rate_of
 from warpffrf_kernels.normal.pair_forces import mean_of
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -85,7 +85,7 @@ def add_layer_energy(
                 for node in range(4):
                     m = corner_of(model, cell, row, rows, node)
                     if m >= 0:
-                        value = hat_value(model, node, point)
+                        value = node_value(model, node, point)
                         if value > real(0.5):
                             own = m
                         if contact.active[w, pair, m] != 0:

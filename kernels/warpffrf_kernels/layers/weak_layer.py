@@ -44,10 +44,10 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
-from warpffrf_kernels.core.scratch import OuterSystem
+from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.core.state import ContactState, LayerState
 from warpffrf_kernels.layers.layer_laws import CHI, CONSTANT, layer_depth, layer_pressure, least_depth
-from warpffrf_kernels.linear.outer_solve import held_motions, solve
+from warpffrf_kernels.linear.retained_solve import held_motions, solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -73,7 +73,7 @@ def rate_of(model: Model, run: Run, w: int, pair: int) -> real:
 
 
 @wp.func
-def hat_value(model: Model, node: int, point: int) -> real:
+def node_value(model: Model, node: int, point: int) -> real:
     """Value of corner `node` = 2 c + r of a cell at its point with index `point` in the tables."""
     x = model.elements[0].layers.x[point]
     z = model.elements[0].layers.zeta[point]
@@ -136,7 +136,7 @@ def linearise_layer(
         q = lane
         end = last
         m = lane
-        while m < model.window.hats:
+        while m < model.window.grid_nodes:
             layers.layer_support[w, pair, m] = real(0.0)
             m += wp.block_dim()
         sync()
@@ -152,7 +152,7 @@ def linearise_layer(
         for node in range(4):
             m = corner_of(model, cell, row, rows, node)
             if m >= 0:
-                value = hat_value(model, node, point)
+                value = node_value(model, node, point)
                 if contact.active[w, pair, m] != 0:
                     p += value * wp.max(contact.pressure[w, pair, m], real(0.0))
                 if layers.layer_support[w, pair, m] > real(0.0):
@@ -245,12 +245,12 @@ def weigh_layer(run: Run, geometry: ContactGeometry, layers: LayerScratch):
                 end = start + model.elements[0].layers.row_at[row_at + row + 1]
                 q = cell * per_column + point - start
                 while point < end:
-                    weight = hat_value(model, corner, point) * point_area(model, w, pair, point, m, geometry.area)
+                    weight = node_value(model, corner, point) * point_area(model, w, pair, point, m, geometry.area)
                     total += weight * layers.layer_beginning[w, pair, q]
                     weight = weight * layers.layer_flexibility[w, pair, q]
                     for node in range(4):
                         n = 3 * (1 + node / 2 - corner / 2) + 1 + node % 2 - corner % 2
-                        value = weight * hat_value(model, node, point)
+                        value = weight * node_value(model, node, point)
                         layers.layer_tangent[w, pair, m, n] = layers.layer_tangent[w, pair, m, n] + value
                     point += 1
                     q += 1
@@ -284,7 +284,7 @@ def add_yield(run: Run, geometry: ContactGeometry, contact: ContactState, layers
     if run.ctl[w].run == 0 or model.elements[0].layers.kind[pair] == CONSTANT:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
-    base = (w * model.pairs.count + pair) * model.window.hats
+    base = (w * model.pairs.count + pair) * model.window.grid_nodes
     m = (geometry.window[w, pair, 0] + model.window.half) * rows + lane
     while m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
         value = linear_yield(model, w, pair, m, rows, contact, layers)
@@ -294,7 +294,7 @@ def add_yield(run: Run, geometry: ContactGeometry, contact: ContactState, layers
 
 @kernel
 def find_support(
-    run: Run, contact: ContactState, geometry: ContactGeometry, normal: ContactSolve, system: OuterSystem,
+    run: Run, contact: ContactState, geometry: ContactGeometry, normal: ContactSolve, system: RetainedSystem,
     layers: LayerScratch, patterns: wp.array(dtype=Pattern),
 ):  # fmt: skip
     """Per world, after an evaluation: S of the module docstring, the opening of each active node of a pair due to a
@@ -311,16 +311,16 @@ def find_support(
         if model.elements[0].layers.kind[pair] != CONSTANT:
             count = model.pairs.coupled_count[pair]
             i = lane
-            while i < model.outer.count:
-                layers.layer_rhs[w * model.outer.count + i] = real(0.0)
+            while i < model.retained.count:
+                layers.layer_rhs[w * model.retained.count + i] = real(0.0)
                 i += wp.block_dim()
             sync()
             i = int(0)
             while lane == 0 and i < slots:
-                if normal.slot_hat[w, i, 0] == pair and contact.active[w, pair, normal.slot_hat[w, i, 1]] != 0:
+                if normal.slot_node[w, i, 0] == pair and contact.active[w, pair, normal.slot_node[w, i, 1]] != 0:
                     c = int(0)
                     while c < count:
-                        column = w * model.outer.count + model.pairs.coupled[pair, c]
+                        column = w * model.retained.count + model.pairs.coupled[pair, c]
                         layers.layer_rhs[column] = layers.layer_rhs[column] + normal.L[w, i, c]
                         c += 1
                 i += 1
@@ -334,18 +334,22 @@ def find_support(
             sync()
             i = lane
             while i < slots:
-                if normal.slot_hat[w, i, 0] == pair:
-                    m = normal.slot_hat[w, i, 1]
+                if normal.slot_node[w, i, 0] == pair:
+                    m = normal.slot_node[w, i, 1]
                     total = real(0.0)
                     j = int(0)
                     while j < slots:
-                        if normal.slot_hat[w, j, 0] == pair and contact.active[w, pair, normal.slot_hat[w, j, 1]] != 0:
+                        if (
+                            normal.slot_node[w, j, 0] == pair
+                            and contact.active[w, pair, normal.slot_node[w, j, 1]] != 0
+                        ):
                             total += normal.G[w, i, j]
                         j += 1
                     c = int(0)
                     while c < count:
                         total += (
-                            normal.L[w, i, c] * layers.layer_moved[w * model.outer.count + model.pairs.coupled[pair, c]]
+                            normal.L[w, i, c]
+                            * layers.layer_moved[w * model.retained.count + model.pairs.coupled[pair, c]]
                         )
                         c += 1
                     layers.layer_support[w, pair, m] = real(0.0)
@@ -366,11 +370,11 @@ def add_flexibility(run: Run, normal: ContactSolve, layers: LayerScratch):
     slots = run.ctl[w].slots
     i = lane
     while i < slots:
-        pair = normal.slot_hat[w, i, 0]
-        m = normal.slot_hat[w, i, 1]
+        pair = normal.slot_node[w, i, 0]
+        m = normal.slot_node[w, i, 1]
         j = int(0)
         while j < slots:
-            if normal.slot_hat[w, j, 0] == pair or model.pairs.beside != 0:
+            if normal.slot_node[w, j, 0] == pair or model.pairs.beside != 0:
                 normal.soft[w, i, j] = normal.G[w, i, j]
             j += 1
         if model.elements[0].layers.kind[pair] != CONSTANT:

@@ -136,7 +136,7 @@ def backward(a: wp.array(dtype=real), at: int, stride: int, n: int, x: wp.array(
     const int width = model.pairs.coupled_capacity, count = model.pairs.coupled_count.data[pair];
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
     const int* column = model.pairs.coupled.data + (size_t)pair * width;
-    double* r = right.data + (size_t)w * model.outer.count;
+    double* r = right.data + (size_t)w * model.retained.count;
     double sum[512];  // MOST_COUPLED_COLUMNS
     WP_TILE_SYNC();
     for (int c = lane; c < count; c += lanes) sum[c] = 0.0;
@@ -166,7 +166,7 @@ def push_columns(
 @wp.func_native("""
     const int width = model.pairs.coupled_capacity, count = model.pairs.coupled_count.data[pair];
     const int* column = model.pairs.coupled.data + (size_t)pair * width;
-    const double* v = z.data + (size_t)w * model.outer.count;
+    const double* v = z.data + (size_t)w * model.retained.count;
     double picked[512];  // MOST_COUPLED_COLUMNS
     for (int c = 0; c < count; ++c) picked[c] = part * v[column[c]];
     for (int i = WP_TILE_THREAD_IDX; i < n; i += WP_TILE_BLOCK_DIM) {

@@ -1,17 +1,17 @@
-"""Block LU factorisation with a precomputed pattern, and its solves; see `outer_solve` for the use.
+"""Block LU factorisation with a precomputed pattern, and its solves; see `retained_solve` for the use.
 
 For node e of `Pattern`, with the diagonal block D, the lines U to its right and X below,
 
     P D = L R,      U <- L^-1 P U,      X <- X R^-1,      A_fg <- A_fg - X_f U_g   for all later coupled nodes f, g,
 
-with row pivoting inside the node only. The matrix is equilibrated first, as in `outer_solve.invert`: bodies by the
+with row pivoting inside the node only. The matrix is equilibrated first, as in `retained_solve.invert`: bodies by the
 roots of their diagonal, rows by their largest entry. Solve: y <- L^-1 P y, y_f <- y_f - X_f y, then z = R^-1 (y - U
 z_f) backwards. Native for contiguous inner loops like `scalars.axpy`.
 
 A pivot of rows no larger than the round-off of its cancelling terms indicates a linearly dependent row. It is compared
 with the root of the sums of |terms| on the diagonals of its line and its column. This criterion is independent of the
 scale of a line: a light body between heavy ones makes pivots small, but nothing cancels in them. The pivots of a body
-are positive (`outer_pattern`); their round-off is assessed by the residual.
+are positive (`retained_pattern`); their round-off is assessed by the residual.
 """
 
 import warp as wp
@@ -24,10 +24,10 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.struct
 class Pattern:
-    """See `warpffrf.online.compile.outer_pattern.OuterPattern`, whose arrays these are."""
+    """See `warpffrf.online.compile.retained_pattern.RetainedPattern`, whose arrays these are."""
 
     node_count: int
-    outer_count: int
+    retained_count: int
     factor_size: int
     widest: int
     order: wp.array(dtype=int)
@@ -52,7 +52,7 @@ class Pattern:
 # Lanes over the columns of a node during its elimination, then over the lines of its update; each lane collects a line
 # of the update before it is scattered, so that the inner loops are contiguous. `vector` is scratch: sums of terms.
 @wp.func_native("""
-    const int n = p.outer_count, rigid = model.outer.row_offset, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
+    const int n = p.retained_count, rigid = model.retained.row_offset, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
     const double* A = tangent.data + (size_t)w * n * n;
     double* a = factor.data + (size_t)w * p.factor_size;
     double* scale = scaling.data + (size_t)w * n;
@@ -171,7 +171,7 @@ def factorise(
 
 # solution += A^-1 right with the factor; `vector` is scratch. One lane inside a node, lanes over the panel's entries.
 @wp.func_native("""
-    const int n = p.outer_count, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
+    const int n = p.retained_count, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
     const double* a = factor.data + (size_t)w * p.factor_size;
     const double* scale = scaling.data + (size_t)w * n;
     const int* swapped = pivots.data + (size_t)w * n;
@@ -240,7 +240,7 @@ def solve_factored(
 # Largest entry of rhs - A z in the equilibrated system over that of |z| + |rhs|; the residual itself is returned in the
 # second half of `vector`.
 @wp.func_native("""
-    const int n = p.outer_count, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
+    const int n = p.retained_count, L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
     const double* A = tangent.data + (size_t)w * n * n;
     const double* scale = scaling.data + (size_t)w * n;
     const double* b = rhs.data + (size_t)w * n; const double* z = solution.data + (size_t)w * n;

@@ -48,7 +48,7 @@ from warpffrf_kernels.core.ring import SavedLumped
 from warpffrf_kernels.core.rotation import matrix
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
-from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.scratch import Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import LumpedState, MotionState
 from warpffrf_kernels.lumped.approach_laws import push_of
 from warpffrf_kernels.lumped.bounces import bounce_of
@@ -437,7 +437,7 @@ def add_column(
 
 @kernel
 def stiffen_lumped(
-    run: Run, state: MotionState, trial: Trial, lumped: LumpedState, system: OuterSystem,
+    run: Run, state: MotionState, trial: Trial, lumped: LumpedState, system: RetainedSystem,
     lumped_load: wp.array2d(dtype=Load),
 ):  # fmt: skip
     """Per world: add the tangent of the forces of all points in contact to the retained matrix."""
@@ -445,7 +445,7 @@ def stiffen_lumped(
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
         return
-    vel = run.clk[w].outer.vel
+    vel = run.clk[w].retained.vel
     place = int(0)
     while place < model.elements[0].lumped.places:
         load = lumped_load[w, place]

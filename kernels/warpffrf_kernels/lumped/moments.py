@@ -37,7 +37,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.ring import SavedLumped
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
-from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.scratch import Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import LumpedState, MotionState
 from warpffrf_kernels.lumped.forces import RUBBED, Load, answer_to, motion_of, tangential
 from warpffrf_kernels.lumped.places import side_in_world
@@ -178,7 +178,7 @@ def change_of(model: Model, i: int, load: Load, moment: Moment, force: real, n: 
 
 @kernel
 def stiffen_moments(
-    run: Run, state: MotionState, trial: Trial, lumped: LumpedState, system: OuterSystem,
+    run: Run, state: MotionState, trial: Trial, lumped: LumpedState, system: RetainedSystem,
     lumped_load: wp.array2d(dtype=Load), lumped_moment: wp.array2d(dtype=Moment),
 ):  # fmt: skip
     """Per world: add the tangent of the moments of all points in contact to the retained matrix."""
@@ -186,7 +186,7 @@ def stiffen_moments(
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0 or run.ctl[w].mode == k.STATIC:
         return
-    vel = run.clk[w].outer.vel
+    vel = run.clk[w].retained.vel
     i = int(0)
     while i < model.elements[0].moments.count:
         place = model.elements[0].moments.place[i]

@@ -12,7 +12,7 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
-from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem
+from warpffrf_kernels.core.scratch import ImpulsiveContact, RetainedSystem
 from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.normal.lagged import lags
@@ -81,7 +81,7 @@ def inner(n: int, x: wp.array(dtype=real), a: int, b: int) -> real:
 
 @kernel
 def solve_between(
-    run: Run, fields: ContactFields, normal: ContactSolve, impulses: ImpulsiveContact, system: OuterSystem,
+    run: Run, fields: ContactFields, normal: ContactSolve, impulses: ImpulsiveContact, system: RetainedSystem,
     contact: ContactState, patterns: wp.array(dtype=Pattern),
 ):  # fmt: skip
     """Per world: retained increments and pressures with the coupling of pairs by local modes, by conjugate gradients
@@ -92,7 +92,7 @@ def solve_between(
     if run.ctl[w].run == 0 or count == 0 or lags(model, run.ctl, w):
         return
     cap = model.capacity.slots
-    N = model.outer.count
+    N = model.retained.count
     at = w * cap
     residual = w * 4 * cap  # r, M^-1 r, the direction p and M p
     answer = residual + cap

@@ -29,8 +29,8 @@ wp.set_module_options(MODULE_OPTIONS)
 # Row `slot` of G for the slots of the same pair up to itself, and its mirror. Native for
 # contiguous inner loops like `axpy`; not measured separately.
 @wp.func_native("""
-    const int pair = slot_hat.data[((size_t)w * model.capacity.slots + slot) * 2];
-    const int m = slot_hat.data[((size_t)w * model.capacity.slots + slot) * 2 + 1];
+    const int pair = slot_node.data[((size_t)w * model.capacity.slots + slot) * 2];
+    const int m = slot_node.data[((size_t)w * model.capacity.slots + slot) * 2 + 1];
     const int A = model.pairs.first.data[pair], B = model.pairs.second.data[pair];
     const int own_table = model.responses.normal.data[model.responses.load_start.data[2 * pair]];
     const int rows = model.surfaces.rows.data[A], block = model.responses.source_block.data[own_table];
@@ -38,9 +38,9 @@ wp.set_module_options(MODULE_OPTIONS)
     const int SC = model.window.stencil_columns, SR = model.window.stencil_rows;
     const int rows_b = model.surfaces.rows.data[B], width = model.pairs.most_modes, cap = model.capacity.slots;
     const double* DA = model.responses.number.data + model.responses.start.data[own_table];
-    const size_t hat = (size_t)(w * model.pairs.count + pair) * model.window.hats + m;
-    const double* l = stencil.data + hat * SC * SR;
-    const int* at = stencil_at.data + hat * 2;
+    const size_t grid_node = (size_t)(w * model.pairs.count + pair) * model.window.grid_nodes + m;
+    const double* l = stencil.data + grid_node * SC * SR;
+    const int* at = stencil_at.data + grid_node * 2;
     const double* Ji = J.data + ((size_t)w * cap + slot) * width;
     const int first_a = model.surfaces.modal_start.data[A], count_a = model.surfaces.modal_count.data[A];
     const int first_b = model.surfaces.modal_start.data[B], count_b = model.surfaces.modal_count.data[B];
@@ -55,10 +55,10 @@ wp.set_module_options(MODULE_OPTIONS)
     for (int c = 0; c < SC; ++c) for (int r = 0; r < SR; ++r)
         if (l[c * SR + r] != 0.0) { weight[count] = l[c * SR + r]; node[count++] = (at[0] + c) * rows_b + at[1] + r; }
     for (int j = WP_TILE_THREAD_IDX; j <= slot; j += WP_TILE_BLOCK_DIM) {
-        if (slot_hat.data[((size_t)w * cap + j) * 2] != pair) continue;
+        if (slot_node.data[((size_t)w * cap + j) * 2] != pair) continue;
         double g = 0.0, f = 0.0;
         {
-            const int mj = slot_hat.data[((size_t)w * cap + j) * 2 + 1];
+            const int mj = slot_node.data[((size_t)w * cap + j) * 2 + 1];
             const int other = origin + mj / rows, part = ((other % block) + block) % block;
             const int target = own - (other - part) + reach;
             g = DA[((size_t)(part * rows + mj % rows) * width_a + target) * rows + m % rows];
@@ -81,7 +81,7 @@ def couple(
     w: int,
     slot: int,
     origin: int,
-    slot_hat: wp.array3d(dtype=int),
+    slot_node: wp.array3d(dtype=int),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
     T: wp.array(dtype=real),
@@ -96,7 +96,7 @@ def couple(
 # Native like `couple`.
 @wp.func_native("""
     const int cap = model.capacity.slots, width = model.pairs.most_modes;
-    const int* const slots = slot_hat.data + (size_t)w * cap * 2;
+    const int* const slots = slot_node.data + (size_t)w * cap * 2;
     const double* own = J.data + ((size_t)w * cap + slot) * width;
     const double* s = receptance.data + (size_t)w * model.modes.count;
     const int *first = model.pairs.first.data, *second = model.pairs.second.data;
@@ -126,7 +126,7 @@ def couple_others(
     model: Model,
     w: int,
     slot: int,
-    slot_hat: wp.array3d(dtype=int),
+    slot_node: wp.array3d(dtype=int),
     J: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
     G: wp.array3d(dtype=real),
@@ -142,10 +142,10 @@ def assemble(run: Run, geometry: ContactGeometry, normal: ContactSolve, impulses
         return
     slot = run.ctl[w].fresh
     while slot < run.ctl[w].slots:
-        pair = normal.slot_hat[w, slot, 0]
+        pair = normal.slot_node[w, slot, 0]
         if model.pairs.family[pair] != PATCH:  # cells of a patch: `patch.system`
             couple(
-                model, w, slot, geometry.center[w, pair, 0] - model.window.half, normal.slot_hat, geometry.stencil,
+                model, w, slot, geometry.center[w, pair, 0] - model.window.half, normal.slot_node, geometry.stencil,
                 geometry.stencil_at, normal.T, normal.J, impulses.contact_receptance, normal.scaled_modes, normal.G,
             )  # fmt: skip
         slot += 1
@@ -154,7 +154,7 @@ def assemble(run: Run, geometry: ContactGeometry, normal: ContactSolve, impulses
 # The mirror of rows `fresh` to `slots` of G between pairs, eight at a time, because columns are far apart in memory.
 # Lanes over the columns of these rows.
 @wp.func_native("""
-    const int cap = model.capacity.slots; const int* pair = slot_hat.data + (size_t)w * cap * 2;
+    const int cap = model.capacity.slots; const int* pair = slot_node.data + (size_t)w * cap * 2;
     double* g = G.data + (size_t)w * cap * cap;
     for (int s = fresh; s < slots; s += 8) {
         const int end = s + 8 < slots ? s + 8 : slots;
@@ -165,7 +165,7 @@ def assemble(run: Run, geometry: ContactGeometry, normal: ContactSolve, impulses
     WP_TILE_SYNC();
 """)
 def mirror_between(
-    model: Model, w: int, fresh: int, slots: int, slot_hat: wp.array3d(dtype=int), G: wp.array3d(dtype=real)
+    model: Model, w: int, fresh: int, slots: int, slot_node: wp.array3d(dtype=int), G: wp.array3d(dtype=real)
 ): ...
 
 
@@ -209,12 +209,12 @@ def assemble_between(run: Run, geometry: ContactGeometry, normal: ContactSolve, 
     model = run.models[w]
     if run.ctl[w].run == 0 or lags(model, run.ctl, w):
         return
-    start = w * wp.max(model.window.hats, model.window.nodes)
+    start = w * wp.max(model.window.grid_nodes, model.window.nodes)
     slot = run.ctl[w].fresh
     while slot < run.ctl[w].slots:
-        pair = normal.slot_hat[w, slot, 0]
-        m = normal.slot_hat[w, slot, 1]
-        couple_others(model, w, slot, normal.slot_hat, normal.J, impulses.contact_receptance, normal.G)
+        pair = normal.slot_node[w, slot, 0]
+        m = normal.slot_node[w, slot, 1]
+        couple_others(model, w, slot, normal.slot_node, normal.J, impulses.contact_receptance, normal.G)
         sync()
         for side in range(2):
             loads = 2 * pair + side
@@ -244,28 +244,32 @@ def assemble_between(run: Run, geometry: ContactGeometry, normal: ContactSolve, 
                 sync()
                 lay_out(model, w, m, loads, reads, low, columns, geometry, start, normal)
                 sync()
-                hat = first * rows_a + lane
-                while hat < (last + 1) * rows_a:
-                    j = normal.slot_of[w, other, hat]
+                grid_node = first * rows_a + lane
+                while grid_node < (last + 1) * rows_a:
+                    j = normal.slot_of[w, other, grid_node]
                     if j >= 0 and j < slot:
                         g = real(0.0)
                         if reads % 2 == 0:
-                            g = normal.field_beside[start + hat - low * rows]
+                            g = normal.field_beside[start + grid_node - low * rows]
                         else:
                             e = int(0)
                             while e < model.window.stencil_columns * model.window.stencil_rows:
-                                part = geometry.stencil[w, other, hat, e]
+                                part = geometry.stencil[w, other, grid_node, e]
                                 if part != real(0.0):
-                                    column = geometry.stencil_at[w, other, hat, 0] + e / model.window.stencil_rows - low
-                                    row = geometry.stencil_at[w, other, hat, 1] + e % model.window.stencil_rows
+                                    column = (
+                                        geometry.stencil_at[w, other, grid_node, 0]
+                                        + e / model.window.stencil_rows
+                                        - low
+                                    )
+                                    row = geometry.stencil_at[w, other, grid_node, 1] + e % model.window.stencil_rows
                                     if column >= 0 and column < columns:
                                         g += part * normal.field_beside[start + column * rows + row]
                                 e += 1
                         g = g * ratio
                         normal.G[w, slot, j] = normal.G[w, slot, j] + g
-                    hat += wp.block_dim()
+                    grid_node += wp.block_dim()
                 sync()
                 n += 1
         slot += 1
     sync()
-    mirror_between(model, w, run.ctl[w].fresh, run.ctl[w].slots, normal.slot_hat, normal.G)
+    mirror_between(model, w, run.ctl[w].fresh, run.ctl[w].slots, normal.slot_node, normal.G)

@@ -19,7 +19,7 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync, vec3
-from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Trial
+from warpffrf_kernels.core.scratch import ImpulsiveContact, RetainedSystem, Trial
 from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.normal.lagged import ends_lag
 from warpffrf_kernels.normal.lasting import AGE, BEGUN, COUNT, OLDER, PATIENCE, REST, RESTS, ROWS
@@ -44,7 +44,7 @@ def lacks_rows(model: Model, w: int, contact: ContactState, normal: ContactSolve
     pair = int(0)
     while pair < model.pairs.count:
         m = int(0)
-        while m < model.window.hats:
+        while m < model.window.grid_nodes:
             if contact.active[w, pair, m] != 0 and normal.slot_of[w, pair, m] < 0:
                 lacking = True
             m += 1
@@ -62,7 +62,7 @@ def take_slots(run: Run, contact: ContactState, geometry: ContactGeometry, norma
     model = run.models[w]
     if run.ctl[w].run == 0:
         return
-    capacity = model.window.hats
+    capacity = model.window.grid_nodes
     spare = int(0)
     if normal.lasting[w, OLDER] != 0 and (run.ctl[w].iteration >= PATIENCE or lacks_rows(model, w, contact, normal)):
         run.ctl[w].reassemble = 1
@@ -103,8 +103,8 @@ def take_slots(run: Run, contact: ContactState, geometry: ContactGeometry, norma
                 if normal.slot_of[w, pair, m] < 0:
                     if count < model.capacity.slots:
                         normal.slot_of[w, pair, m] = count
-                        normal.slot_hat[w, count, 0] = pair
-                        normal.slot_hat[w, count, 1] = m
+                        normal.slot_node[w, count, 0] = pair
+                        normal.slot_node[w, count, 1] = m
                     count += 1
             m += 1
         pair += 1
@@ -115,8 +115,8 @@ def take_slots(run: Run, contact: ContactState, geometry: ContactGeometry, norma
         while m < cells and count < model.capacity.slots:
             if normal.slot_of[w, pair, m] < 0 and geometry.area[w, pair, m] > real(0.0):
                 normal.slot_of[w, pair, m] = count
-                normal.slot_hat[w, count, 0] = pair
-                normal.slot_hat[w, count, 1] = m
+                normal.slot_node[w, count, 0] = pair
+                normal.slot_node[w, count, 1] = m
                 count += 1
             m += 1
         pair += 1
@@ -165,11 +165,11 @@ def respond(run: Run, geometry: ContactGeometry, normal: ContactSolve):
         return
     slot = run.ctl[w].fresh
     while slot < run.ctl[w].slots:
-        pair = normal.slot_hat[w, slot, 0]
+        pair = normal.slot_node[w, slot, 0]
         if model.pairs.family[pair] == PATCH:
             slot += 1
             continue
-        m = normal.slot_hat[w, slot, 1]
+        m = normal.slot_node[w, slot, 1]
         B = model.pairs.second[pair]
         rows = model.surfaces.rows[B]
         first = geometry.second_window[w, pair, 0]
@@ -206,11 +206,11 @@ def modal_rows(run: Run, geometry: ContactGeometry, normal: ContactSolve, impuls
         return
     slot = run.ctl[w].fresh
     while slot < run.ctl[w].slots:
-        pair = normal.slot_hat[w, slot, 0]
+        pair = normal.slot_node[w, slot, 0]
         if model.pairs.family[pair] == PATCH:
             slot += 1
             continue
-        m = normal.slot_hat[w, slot, 1]
+        m = normal.slot_node[w, slot, 1]
         A = model.pairs.first[pair]
         B = model.pairs.second[pair]
         modes_a = model.surfaces.modal_count[A]
@@ -245,9 +245,9 @@ def modal_rows(run: Run, geometry: ContactGeometry, normal: ContactSolve, impuls
 
 
 @wp.func
-def outer_row(
+def retained_row(
     model: Model, w: int, pair: int, lane: int, f: vec3, t: vec3, trial: Trial, impulses: ImpulsiveContact,
-    J: wp.array(dtype=real), start: int, system: OuterSystem, line: int, L: wp.array(dtype=real),
+    J: wp.array(dtype=real), start: int, system: RetainedSystem, line: int, L: wp.array(dtype=real),
 ):  # fmt: skip
     """Line of L that begins at `line`, [d/d(rigid), -J sigma^-1 C_modal^T] over the columns in `coupled` of the pair,
     for a quantity with gradient (f, t) with respect to the motion of A relative to B, and J (from `start`) with respect
@@ -275,14 +275,14 @@ def outer_row(
     c = 12 + lane
     while c < count:
         column = model.pairs.coupled[pair, c]
-        if column < model.outer.row_offset:  # a mode that is not condensed
+        if column < model.retained.row_offset:  # a mode that is not condensed
             mode = model.dense.mode[column - 6 * model.bodies.count]
             at = mode - first_a
             if at < 0 or at >= count_a:
                 at = count_a + mode - first_b
             L[line + c] = J[start + at]
         else:
-            at = (w * model.rows.count + column - model.outer.row_offset) * model.modes.count
+            at = (w * model.rows.count + column - model.retained.row_offset) * model.modes.count
             value = -dot(model.bodies.global_count[A], J, start, system.C_receptance, at + first_a)
             if B >= 0:
                 value -= dot(model.bodies.global_count[B], J, start + count_a, system.C_receptance, at + first_b)
@@ -291,12 +291,12 @@ def outer_row(
 
 
 @kernel
-def outer_rows(
+def retained_rows(
     run: Run, trial: Trial, geometry: ContactGeometry, impulses: ImpulsiveContact, normal: ContactSolve,
-    system: OuterSystem, L: wp.array(dtype=real),
+    system: RetainedSystem, L: wp.array(dtype=real),
 ):  # fmt: skip
     """Per world: gradient L of the gap with respect to the retained coordinates times the weight of the pair
-    (`outer_row`); for all slots if the retained matrix is new, otherwise for the new ones."""
+    (`retained_row`); for all slots if the retained matrix is new, otherwise for the new ones."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:
@@ -305,11 +305,11 @@ def outer_rows(
     if run.ctl[w].refresh != 0 and run.ctl[w].moved != 0:
         slot = int(0)
     while slot < run.ctl[w].slots:
-        pair = normal.slot_hat[w, slot, 0]
-        m = normal.slot_hat[w, slot, 1]
+        pair = normal.slot_node[w, slot, 0]
+        m = normal.slot_node[w, slot, 1]
         f = vec3(geometry.wrench[w, pair, m, 0], geometry.wrench[w, pair, m, 1], geometry.wrench[w, pair, m, 2])
         t = vec3(geometry.wrench[w, pair, m, 3], geometry.wrench[w, pair, m, 4], geometry.wrench[w, pair, m, 5])
         start = (w * model.capacity.slots + slot) * model.pairs.most_modes
         line = (w * model.capacity.slots + slot) * model.pairs.coupled_capacity
-        outer_row(model, w, pair, lane, f, t, trial, impulses, normal.J, start, system, line, L)
+        retained_row(model, w, pair, lane, f, t, trial, impulses, normal.J, start, system, line, L)
         slot += 1

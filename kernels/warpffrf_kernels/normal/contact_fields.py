@@ -33,13 +33,13 @@ def set_second_window(run: Run, geometry: ContactGeometry, contact: ContactState
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
-    on_hats = int(model.pairs.family[pair] != PATCH)
+    on_nodes = int(model.pairs.family[pair] != PATCH)
     low = model.window.second_columns - 1
     high = int(0)
     m = (geometry.window[w, pair, 0] + model.window.half) * rows
     while m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
         if geometry.area[w, pair, m] > real(0.0):
-            if on_hats != 0:
+            if on_nodes != 0:
                 low = wp.min(low, geometry.stencil_at[w, pair, m, 0])
                 high = wp.max(high, geometry.stencil_at[w, pair, m, 0] + model.window.stencil_columns - 1)
         else:
@@ -120,7 +120,7 @@ def on_stencil(
 def local_gap(model: Model, w: int, pair: int, m: int, geometry: ContactGeometry, fields: ContactFields) -> real:
     """Opening of a weak gap by the local modes of both bodies."""
     at = w * model.pairs.count + pair
-    value = fields.first_local[at * model.window.hats + m]
+    value = fields.first_local[at * model.window.grid_nodes + m]
     if model.pairs.family[pair] == PATCH:
         return value
     rows_b = model.surfaces.rows[model.pairs.second[pair]]
@@ -141,7 +141,7 @@ def close_gaps(run: Run, geometry: ContactGeometry, fields: ContactFields, conta
     rows = model.surfaces.rows[model.pairs.first[pair]]
     rows_b = model.surfaces.rows[model.pairs.second[pair]]
     m = lane
-    while m < model.window.hats:
+    while m < model.window.grid_nodes:
         fields.base[w, pair, m] = real(0.0)
         if contact.active[w, pair, m] != 0:
             fields.base[w, pair, m] = contact.pressure[w, pair, m]
@@ -204,9 +204,9 @@ def local_fields(run: Run, geometry: ContactGeometry, fields: ContactFields, pre
     model = run.models[w]
     if run.ctl[w].run == 0 or model.pairs.family[pair] == PATCH:
         return
-    base = (w * model.pairs.count + pair) * model.window.hats
+    base = (w * model.pairs.count + pair) * model.window.grid_nodes
     base_b = (w * model.pairs.count + pair) * model.window.nodes
-    clear_field(lane, model.window.hats, base, fields.first_local)
+    clear_field(lane, model.window.grid_nodes, base, fields.first_local)
     clear_field(lane, model.window.nodes, base_b, fields.second_local)
     low = geometry.window[w, pair, 0] + model.window.half
     columns = geometry.window[w, pair, 1] - geometry.window[w, pair, 0] + 1

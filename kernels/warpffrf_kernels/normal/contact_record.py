@@ -77,7 +77,7 @@ def record_pairs(
         return
     at = run.ctl[w].saved % saved.saved_active.shape[1]
     m = lane
-    while m < model.window.hats:
+    while m < model.window.grid_nodes:
         value = real(0.0)
         if contact.active[w, pair, m] != 0:
             value = contact.pressure[w, pair, m]
@@ -102,7 +102,7 @@ def record_pairs(
             saved.saved_second_wrench[w, at, pair, i] = fields.second_wrench[w, pair, i]
         number = int(0)
         m = int(0)
-        while m < model.window.hats:
+        while m < model.window.grid_nodes:
             if contact.active[w, pair, m] != 0:
                 number += 1
             m += 1

@@ -1,7 +1,7 @@
 """Contact within the step: active set, pressures, and increments of the modes.
 
 With `base` the pressures of the present state, `opened` its weak gaps and r, r_m its residuals including all contact
-forces, the linearised system of `outer` reads, for the change ds of the pressures on the active set and the retained
+forces, the linearised system of `retained` reads, for the change ds of the pressures on the active set and the retained
 increments z,
 
     A z - L^T ds = rhs,        L z + G ds = b,        b = -(opened - J sigma^-1 r_m),
@@ -38,7 +38,7 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
-from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.kinematics.line_of_centres import GUARD
 from warpffrf_kernels.normal.contact_fields import local_gap, on_stencil
@@ -52,8 +52,8 @@ GAP_TOLERANCE = wp.constant(wp.float64(1.0e-14))  # of the scene's length: a mea
 @wp.func
 def change_of(w: int, slot: int, normal: ContactSolve, contact: ContactState, fields: ContactFields) -> real:
     """Pressure of a slot minus that of the state at the start of the step."""
-    pair = normal.slot_hat[w, slot, 0]
-    m = normal.slot_hat[w, slot, 1]
+    pair = normal.slot_node[w, slot, 0]
+    m = normal.slot_node[w, slot, 1]
     change = -fields.base[w, pair, m]
     if contact.active[w, pair, m] != 0:
         change += contact.pressure[w, pair, m]
@@ -68,7 +68,7 @@ def push_by_slots(
     """Adds J^T ds, the weighted load of the changes of all slots on the global modes, to `push` (W times modes)."""
     slot = int(0)
     while slot < run.ctl[w].slots:
-        pair = normal.slot_hat[w, slot, 0]
+        pair = normal.slot_node[w, slot, 0]
         change = impulses.weight[w, pair] * change_of(w, slot, normal, contact, fields)
         if change != real(0.0):
             start = (w * model.capacity.slots + slot) * model.pairs.most_modes
@@ -83,7 +83,7 @@ def push_by_slots(
 @kernel
 def modal_increments(
     run: Run, contact: ContactState, normal: ContactSolve, impulses: ImpulsiveContact, fields: ContactFields,
-    residuals: Residuals, system: OuterSystem, receptance: wp.array2d(dtype=real),
+    residuals: Residuals, system: RetainedSystem, receptance: wp.array2d(dtype=real),
 ):  # fmt: skip
     """Per world, lanes over modes: increment sigma^-1 (-r_m - C_m^T dlam + J^T ds)."""
     w, lane = wp.tid()
@@ -102,7 +102,7 @@ def modal_increments(
         for side in range(2):
             b = side_of(model, row, side)
             if b >= 0:
-                pull = -system.z[w * model.outer.count + model.outer.row_offset + row]
+                pull = -system.z[w * model.retained.count + model.retained.row_offset + row]
                 at = first + model.bodies.modal_start[b]
                 axpy(
                     model.bodies.global_count[b], pull, residuals.C_modal, modal_line(model, w, row, b),
@@ -115,14 +115,19 @@ def modal_increments(
         system.modal_step[first + n] = receptance[w, n] * system.modal_step[first + n]
         if model.modes.dense_of[n] >= 0:
             system.modal_step[first + n] = system.z[
-                w * model.outer.count + 6 * model.bodies.count + model.modes.dense_of[n]
+                w * model.retained.count + 6 * model.bodies.count + model.modes.dense_of[n]
             ]
         n += wp.block_dim()
 
 
 @kernel
 def correct_set(
-    run: Run, trial: Trial, geometry: ContactGeometry, fields: ContactFields, system: OuterSystem, contact: ContactState
+    run: Run,
+    trial: Trial,
+    geometry: ContactGeometry,
+    fields: ContactFields,
+    system: RetainedSystem,
+    contact: ContactState,
 ):
     """Per (world, pair), lanes over nodes of the window: the corrected active set, written to `proposed`."""
     w, pair, lane = wp.tid()
@@ -136,11 +141,11 @@ def correct_set(
     rows_b = model.surfaces.rows[model.pairs.second[pair]]
     H = model.window.half
     # motion of A relative to B at A's centre of mass
-    a = w * model.outer.count + 6 * body_a
+    a = w * model.retained.count + 6 * body_a
     move = vec3(system.z[a], system.z[a + 1], system.z[a + 2])
     spin = trial.axes[w, body_a] * vec3(system.z[a + 3], system.z[a + 4], system.z[a + 5])
     if body_b >= 0:
-        b = w * model.outer.count + 6 * body_b
+        b = w * model.retained.count + 6 * body_b
         turn_b = trial.axes[w, body_b] * vec3(system.z[b + 3], system.z[b + 4], system.z[b + 5])
         move -= vec3(system.z[b], system.z[b + 1], system.z[b + 2]) + wp.cross(
             turn_b, trial.r1[w, body_a] - trial.r1[w, body_b]

@@ -78,7 +78,7 @@ def are_near(run: Run, w: int, pair: int, width: real, impulses: ImpulsiveContac
     """Whether rows of a pair that were computed at `patch_made` are accurate enough at W = `width`."""
     made = patch.patch_made[w, pair, WIDTH]
     same = (
-        patch.patch_made[w, pair, TANGENT] == run.clk[w].outer.acc
+        patch.patch_made[w, pair, TANGENT] == run.clk[w].retained.acc
         and patch.patch_made[w, pair, WEIGHT] == impulses.weight[w, pair]
     )
     return same and wp.abs(width - made) <= NEAR * made
@@ -91,7 +91,7 @@ def note_rows(run: Run, normal: ContactSolve, contact: ContactState, impulses: I
     if run.ctl[w].run == 0 or normal.lasting[w, OLDER] != 0:
         return
     patch.patch_made[w, pair, WIDTH] = contact.patch_width[w, pair]
-    patch.patch_made[w, pair, TANGENT] = run.clk[w].outer.acc
+    patch.patch_made[w, pair, TANGENT] = run.clk[w].retained.acc
     patch.patch_made[w, pair, WEIGHT] = impulses.weight[w, pair]
 
 

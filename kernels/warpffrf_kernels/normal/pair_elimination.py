@@ -16,10 +16,10 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, weighted
-from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Residuals
+from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem
 from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.linear import block_elimination
-from warpffrf_kernels.linear.outer_solve import held_motions, solve
+from warpffrf_kernels.linear.retained_solve import held_motions, solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.normal.lagged import lags
 from warpffrf_kernels.normal.lasting import WIDTH
@@ -64,8 +64,8 @@ def order_slots(run: Run, contact: ContactState, fields: ContactFields, normal: 
         pair += 1
     slot = int(0)
     while slot < run.ctl[w].slots:
-        pair = normal.slot_hat[w, slot, 0]
-        m = normal.slot_hat[w, slot, 1]
+        pair = normal.slot_node[w, slot, 0]
+        m = normal.slot_node[w, slot, 1]
         if contact.active[w, pair, m] != 0:
             normal.block[w, pair, COUNT] = normal.block[w, pair, COUNT] + 1
         elif fields.base[w, pair, m] != real(0.0):
@@ -83,8 +83,8 @@ def order_slots(run: Run, contact: ContactState, fields: ContactFields, normal: 
             same = int(NOTHING)
     slot = int(0)
     while slot < run.ctl[w].slots:
-        pair = normal.slot_hat[w, slot, 0]
-        m = normal.slot_hat[w, slot, 1]
+        pair = normal.slot_node[w, slot, 0]
+        m = normal.slot_node[w, slot, 1]
         kind = int(-1)
         if contact.active[w, pair, m] != 0:
             kind = int(0)
@@ -187,7 +187,7 @@ def eliminate_pairs(run: Run, normal: ContactSolve):
 
 # A + sum W^T W, entries of the pattern.
 @wp.func_native("""
-    const int N = model.outer.count, width = model.pairs.coupled_capacity;
+    const int N = model.retained.count, width = model.pairs.coupled_capacity;
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
     const double* A = tangent.data + (size_t)w * N * N;
     double* a = bordered.data + (size_t)w * N * N;
@@ -223,7 +223,7 @@ def add_borders(
 
 @kernel
 def pose_pressures(
-    run: Run, system: OuterSystem, fields: ContactFields, normal: ContactSolve, impulses: ImpulsiveContact,
+    run: Run, system: RetainedSystem, fields: ContactFields, normal: ContactSolve, impulses: ImpulsiveContact,
     residuals: Residuals, patterns: wp.array(dtype=Pattern), modal_residual: wp.array(dtype=real),
 ):  # fmt: skip
     """Per world: A + sum W^T W, unless it is `kept` too, and both right-hand sides with the nodes that leave the
@@ -235,7 +235,7 @@ def pose_pressures(
     if normal.kept[w] != LINES:
         add_borders(model, patterns[0], w, system.tangent, normal.block, normal.square, normal.bordered)
     i = lane
-    while i < model.outer.count:
+    while i < model.retained.count:
         normal.bordered_rhs[w, i] = system.rhs[w, i]
         i += wp.block_dim()
     sync()
@@ -245,19 +245,19 @@ def pose_pressures(
     i = lane
     while i < first_left:  # the preceding places are those of active slots
         a = normal.order[w, i]
-        pair = normal.slot_hat[w, a, 0]
-        total = -impulses.weight[w, pair] * fields.opened[w, pair, normal.slot_hat[w, a, 1]]
+        pair = normal.slot_node[w, a, 0]
+        total = -impulses.weight[w, pair] * fields.opened[w, pair, normal.slot_node[w, a, 1]]
         e = int(0)
         while e < lefts:
             slot = normal.order[w, first_left + e]
-            other = normal.slot_hat[w, slot, 0]
+            other = normal.slot_node[w, slot, 0]
             if other == pair or (model.pairs.beside != 0 and not lags(model, run.ctl, w)):
                 s = real(1.0) / (normal.row_scale[w, pair] * normal.row_scale[w, other])
                 total += (
                     s
                     * normal.soft[w, a, slot]
                     * impulses.weight[w, other]
-                    * fields.base[w, other, normal.slot_hat[w, slot, 1]]
+                    * fields.base[w, other, normal.slot_node[w, slot, 1]]
                 )
             e += 1
         line = (w * model.capacity.slots + a) * model.pairs.most_modes
@@ -274,8 +274,8 @@ def pose_pressures(
     e = int(0)
     while e < lefts:
         slot = normal.order[w, first_left + e]
-        pair = normal.slot_hat[w, slot, 0]
-        change = -impulses.weight[w, pair] * fields.base[w, pair, normal.slot_hat[w, slot, 1]]
+        pair = normal.slot_node[w, slot, 0]
+        change = -impulses.weight[w, pair] * fields.base[w, pair, normal.slot_node[w, slot, 1]]
         c = int(0)
         while c < model.pairs.coupled_count[pair]:
             column = model.pairs.coupled[pair, c]
@@ -286,7 +286,7 @@ def pose_pressures(
 
 @wp.func
 def eliminated(
-    model: Model, p: Pattern, w: int, lane: int, renew: int, held: int, normal: ContactSolve, system: OuterSystem,
+    model: Model, p: Pattern, w: int, lane: int, renew: int, held: int, normal: ContactSolve, system: RetainedSystem,
     x: wp.array(dtype=real), at: int, right: wp.array(dtype=real), z: wp.array(dtype=real),
 ) -> int:  # fmt: skip
     """Solution of the system by blocks. On entry, x from `at` on is the right-hand side of the places; on return, their
@@ -325,8 +325,8 @@ def put_pressures(
     """Pressures of the active slots from their changes."""
     i = lane
     while i < count:
-        pair = normal.slot_hat[w, normal.order[w, i], 0]
-        m = normal.slot_hat[w, normal.order[w, i], 1]
+        pair = normal.slot_node[w, normal.order[w, i], 0]
+        m = normal.slot_node[w, normal.order[w, i], 1]
         contact.pressure[w, pair, m] = (
             fields.base[w, pair, m]
             + normal.row_scale[w, pair] * normal.solution[w * model.capacity.slots + i] / impulses.weight[w, pair]
@@ -336,7 +336,7 @@ def put_pressures(
 
 @kernel
 def solve_pressures(
-    run: Run, fields: ContactFields, normal: ContactSolve, impulses: ImpulsiveContact, system: OuterSystem,
+    run: Run, fields: ContactFields, normal: ContactSolve, impulses: ImpulsiveContact, system: RetainedSystem,
     contact: ContactState, patterns: wp.array(dtype=Pattern), bordered_rhs: wp.array(dtype=real),
 ):  # fmt: skip
     """Per world: the retained increments, and pressures of the active set, without the coupling of pairs by local

@@ -148,7 +148,7 @@ def add_half_space(
         total *= strip_width(elements, w, pair, patch.patch_place)
         column = int(0)
         while column < elements.patches.columns[pair]:
-            m = (w * model.pairs.count + pair) * model.window.hats + column * rows + row
+            m = (w * model.pairs.count + pair) * model.window.grid_nodes + column * rows + row
             value[m] = value[m] + total
             column += 1
         row += wp.block_dim()
@@ -187,8 +187,8 @@ def keep_beside(run: Run, patch: PatchScratch, fields: ContactFields):
                 if lags(model, run.ctl, w):
                     patch.far_field[start + n] = patch.far_field[start + n] + patch.far_others[start + n]
                 n += wp.block_dim()
-    first = (w * model.pairs.count + pair) * model.window.hats
-    clear_field(lane, model.window.hats, first, patch.beside_local)
+    first = (w * model.pairs.count + pair) * model.window.grid_nodes
+    clear_field(lane, model.window.grid_nodes, first, patch.beside_local)
     sync()
     add_splines(
         model, elements, w, pair, model.surfaces.rows[model.pairs.first[pair]], rows_of(model, elements, pair, 0),
@@ -198,7 +198,7 @@ def keep_beside(run: Run, patch: PatchScratch, fields: ContactFields):
     add_half_space(model, elements, w, pair, lane, patch, patch.beside_local)
     sync()
     if lags(model, run.ctl, w):
-        axpy(model.window.hats, real(1.0), patch.beside_local, first, fields.first_local, first)
+        axpy(model.window.grid_nodes, real(1.0), patch.beside_local, first, fields.first_local, first)
 
 
 @kernel
@@ -208,5 +208,5 @@ def add_kept(run: Run, patch: PatchScratch, fields: ContactFields):
     model = run.models[w]
     if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH or not lags(model, run.ctl, w):
         return
-    first = (w * model.pairs.count + pair) * model.window.hats
-    axpy(model.window.hats, real(1.0), patch.beside_local, first, fields.first_local, first)
+    first = (w * model.pairs.count + pair) * model.window.grid_nodes
+    axpy(model.window.grid_nodes, real(1.0), patch.beside_local, first, fields.first_local, first)

@@ -129,7 +129,7 @@ def sample_cells(
         real(2.0) * patch.patch_place[w, pair, 2] / (real(columns) * radius * model.surfaces.pitch[A])
     )  # columns of A
     last_b = model.surfaces.z_start[B] + model.surfaces.rows[B] - 1
-    first = (w * model.pairs.count + pair) * model.window.hats
+    first = (w * model.pairs.count + pair) * model.window.grid_nodes
     known = int(-1)
     x_a = real(0.0)
     theta = real(0.0)
@@ -181,7 +181,7 @@ def sample_cells(
         if elements.patches.far_of[B] >= 0:
             place_splines(
                 column_taps(model, elements, B, x_b), row_taps(model, elements, B, foot.z), size,
-                cell + first + model.window.hats, far_at, far_weight,
+                cell + first + model.window.grid_nodes, far_at, far_weight,
             )  # fmt: skip
         m += wp.block_dim()
 
@@ -203,11 +203,11 @@ def open_far_windows(run: Run, patch: PatchScratch):
         low = int(0)
         high = int(-1)
         if elements.patches.far_of[s] >= 0:
-            low = patch.far_at[w, pair, side * model.window.hats, 0]
+            low = patch.far_at[w, pair, side * model.window.grid_nodes, 0]
             high = low
             m = int(0)
             while m < cells:
-                at = patch.far_at[w, pair, side * model.window.hats + m, 0]
+                at = patch.far_at[w, pair, side * model.window.grid_nodes + m, 0]
                 low = wp.min(low, at)
                 high = wp.max(high, at)
                 m += 1
@@ -218,7 +218,7 @@ def open_far_windows(run: Run, patch: PatchScratch):
                 high = low + most - 1
                 m = int(0)
                 while m < cells:
-                    at = side * model.window.hats + m
+                    at = side * model.window.grid_nodes + m
                     patch.far_at[w, pair, at, 0] = wp.min(patch.far_at[w, pair, at, 0], high - TAPS + 1)
                     m += 1
         patch.far_window[w, pair, side, 0] = low

@@ -48,7 +48,7 @@ def rows_of(model: Model, elements: Elements, pair: int, side: int) -> int:
     const int columns = elements.patches.columns.data[pair];
     const int stride = elements.patches.places, nodes = elements.patches.far_nodes;
     const size_t p = ((size_t)w * model.pairs.count + pair) * 2;
-    double* const x = value.data + p / 2 * model.window.hats;
+    double* const x = value.data + p / 2 * model.window.grid_nodes;
     for (int e = B * WP_TILE_THREAD_IDX; e < columns * line; e += B * WP_TILE_BLOCK_DIM) {
         const int c = e / line, r = e % line;
         double sum[8] = {0.0};
@@ -128,7 +128,10 @@ def modal_cells(
             )  # fmt: skip
     rows = model.surfaces.rows[model.pairs.first[pair]]
     clear_field(
-        lane, elements.patches.columns[pair] * rows, (w * model.pairs.count + pair) * model.window.hats, first_field
+        lane,
+        elements.patches.columns[pair] * rows,
+        (w * model.pairs.count + pair) * model.window.grid_nodes,
+        first_field,
     )
     add_splines(
         model, elements, w, pair, rows, rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
@@ -138,11 +141,12 @@ def modal_cells(
 
 # Pressures at places, 0 without an active cell; then the loads on the splines of both sides due to them.
 @wp.func_native("""
-    const int line = (lines + 7) / 8 * 8, columns = elements.patches.columns.data[pair], hats = model.window.hats;
+    const int line = (lines + 7) / 8 * 8, columns = elements.patches.columns.data[pair],
+        grid_nodes = model.window.grid_nodes;
     const int stride = elements.patches.places, nodes = elements.patches.far_nodes;
     const size_t p = ((size_t)w * model.pairs.count + pair) * 2;
-    const double* const given = pressure.data + p / 2 * hats;
-    const int* const on = active.data + p / 2 * hats;
+    const double* const given = pressure.data + p / 2 * grid_nodes;
+    const int* const on = active.data + p / 2 * grid_nodes;
     double* const q = patch_pressure.data + p / 2 * stride;
     for (int e = WP_TILE_THREAD_IDX; e < columns * line; e += WP_TILE_BLOCK_DIM) {
         const int m = e / line * lines + e % line;
@@ -207,8 +211,8 @@ def load_splines(run: Run, contact: ContactState, patch: PatchScratch):
     const double yielded = elements.patches.layer.data[pair];
     const double* const near = patch_near.data + p * patch_near.shape[2];
     const double* const q = patch_pressure.data + p * elements.patches.places;
-    const double* const size = area.data + p * model.window.hats;
-    double* const u = value.data + p * model.window.hats;
+    const double* const size = area.data + p * model.window.grid_nodes;
+    double* const u = value.data + p * model.window.grid_nodes;
     for (int e = B * WP_TILE_THREAD_IDX; e < columns * line; e += B * WP_TILE_BLOCK_DIM) {
         const int c = e / line, r = e % line;
         double sum[8] = {0.0};

@@ -265,7 +265,7 @@ def keep_change(
     alike = run.ctl[w].mode == k.DYNAMIC and wp.abs(width - patch_width_before[w, pair]) <= ALIKE * width
     both = real(0.0)
     m = int(0)
-    while m < model.window.hats:
+    while m < model.window.grid_nodes:
         change = real(0.0)
         if alike and contact.active[w, pair, m] != 0 and active_before[w, pair, m] != 0:
             change = contact.pressure[w, pair, m] - pressure_before[w, pair, m]
@@ -321,7 +321,7 @@ def locate_patches(
     least = elements.patches.least_width[pair]
     most = elements.patches.most_width[pair]
     m = int(0)
-    while m < model.window.hats:  # left by a rejected attempt
+    while m < model.window.grid_nodes:  # left by a rejected attempt
         if contact.active[w, pair, m] != 0 and not wp.isfinite(contact.pressure[w, pair, m]):
             contact.active[w, pair, m] = 0
             contact.pressure[w, pair, m] = real(0.0)
@@ -347,7 +347,7 @@ def locate_patches(
             new = overlap
     elif run.ctl[w].iteration == 0:
         wanted = wp.clamp(found.wanted, new / FASTEST, new * FASTEST)
-        if run.ctl[w].downhill == 0 or wp.abs(wanted - new) > LOOSE * new:
+        if run.ctl[w].energy_bounded == 0 or wp.abs(wanted - new) > LOOSE * new:
             new = wanted
     elif found.reaches != 0:
         new = wp.min(GROWTH * new, found.wanted)

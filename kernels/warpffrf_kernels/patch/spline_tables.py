@@ -43,12 +43,12 @@ def line_of(rows: int) -> int:
 # Shares of the splines of one side, `lines` cells per strip, and the columns of splines that each strip loads: the
 # first, counted from that of the window, and their number. Lanes over strips.
 @wp.func_native("""
-    const int rows = model.surfaces.rows.data[s], taps = rows < 3 ? rows : 3, hats = model.window.hats;
+    const int rows = model.surfaces.rows.data[s], taps = rows < 3 ? rows : 3, grid_nodes = model.window.grid_nodes;
     const int stride = elements.patches.places, line = (lines + 7) / 8 * 8;
     const int columns = elements.patches.columns.data[pair];
     const size_t p = ((size_t)w * model.pairs.count + pair) * 2 + side;
-    const int* const at = far_at.data + 2 * p * hats;
-    const double* const q = far_weight.data + 9 * p * hats;
+    const int* const at = far_at.data + 2 * p * grid_nodes;
+    const double* const q = far_weight.data + 9 * p * grid_nodes;
     const int first = far_window.data[2 * p];
     int* const strip = far_strip.data + 2 * p * model.window.columns;
     double* const share = far_share.data + p * elements.patches.far_nodes * stride;

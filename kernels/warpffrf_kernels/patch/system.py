@@ -145,7 +145,7 @@ def answer_splines(run: Run, patch: PatchScratch, impulses: ImpulsiveContact, no
     const int column = at / line, row = at % line;
     const int stride = elements.patches.places, nodes = elements.patches.far_nodes, cap = model.capacity.slots;
     const size_t p = ((size_t)w * model.pairs.count + pair) * 2;
-    const int* const slots = slot_hat.data + (size_t)w * cap * 2;
+    const int* const slots = slot_node.data + (size_t)w * cap * 2;
     const int* const place = slot_place.data + (size_t)w * cap;
     const double* const near = patch_near.data + p / 2 * patch_near.shape[2] + (size_t)row * line;
     double* const g = far_line.data + (size_t)w * stride;
@@ -204,7 +204,7 @@ def lay_row(
     first_rows: int,
     second_rows: int,
     yielded: real,
-    slot_hat: wp.array3d(dtype=int),
+    slot_node: wp.array3d(dtype=int),
     slot_place: wp.array2d(dtype=int),
     slot_reach: wp.array2d(dtype=int),
     patch_near: wp.array3d(dtype=real),
@@ -241,7 +241,7 @@ def lay_line(
 # Lanes over the columns of these rows.
 @wp.func_native("""
     const int cap = model.capacity.slots;
-    const int* const pair = slot_hat.data + (size_t)w * cap * 2;
+    const int* const pair = slot_node.data + (size_t)w * cap * 2;
     const int* const family = model.pairs.family.data;
     double* const g = G.data + (size_t)w * cap * cap;
     for (int s = fresh; s < slots; s += 8) {
@@ -254,7 +254,13 @@ def lay_line(
     }
 """)
 def mirror_within(
-    model: Model, w: int, fresh: int, slots: int, patch: int, slot_hat: wp.array3d(dtype=int), G: wp.array3d(dtype=real)
+    model: Model,
+    w: int,
+    fresh: int,
+    slots: int,
+    patch: int,
+    slot_node: wp.array3d(dtype=int),
+    G: wp.array3d(dtype=real),
 ): ...
 
 
@@ -271,14 +277,14 @@ def assemble_cells(
     elements = model.elements[0]
     slot = run.ctl[w].fresh
     while slot < run.ctl[w].slots and lane == 0:
-        pair = normal.slot_hat[w, slot, 0]
+        pair = normal.slot_node[w, slot, 0]
         if model.pairs.family[pair] == PATCH:
             rows = model.surfaces.rows[model.pairs.first[pair]]
-            m = normal.slot_hat[w, slot, 1]
+            m = normal.slot_node[w, slot, 1]
             place = m / rows * line_of(rows) + m % rows
             patch.slot_place[w, slot] = place
             other = slot - 1
-            while other >= 0 and normal.slot_hat[w, wp.max(other, 0), 0] != pair:
+            while other >= 0 and normal.slot_node[w, wp.max(other, 0), 0] != pair:
                 other -= 1
             if other >= 0:
                 place = wp.max(place, patch.slot_reach[w, other])
@@ -287,12 +293,12 @@ def assemble_cells(
     sync()
     slot = run.ctl[w].fresh
     while slot < run.ctl[w].slots:
-        pair = normal.slot_hat[w, slot, 0]
+        pair = normal.slot_node[w, slot, 0]
         if model.pairs.family[pair] == PATCH:
             lay_row(
                 model, elements, w, pair, slot, patch.slot_place[w, slot], model.surfaces.rows[model.pairs.first[pair]],
                 rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
-                elements.patches.layer[pair] * geometry.area[w, pair, normal.slot_hat[w, slot, 1]], normal.slot_hat,
+                elements.patches.layer[pair] * geometry.area[w, pair, normal.slot_node[w, slot, 1]], normal.slot_node,
                 patch.slot_place, patch.slot_reach, patch.patch_near, patch.far_strip, patch.far_share,
                 patch.far_answer, patch.far_line, normal.G,
             )  # fmt: skip
@@ -301,16 +307,16 @@ def assemble_cells(
     if normal.lasting[w, OLDER] != 0 and run.ctl[w].refresh != 0 and run.ctl[w].moved != 0:
         slot = int(0)
     while slot < run.ctl[w].slots:
-        pair = normal.slot_hat[w, slot, 0]
+        pair = normal.slot_node[w, slot, 0]
         if model.pairs.family[pair] == PATCH:
             rows = model.surfaces.rows[model.pairs.first[pair]]
-            m = normal.slot_hat[w, slot, 1]
+            m = normal.slot_node[w, slot, 1]
             lay_line(
                 model, elements, w, pair, slot, m / rows * line_of(rows) + m % rows, impulses.weight[w, pair],
                 patch.far_gradient, normal.J,
             )  # fmt: skip
         slot += 1
-    mirror_within(model, w, run.ctl[w].fresh, run.ctl[w].slots, PATCH, normal.slot_hat, normal.G)
+    mirror_within(model, w, run.ctl[w].fresh, run.ctl[w].slots, PATCH, normal.slot_node, normal.G)
 
 
 @kernel
@@ -325,8 +331,8 @@ def assemble_patches_beside(run: Run, normal: ContactSolve, patch: PatchScratch,
     base = w * elements.patches.far_nodes
     slot = run.ctl[w].fresh
     while slot < run.ctl[w].slots:
-        pair = normal.slot_hat[w, slot, 0]
-        m = normal.slot_hat[w, slot, 1]
+        pair = normal.slot_node[w, slot, 0]
+        m = normal.slot_node[w, slot, 1]
         for side in range(2):
             s = real_side(elements, pair, side)
             e = elements.patches.beside_start[2 * pair + side]
@@ -338,7 +344,7 @@ def assemble_patches_beside(run: Run, normal: ContactSolve, patch: PatchScratch,
                 lines = model.surfaces.rows[r]
                 table = elements.patches.beside_table[e]
                 stride = elements.patches.table_source[table] * lines
-                at = side * model.window.hats + m
+                at = side * model.window.grid_nodes + m
                 ratio = wp.min(impulses.weight[w, pair], impulses.weight[w, other]) / wp.max(
                     impulses.weight[w, pair], impulses.weight[w, other]
                 )
@@ -360,8 +366,8 @@ def assemble_patches_beside(run: Run, normal: ContactSolve, patch: PatchScratch,
                 sync()
                 q = lane
                 while q < slot:
-                    if normal.slot_hat[w, q, 0] == other:
-                        seen = there * model.window.hats + normal.slot_hat[w, q, 1]
+                    if normal.slot_node[w, q, 0] == other:
+                        seen = there * model.window.grid_nodes + normal.slot_node[w, q, 1]
                         first = (patch.far_at[w, other, seen, 0] - patch.far_window[w, other, there, 0]) * lines
                         first += base + patch.far_at[w, other, seen, 1]
                         value = real(0.0)
@@ -378,7 +384,7 @@ def assemble_patches_beside(run: Run, normal: ContactSolve, patch: PatchScratch,
                             its = model.surfaces.rows[model.pairs.first[other]]
                             strips = strip_width(elements, w, pair, patch.patch_place)
                             strips *= strip_width(elements, w, other, patch.patch_place)
-                            value += strips * patch.patch_between[w, e, own * its + normal.slot_hat[w, q, 1] % its]
+                            value += strips * patch.patch_between[w, e, own * its + normal.slot_node[w, q, 1] % its]
                         value = ratio * value
                         normal.G[w, slot, q] = normal.G[w, slot, q] + value
                         normal.G[w, q, slot] = normal.G[w, q, slot] + value

@@ -18,7 +18,7 @@ from warpffrf_kernels.core.friction_scratch import FrictionSolve
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
-from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Trial
+from warpffrf_kernels.core.scratch import ImpulsiveContact, RetainedSystem, Trial
 from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.friction.cells import rubs_on_patch
 
@@ -42,14 +42,14 @@ def change_of_couple(
 @kernel
 def follow_couples(
     run: Run, trial: Trial, contact: ContactState, fields: ContactFields, geometry: ContactGeometry,
-    impulses: ImpulsiveContact, tangential: FrictionSolve, system: OuterSystem,
+    impulses: ImpulsiveContact, tangential: FrictionSolve, system: RetainedSystem,
 ):  # fmt: skip
     """Per world: adds the effect of the couples of contact-fixed pairs to the retained increments."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
-    N = model.outer.count
+    N = model.retained.count
     i = lane
     while i < N:
         tangential.cell_load[w * N + i] = real(0.0)
@@ -82,6 +82,6 @@ def follow_couples(
     j = int(0)
     while j < N:
         if tangential.cell_load[w * N + j] != real(0.0):
-            axpy(N, tangential.cell_load[w * N + j], tangential.mobility, (w * N + j) * N, system.z, w * N)
+            axpy(N, tangential.cell_load[w * N + j], tangential.friction_receptance, (w * N + j) * N, system.z, w * N)
         j += 1
     sync()

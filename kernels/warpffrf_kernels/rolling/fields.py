@@ -130,7 +130,7 @@ def open_by_tractions(
         rings = elements.rolling.ring_rows[pair]
         open_near(
             model, elements, w, pair, rows, rings, shear_line(rows, rings), STRIPS_AROUND, rolling.shear_near,
-            rolling.place_traction, value, (w * model.pairs.count + pair) * model.window.hats,
+            rolling.place_traction, value, (w * model.pairs.count + pair) * model.window.grid_nodes,
         )  # fmt: skip
 
 
@@ -168,7 +168,7 @@ def open_by_change(
     while e < 4 * places:
         rolling.place_traction[here * 4 * places + e] = real(0.0)
         e += wp.block_dim()
-    clear_field(lane, model.window.hats, here * model.window.hats, rolling.gap_change)
+    clear_field(lane, model.window.grid_nodes, here * model.window.grid_nodes, rolling.gap_change)
     sync()
     i = lane
     while i < tangential.cell_block[w, pair, COUNT]:
@@ -236,15 +236,15 @@ def move_cells(
     elements = model.elements[0]
     rows = model.surfaces.rows[model.pairs.first[pair]]
     cells = elements.patches.columns[pair] * rows
-    hats = model.window.hats
+    grid_nodes = model.window.grid_nodes
     nodes = elements.patches.far_nodes
     here = w * model.pairs.count + pair
     m = lane
-    while m < 4 * hats:
-        rolling.weak_shift[here * 4 * hats + m] = real(0.0)
-        rolling.weak_modes[here * 4 * hats + m] = real(0.0)
-        if m < hats:
-            rolling.weak_grown[here * hats + m] = real(0.0)
+    while m < 4 * grid_nodes:
+        rolling.weak_shift[here * 4 * grid_nodes + m] = real(0.0)
+        rolling.weak_modes[here * 4 * grid_nodes + m] = real(0.0)
+        if m < grid_nodes:
+            rolling.weak_grown[here * grid_nodes + m] = real(0.0)
         m += wp.block_dim()
     sync()
     # far fields and modes on the splines of each side, then interpolated at the cells
@@ -279,7 +279,7 @@ def move_cells(
             sync()
             for d in range(2):
                 at = half_along(model, elements, w, pair, side, d)
-                to = (here * 4 + 2 * side + d) * hats
+                to = (here * 4 + 2 * side + d) * grid_nodes
                 read_side(
                     model, elements, w, pair, side, rows, own, patch.far_strip, patch.far_share, rolling.rub_field, at,
                     rolling.weak_shift, to,
@@ -296,8 +296,9 @@ def move_cells(
     rings = elements.rolling.ring_rows[pair]
     near_along(
         model, elements, w, pair, rows, shear_line(rows, rings), STRIPS_AROUND, 0, elements.patches.columns[pair],
-        rings, rows, rolling.shear_near, rolling.place_traction, patch_pressure, rolling.near_shift, here * 2 * hats,
-        hats,
+        rings, rows, rolling.shear_near, rolling.place_traction, patch_pressure, rolling.near_shift,
+            here * 2 * grid_nodes,
+        grid_nodes,
     )  # fmt: skip
     m = lane
     while m < cells:
@@ -306,12 +307,15 @@ def move_cells(
             local = real(0.0)
             modes = real(0.0)
             if area > real(0.0):
-                local = rolling.near_shift[(here * 2 + d) * hats + m] + rolling.weak_shift[(here * 4 + d) * hats + m]
-                modes = rolling.weak_modes[(here * 4 + d) * hats + m]
+                local = (
+                    rolling.near_shift[(here * 2 + d) * grid_nodes + m]
+                    + rolling.weak_shift[(here * 4 + d) * grid_nodes + m]
+                )
+                modes = rolling.weak_modes[(here * 4 + d) * grid_nodes + m]
                 for e in range(2):
                     turned = rubbing.cell_turn[w, pair, m, 2 * d + e]
-                    local -= turned * rolling.weak_shift[(here * 4 + 2 + e) * hats + m]
-                    modes -= turned * rolling.weak_modes[(here * 4 + 2 + e) * hats + m]
+                    local -= turned * rolling.weak_shift[(here * 4 + 2 + e) * grid_nodes + m]
+                    modes -= turned * rolling.weak_modes[(here * 4 + 2 + e) * grid_nodes + m]
                 local = local / area
                 modes = modes / area
             rubbing.elastic_local[w, pair, cell_at(rows, m, d)] = local
@@ -366,7 +370,7 @@ def press_slips(
     rows = model.surfaces.rows[model.pairs.first[pair]]
     line = line_of(rows)
     places = elements.patches.places
-    hats = model.window.hats
+    grid_nodes = model.window.grid_nodes
     here = w * model.pairs.count + pair
     e = lane
     while e < elements.patches.columns[pair] * line:
@@ -379,11 +383,11 @@ def press_slips(
         rolling.place_change[here * places + e] = value
         e += wp.block_dim()
     m = lane
-    while m < 4 * wp.max(places, hats):
+    while m < 4 * wp.max(places, grid_nodes):
         if m < 4 * places:
             rolling.place_none[here * 4 * places + m] = real(0.0)
-        if m < 4 * hats:
-            rolling.weak_shift[here * 4 * hats + m] = real(0.0)
+        if m < 4 * grid_nodes:
+            rolling.weak_shift[here * 4 * grid_nodes + m] = real(0.0)
         m += wp.block_dim()
     sync()
     for side in range(2):
@@ -406,7 +410,8 @@ def press_slips(
             for d in range(2):
                 read_side(
                     model, elements, w, pair, side, rows, own, patch.far_strip, patch.far_share, rolling.rub_field,
-                    half_along(model, elements, w, pair, side, d), rolling.weak_shift, (here * 4 + 2 * side + d) * hats,
+                    half_along(model, elements, w, pair, side, d), rolling.weak_shift,
+                        (here * 4 + 2 * side + d) * grid_nodes,
                 )  # fmt: skip
     rings = elements.rolling.ring_rows[pair]
     coupled = elements.rolling.coupled[pair]
@@ -414,18 +419,20 @@ def press_slips(
         near_along(
             model, elements, w, pair, rows, shear_line(rows, rings), STRIPS_AROUND, 0, elements.patches.columns[pair],
             rings, rows, rolling.shear_near, rolling.place_none, rolling.place_change, rolling.near_shift,
-            here * 2 * hats, hats,
+            here * 2 * grid_nodes, grid_nodes,
         )  # fmt: skip
     m = lane
     while m < elements.patches.columns[pair] * rows:
         for d in range(2):
             value = real(0.0)
             if cells.cell_area[w, pair, m] > real(0.0):
-                value = rolling.weak_shift[(here * 4 + d) * hats + m]
+                value = rolling.weak_shift[(here * 4 + d) * grid_nodes + m]
                 if coupled != 0:
-                    value += rolling.near_shift[(here * 2 + d) * hats + m]
+                    value += rolling.near_shift[(here * 2 + d) * grid_nodes + m]
                 for e in range(2):
-                    value -= cells.cell_turn[w, pair, m, 2 * d + e] * rolling.weak_shift[(here * 4 + 2 + e) * hats + m]
+                    value -= (
+                        cells.cell_turn[w, pair, m, 2 * d + e] * rolling.weak_shift[(here * 4 + 2 + e) * grid_nodes + m]
+                    )
                 value = value / cells.cell_area[w, pair, m]
             cells.pressed_slip[w, pair, cell_at(rows, m, d)] = value
         m += wp.block_dim()

@@ -129,7 +129,7 @@ def slide_patch_cells(
             s_2 += cells.elastic[w, pair, i_2] - u_2
             if cells.cell_area[w, pair, m] > real(0.0):
                 growth = (
-                    rolling.weak_grown[(w * model.pairs.count + pair) * model.window.hats + m]
+                    rolling.weak_grown[(w * model.pairs.count + pair) * model.window.grid_nodes + m]
                     / cells.cell_area[w, pair, m]
                 )
                 s_1 += way[0] * growth
@@ -161,7 +161,7 @@ def mean_work(
     rings = elements.rolling.ring_rows[pair]
     high = rows + 2 * rings
     wide = columns + 2 * STRIPS_AROUND
-    grown = (w * model.pairs.count + pair) * model.window.hats
+    grown = (w * model.pairs.count + pair) * model.window.grid_nodes
     scale = friction.ring_place[w, pair, 2] / patch.patch_place[w, pair, 2]
     if elements.patches.follows[pair] != 0:
         scale = scale * scale
@@ -200,7 +200,7 @@ def mean_work(
 
 @wp.func
 def smooth_at(
-    w: int, pair: int, rows: int, c: int, r: int, d: int, base: int, hats: int, cells: FrictionCells,
+    w: int, pair: int, rows: int, c: int, r: int, d: int, base: int, grid_nodes: int, cells: FrictionCells,
     rolling: RollingScratch,
 ) -> real:  # fmt: skip
     """Part of e of a cell that is not due to the half-spaces [m]."""
@@ -208,7 +208,7 @@ def smooth_at(
     area = cells.cell_area[w, pair, m]
     if not (area > real(0.0)):
         return real(0.0)
-    return cells.elastic[w, pair, cell_at(rows, m, d)] - rolling.near_shift[base + d * hats + m] / area
+    return cells.elastic[w, pair, cell_at(rows, m, d)] - rolling.near_shift[base + d * grid_nodes + m] / area
 
 
 @kernel
@@ -228,7 +228,7 @@ def keep_rings(
     rings = elements.rolling.ring_rows[pair]
     wide = columns + 2 * STRIPS_AROUND
     high = rows + 2 * rings
-    hats = model.window.hats
+    grid_nodes = model.window.grid_nodes
     here = w * model.pairs.count + pair
     start = here * 2 * elements.rolling.ring_cells
     near_along(
@@ -236,7 +236,7 @@ def keep_rings(
         rolling.shear_near, rolling.place_traction, patch_pressure, ring_slip, start, wide * high,
     )  # fmt: skip
     strip = real(2.0) * patch.patch_place[w, pair, 2] / real(columns)
-    base = here * 2 * hats
+    base = here * 2 * grid_nodes
     e = lane
     while e < wide * high:
         c = e / high - STRIPS_AROUND
@@ -248,18 +248,18 @@ def keep_rings(
             if c == c_in and r == r_in:
                 ring_slip[at] = rubbing.elastic[w, pair, cell_at(rows, c * rows + r, d)]
             else:
-                value = smooth_at(w, pair, rows, c_in, r_in, d, base, hats, rubbing, rolling)
+                value = smooth_at(w, pair, rows, c_in, r_in, d, base, grid_nodes, rubbing, rolling)
                 if c != c_in:
                     inner = c_in + wp.sign(c_in - c)
                     value += real(wp.abs(c - c_in)) * (
-                        smooth_at(w, pair, rows, c_in, r_in, d, base, hats, rubbing, rolling)
-                        - smooth_at(w, pair, rows, inner, r_in, d, base, hats, rubbing, rolling)
+                        smooth_at(w, pair, rows, c_in, r_in, d, base, grid_nodes, rubbing, rolling)
+                        - smooth_at(w, pair, rows, inner, r_in, d, base, grid_nodes, rubbing, rolling)
                     )
                 if r != r_in:
                     inner = r_in + wp.sign(r_in - r)
                     value += real(wp.abs(r - r_in)) * (
-                        smooth_at(w, pair, rows, c_in, r_in, d, base, hats, rubbing, rolling)
-                        - smooth_at(w, pair, rows, c_in, inner, d, base, hats, rubbing, rolling)
+                        smooth_at(w, pair, rows, c_in, r_in, d, base, grid_nodes, rubbing, rolling)
+                        - smooth_at(w, pair, rows, c_in, inner, d, base, grid_nodes, rubbing, rolling)
                     )
                 size = strip * row_place(elements, pair, r_in, patch.patch_place, w)[1]
                 ring_slip[at] = ring_slip[at] / size + value

@@ -129,7 +129,7 @@ def bound_patch_cells(
     rows = model.surfaces.rows[model.pairs.first[pair]]
     cells = model.elements[0].patches.columns[pair] * rows
     m = lane
-    while m < model.window.hats:
+    while m < model.window.grid_nodes:
         value = real(0.0)
         if m < cells and is_whole(run.ctl, w):
             if contact.active[w, pair, m] != 0 and geometry.area[w, pair, m] > real(0.0):

@@ -59,7 +59,7 @@ def modes_of_cells(
             v_2 = real(0.0)
             if s >= 0 and n < model.surfaces.modal_count[s]:
                 rows = model.surfaces.rows[s]
-                at = side * model.window.hats + m
+                at = side * model.window.grid_nodes + m
                 line = trace_along(model, elements, w, pair, side) + n * 2 * nodes
                 line += (patch.far_at[w, pair, at, 0] - patch.far_window[w, pair, side, 0]) * rows + patch.far_at[
                     w, pair, at, 1
@@ -123,11 +123,12 @@ def soften_splines(
 # `stride` numbers of a line of `soft`, from `start` on, of which `offset` begin; lanes over the splines.
 @wp.func_native("""
     const int nodes = elements.patches.far_nodes, taps = rows < 3 ? rows : 3;
-    const size_t p = ((size_t)w * model.pairs.count + pair) * 2 * model.window.hats + side * model.window.hats + m;
+    const size_t here = (size_t)w * model.pairs.count + pair, grid_nodes = model.window.grid_nodes;
+    const size_t p = (here * 2 + side) * grid_nodes + m;
     const int* const at = far_at.data + 2 * p;
     const double* const q = far_weight.data + 9 * p;
-    const double* const turn = cell_turn.data + (((size_t)w * model.pairs.count + pair) * model.window.hats + m) * 4;
-    const int first = (at[0] - far_window.data[2 * (((size_t)w * model.pairs.count + pair) * 2 + side)]) * rows + at[1];
+    const double* const turn = cell_turn.data + (here * grid_nodes + m) * 4;
+    const int first = (at[0] - far_window.data[2 * (here * 2 + side)]) * rows + at[1];
     double* const out = line.data + at_line;
     for (int k = WP_TILE_THREAD_IDX; k < count; k += WP_TILE_BLOCK_DIM) {
         double s0 = 0.0, s1 = 0.0;
@@ -168,14 +169,14 @@ def displaced_splines(
 # y[at + 2 j + d] += weak displacement along d of the first `count` active cells due to the displacement of the splines
 # of one side; lanes over the cells.
 @wp.func_native("""
-    const int nodes = elements.patches.far_nodes, taps = rows < 3 ? rows : 3, hats = model.window.hats;
+    const int nodes = elements.patches.far_nodes, taps = rows < 3 ? rows : 3, grid_nodes = model.window.grid_nodes;
     const size_t here = (size_t)w * model.pairs.count + pair;
     const int* const mine = cell_slot.data + here * model.capacity.cells;
     const int first = far_window.data[2 * (here * 2 + side)];
     const double* const u = line.data + at_line;
     for (int j = WP_TILE_THREAD_IDX; j < count; j += WP_TILE_BLOCK_DIM) {
         const int m = mine[j];
-        const size_t p = here * 2 * hats + side * hats + m;
+        const size_t p = here * 2 * grid_nodes + side * grid_nodes + m;
         const int n = (far_at.data[2 * p] - first) * rows + far_at.data[2 * p + 1];
         const double* const q = far_weight.data + 9 * p;
         double v0 = 0.0, v1 = 0.0;
@@ -184,7 +185,7 @@ def displaced_splines(
             v0 += x * u[n + a * rows + b]; v1 += x * u[nodes + n + a * rows + b];
         }
         if (side != 0) {
-            const double* const turn = cell_turn.data + (here * hats + m) * 4;
+            const double* const turn = cell_turn.data + (here * grid_nodes + m) * 4;
             const double u0 = turn[0] * v0 + turn[1] * v1, u1 = turn[2] * v0 + turn[3] * v1;
             v0 = -u0; v1 = -u1;
         }

@@ -31,9 +31,9 @@ from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
-from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.scratch import Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import LoadState, MotionState
-from warpffrf_kernels.linear.outer_solve import solve
+from warpffrf_kernels.linear.retained_solve import solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.step.balance import gyration_of
 
@@ -62,7 +62,7 @@ def estimate_error(run: Run, state: MotionState, trial: Trial):
             n += 1
         b += 1
     h = run.clk[w].h
-    run.clk[w].error = wp.abs(run.clk[w].outer.beta - real(1.0) / real(6.0)) * h * h * worst / run.step_error[w]
+    run.clk[w].error = wp.abs(run.clk[w].retained.beta - real(1.0) / real(6.0)) * h * h * worst / run.step_error[w]
 
 
 @kernel
@@ -95,7 +95,7 @@ def missed_rates(run: Run, residuals: Residuals, trial: Trial, loads: LoadState,
 
 @kernel
 def project_velocities(
-    run: Run, system: OuterSystem, trial: Trial, loads: LoadState, patterns: wp.array(dtype=Pattern),
+    run: Run, system: RetainedSystem, trial: Trial, loads: LoadState, patterns: wp.array(dtype=Pattern),
     missed: wp.array(dtype=real), C_modal: wp.array3d(dtype=real), receptance: wp.array2d(dtype=real),
 ):  # fmt: skip
     """One block per world: the correction of the module, added to velocities, accelerations and multipliers at the end
@@ -104,12 +104,12 @@ def project_velocities(
     model = run.models[w]
     if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC or run.project[w] == 0:
         return
-    N = model.outer.count
+    N = model.retained.count
     i = lane
     while i < N:
         system.projection_rhs[w * N + i] = real(0.0)
-        if i >= model.outer.row_offset:
-            system.projection_rhs[w * N + i] = missed[w * model.rows.count + i - model.outer.row_offset]
+        if i >= model.retained.row_offset:
+            system.projection_rhs[w * N + i] = missed[w * model.rows.count + i - model.retained.row_offset]
         i += wp.block_dim()
     sync()
     solve(
@@ -118,12 +118,12 @@ def project_velocities(
         system.elimination, system.inverse_transposed, system.change,
     )  # fmt: skip
     sync()
-    rise = run.clk[w].outer.acc / run.clk[w].outer.vel
+    rise = run.clk[w].retained.acc / run.clk[w].retained.vel
     row = lane
     while row < model.rows.count:
         if model.rows.rigid[row] != 0:
             loads.lam[w, row] = (
-                loads.lam[w, row] + system.change[w * N + model.outer.row_offset + row] / run.clk[w].outer.vel
+                loads.lam[w, row] + system.change[w * N + model.retained.row_offset + row] / run.clk[w].retained.vel
             )
         row += wp.block_dim()
     b = lane
@@ -144,7 +144,7 @@ def project_velocities(
         else:
             row = int(0)
             while row < model.rows.count:
-                value -= receptance[w, n] * C_modal[w, row, n] * system.change[w * N + model.outer.row_offset + row]
+                value -= receptance[w, n] * C_modal[w, row, n] * system.change[w * N + model.retained.row_offset + row]
                 row += 1
         system.modal_step[w * model.modes.count + n] = value
         trial.qd1[w, n] = trial.qd1[w, n] + value
@@ -153,16 +153,16 @@ def project_velocities(
 
 
 @kernel
-def correct_algorithmic(run: Run, system: OuterSystem, state: MotionState):
+def correct_algorithmic(run: Run, system: RetainedSystem, state: MotionState):
     """One block per world: algorithmic accelerations of an accepted step, consistent with its projected velocities."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].accept == 0 or run.ctl[w].mode != k.DYNAMIC or run.project[w] == 0:
         return
-    share = real(1.0) / (run.clk[w].outer.gamma * run.clk[w].h)
+    share = real(1.0) / (run.clk[w].retained.gamma * run.clk[w].h)
     b = lane
     while b < model.bodies.count:
-        o = w * model.outer.count + 6 * b
+        o = w * model.retained.count + 6 * b
         state.v_alg[w, b] = state.v_alg[w, b] + share * vec3(
             system.change[o], system.change[o + 1], system.change[o + 2]
         )

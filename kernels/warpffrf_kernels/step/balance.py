@@ -145,7 +145,7 @@ def balance(
         m = model.bodies.mass[b]
         J = model.bodies.inertia[b]
         gyration = gyration_of(J, m)
-        nothing = NO_FORCE * run.clk[w].outer.acc * model.length
+        nothing = NO_FORCE * run.clk[w].retained.acc * model.length
         scale = wp.max(scale, m * nothing)
         modal_scale = wp.max(modal_scale, wp.sqrt(m) * nothing)
         scale = wp.max(scale, m * (wp.length(model.gravity) + wp.length(trial.v1_rate[w, b])))
@@ -155,7 +155,7 @@ def balance(
         scale = wp.max(scale, turning / gyration)
         # accelerations are differences of increments: smaller values are round-off
         travel = wp.length(trial.dx[w, b]) + gyration * wp.length(trial.psi[w, b])
-        scale = wp.max(scale, ROUND_OFF * run.clk[w].outer.acc * m * travel)
+        scale = wp.max(scale, ROUND_OFF * run.clk[w].retained.acc * m * travel)
         for c in range(3):
             scale = wp.max(scale, wp.abs(loads.load[w, 1, 6 * b + c]))
             scale = wp.max(scale, wp.abs(loads.load[w, 1, 6 * b + 3 + c]) / gyration)
@@ -287,7 +287,7 @@ def balance(
             before = wp.max(before, wp.max(wp.abs(loads.load_on_modes[w, 0, n]), wp.abs(loads.modal_load[w, 0, n])))
             modal_scale = wp.max(modal_scale, before)
         modal_scale = wp.max(
-            modal_scale, wp.max(wp.abs(trial.qd1_rate[w, n]), ROUND_OFF * run.clk[w].outer.acc * travel)
+            modal_scale, wp.max(wp.abs(trial.qd1_rate[w, n]), ROUND_OFF * run.clk[w].retained.acc * travel)
         )
         open_load = wp.max(open_load, wp.abs(residuals.modal_residual[w, n]))
         sum += residuals.modal_residual[w, n]
@@ -321,7 +321,7 @@ def balance(
     worst = wp.max(worst, open_load / modal_scale)
     if loading:
         run.clk[w].force = scale
-        run.clk[w].left = inertia_left(model, w, run.clk[w].outer.acc, extent, scale, modal_scale, trial)
+        run.clk[w].left = inertia_left(model, w, run.clk[w].retained.acc, extent, scale, modal_scale, trial)
     residuals.residual_history[w, wp.min(run.ctl[w].iteration, residuals.residual_history.shape[1] - 1)] = worst
     if not wp.isfinite(worst + sum):
         run.ctl[w].failure = run.ctl[w].failure | k.NOT_FINITE

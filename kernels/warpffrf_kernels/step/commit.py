@@ -31,7 +31,7 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.integration import EXACT, algorithmic, coefficients_of, is_static, is_whole, rule_of
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
-from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import ContactState, LoadState, LumpedState, MotionState
 from warpffrf_kernels.lumped.bounces import SWUNG
 from warpffrf_kernels.lumped.forces import AT_HAND, GAINED
@@ -53,7 +53,7 @@ LEAST_GAIN = wp.constant(wp.float64(0.0625))
 SLIDES = wp.constant(4)
 DRAGS = wp.constant(wp.float64(1.0e-4))  # ... this part of the largest force
 # a load step at the maximum halving level starts with a proximal step shorter by 100 to at most this power
-MOST_CAREFUL = wp.constant(4)
+LARGEST_LEVEL = wp.constant(4)
 # of the largest change of an energy: a static step with a larger rise approaches a maximum; below, changes cancel and
 # the contact grids are visible
 UPHILL = wp.constant(wp.float64(1.0e-2))
@@ -62,7 +62,7 @@ UPHILL = wp.constant(wp.float64(1.0e-2))
 @kernel
 def decide(
     run: Run, trial: Trial, contact: ContactState, impulses: ImpulsiveContact, lumped: LumpedState,
-    lumps: LumpedContacts, system: OuterSystem,
+    lumps: LumpedContacts, system: RetainedSystem,
 ):  # fmt: skip
     """Per world: accept or reject the attempt, and choose the next step."""
     w = wp.tid()
@@ -91,7 +91,7 @@ def decide(
             if contact.impulsive[w, pair] != 0:
                 impulse = int(1)
                 made += impulses.created_now[w, pair]
-        if model.modes.dynamic_count > 0 and impulses.restless[w, pair] != 0:
+        if model.modes.dynamic_count > 0 and impulses.unsettled[w, pair] != 0:
             calm = int(0)
         if impulses.wanted[w, pair] != 0:
             again = int(1)
@@ -160,14 +160,14 @@ def decide(
         run.ctl[w].failure = run.ctl[w].failure | k.ENERGY
     if dynamic and run.ctl[w].again != 0 and made > model.limits.energy_tolerance * hand:  # no mean balances it
         run.ctl[w].failure = run.ctl[w].failure | k.ENERGY
-    if is_static(run.ctl, w) and run.ctl[w].downhill != 0 and run.clk[w].rise > UPHILL:
+    if is_static(run.ctl, w) and run.ctl[w].energy_bounded != 0 and run.clk[w].rise > UPHILL:
         run.ctl[w].failure = run.ctl[w].failure | k.ENERGY
     if dynamic and run.clk[w].error > real(1.0):
         run.ctl[w].failure = run.ctl[w].failure | k.STEP_ERROR
     failure = run.ctl[w].failure
     bearable = (failure | k.ENERGY | k.STEP_ERROR) == (k.ENERGY | k.STEP_ERROR)
-    if dynamic and failure == 0 and run.ctl[w].turned != 0 and run.ctl[w].forget == 0:
-        run.ctl[w].forget = 1
+    if dynamic and failure == 0 and run.ctl[w].friction_changed != 0 and run.ctl[w].restart == 0:
+        run.ctl[w].restart = 1
         run.ctl[w].repeated = run.ctl[w].repeated + 1
         run.ctl[w].active = run.ctl[w].touched
         return
@@ -206,9 +206,9 @@ def decide(
         slides = loading and deep and run.ctl[w].round >= SLIDES and system.hold_force[w] > DRAGS
         # shorter steps do not increase friction; the failure mode of a body that slides away is not informative
         if slides:
-            failure = k.RESTLESS
-        if loading and deep and run.ctl[w].careful < MOST_CAREFUL and not slides:
-            run.ctl[w].careful = run.ctl[w].careful + 1
+            failure = k.NOT_AT_REST
+        if loading and deep and run.ctl[w].proximal_level < LARGEST_LEVEL and not slides:
+            run.ctl[w].proximal_level = run.ctl[w].proximal_level + 1
         elif not (dynamic or loading) or deep or (dynamic and (failure & k.SINGULAR) != 0):
             run.ctl[w].status = failure
             if deep:
@@ -223,8 +223,10 @@ def decide(
         run.ctl[w].commit = 1
     if dynamic:
         run.ctl[w].impulses = run.ctl[w].impulses + impulse
-        run.ctl[w].forgotten = run.ctl[w].forgotten + run.ctl[w].forget
-        run.ctl[w].forget = run.ctl[w].turned  # the remainder of the old friction must not enter the next step either
+        run.ctl[w].restarted_steps = run.ctl[w].restarted_steps + run.ctl[w].restart
+        run.ctl[w].restart = run.ctl[
+            w
+        ].friction_changed  # the remainder of the old friction must not enter the next step either
         if model.modes.dynamic_count == 0 and (impulse != 0 or run.ctl[w].level == 0):
             run.ctl[w].shaken = impulse
     run.ctl[w].steps = run.ctl[w].steps + 1
@@ -246,7 +248,7 @@ def decide(
             run.clk[w].time = run.clk[w].start_time
         return
     if loading:
-        run.ctl[w].careful = wp.max(run.ctl[w].careful - 1, 0)
+        run.ctl[w].proximal_level = wp.max(run.ctl[w].proximal_level - 1, 0)
     if run.ctl[w].impulsive == k.IMPULSIVE and calm != 0 and touching != 0:
         run.ctl[w].impulsive = k.SMOOTH
     if dynamic and impact and hand > real(0.0):
@@ -294,8 +296,8 @@ def keep_bodies(run: Run, trial: Trial, impulses: ImpulsiveContact, state: Motio
             state.r[w, b] = trial.r1[w, b]
             state.p[w, b] = trial.p1[w, b]
         h = run.clk[w].h
-        a_t = algorithmic(h, run.clk[w].outer, trial.dx[w, b], state.v[w, b], impulses.v_alg0[w, b])
-        a_r = algorithmic(h, run.clk[w].outer, trial.psi[w, b], state.omega[w, b], impulses.omega_alg0[w, b])
+        a_t = algorithmic(h, run.clk[w].retained, trial.dx[w, b], state.v[w, b], impulses.v_alg0[w, b])
+        a_r = algorithmic(h, run.clk[w].retained, trial.psi[w, b], state.omega[w, b], impulses.omega_alg0[w, b])
         if mode == k.DYNAMIC and model.pairs.count > 0:
             a_t += impulses.v_rest[w, b]
             a_r += impulses.omega_rest[w, b]

@@ -3,7 +3,7 @@
 When a pair is open, all energy stored in its contact has been returned, and the energy that it has `created`
 (`impulsive_means.judge_pairs`) is known. While it is closed, its energy also changes with the phases of the grids, and
 most of that is recovered: the stored energy is the uncertainty, and only the excess over it counts as created. A run
-ends if this sum has risen above its minimum by more than `most_made` of the largest energy (of all lines except the
+ends if this sum has risen above its minimum by more than `gain_limit` of the largest energy (of all lines except the
 potential).
 
 The numerical line of the ledger is the error of the integrator. It oscillates with the motion, and is as large as the
@@ -50,12 +50,12 @@ def watch_energy(run: Run, contact: ContactState):
     rise = by_pairs - run.clk[w].least
     total = by_pairs + run.energy[w, 0, k.NUMERICAL]
     run.clk[w].made = wp.max(rise, total)
-    if model.limits.most_made == real(0.0):
+    if model.limits.gain_limit == real(0.0):
         return
-    limit = wp.max(model.limits.most_made * run.clk[w].most, run.clk[w].noise)
+    limit = wp.max(model.limits.gain_limit * run.clk[w].most, run.clk[w].noise)
     if run.ctl[w].sub == 0:  # a whole step
-        run.ctl[w].spell = run.ctl[w].spell + 1
+        run.ctl[w].gaining_steps = run.ctl[w].gaining_steps + 1
     if total <= limit:
-        run.ctl[w].spell = 0
-    if rise > limit or run.ctl[w].spell > PATIENCE:
+        run.ctl[w].gaining_steps = 0
+    if rise > limit or run.ctl[w].gaining_steps > PATIENCE:
         run.ctl[w].status = run.ctl[w].status | k.GAIN

@@ -116,7 +116,7 @@ def balance_energy(
             if model.rows.viscous[row] >= 0:
                 drag = characteristic(model, model.rows.viscous[row], loads.drive_rate[w, 1, row])[0]
                 drag_before = drag
-                if run.ctl[w].forget == 0:
+                if run.ctl[w].restart == 0:
                     drag_before = characteristic(model, model.rows.viscous[row], loads.drive_rate[w, 0, row])[0]
                 damping += half * (drag_before + drag) * step
         else:
@@ -229,7 +229,7 @@ def balance_energy(
         unseen = UNSEEN * (wp.abs(strain) + wp.abs(potential) + wp.abs(contact))
         if run.ctl[w].mode == k.LOADING:
             unseen = wp.max(unseen, STILL * run.clk[w].force * model.length)
-            unseen = wp.max(unseen, IDLE * heaviest * run.clk[w].outer.acc * model.length * model.length)
+            unseen = wp.max(unseen, IDLE * heaviest * run.clk[w].retained.acc * model.length * model.length)
         if stored > unseen:
             run.clk[w].rise = stored / largest
     if run.ctl[w].mode != k.DYNAMIC and run.ctl[w].mode != k.LOADING:  # a start or a static step initialises the ledger

@@ -27,8 +27,8 @@ round and k_f that of the patch, the load that is not yet on the patch falls by 
 
 **Failure.** A load step whose Newton's method fails, whose energy increases (`ledger`), or that does not come to rest
 in `MOST` rounds, is halved, together with its loads. One that cannot be halved again is taken with shorter proximal
-steps: the first is 100^-n tau, n = `careful`, and they grow by 10^(1/n) per round up to tau, to follow a structure that
-snaps through. Accepted steps reverse both.
+steps: the first is 100^-n tau, n = `proximal_level`, and they grow by 10^(1/n) per round up to tau, to follow a
+structure that snaps through. Accepted steps reverse both.
 """
 
 import warp as wp
@@ -38,7 +38,7 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
-from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.scratch import Residuals, RetainedSystem, Trial
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -53,7 +53,7 @@ GROWN = wp.constant(wp.float64(2.302585092994046))  # ln 10
 
 
 @wp.func
-def weaken(model: Model, w: int, hold_firm: int, hold_count: int, by: real, system: OuterSystem):
+def weaken(model: Model, w: int, hold_firm: int, hold_count: int, by: real, system: RetainedSystem):
     """Multiplies the constraints of motions not held firmly by by^2: 4^-r in round r, and back, without round-off."""
     h = hold_firm
     while h < hold_count:
@@ -66,7 +66,7 @@ def weaken(model: Model, w: int, hold_firm: int, hold_count: int, by: real, syst
 
 
 @kernel
-def open_rounds(run: Run, system: OuterSystem, trial: Trial):
+def open_rounds(run: Run, system: RetainedSystem, trial: Trial):
     """Per world: the first round of an attempt is centred on the accepted state."""
     w, lane = wp.tid()
     model = run.models[w]
@@ -88,7 +88,7 @@ def open_rounds(run: Run, system: OuterSystem, trial: Trial):
 
 
 @wp.func
-def along_of(model: Model, w: int, h: int, trial: Trial, system: OuterSystem) -> real:
+def along_of(model: Model, w: int, h: int, trial: Trial, system: RetainedSystem) -> real:
     """Component of the increment of a round along free motion h."""
     along = real(0.0)
     b = int(0)
@@ -102,7 +102,7 @@ def along_of(model: Model, w: int, h: int, trial: Trial, system: OuterSystem) ->
 
 
 @wp.func
-def held_back(model: Model, run: Run, w: int, h: int, along: real, given: real, system: OuterSystem) -> real:
+def held_back(model: Model, run: Run, w: int, h: int, along: real, given: real, system: RetainedSystem) -> real:
     """Constraining force of free motion h over the allowed one: `given` of the largest force, or if that is zero the
     limit of residual loads on free motions; `along`: the motion relative to the previous round."""
     force = real(0.0)
@@ -128,7 +128,7 @@ def held_back(model: Model, run: Run, w: int, h: int, along: real, given: real, 
 
 
 @kernel
-def end_round(run: Run, trial: Trial, system: OuterSystem, residuals: Residuals):
+def end_round(run: Run, trial: Trial, system: RetainedSystem, residuals: Residuals):
     """Per world in a load step whose iteration has just converged: starts another round if it has not come to rest."""
     w = wp.tid()
     model = run.models[w]
@@ -136,7 +136,7 @@ def end_round(run: Run, trial: Trial, system: OuterSystem, residuals: Residuals)
         return
     if run.ctl[w].iteration == 0:
         return
-    grows = run.clk[w].outer.acc * run.clk[w].tau * run.clk[w].tau > real(1.0) + real(1.0e-9)
+    grows = run.clk[w].retained.acc * run.clk[w].tau * run.clk[w].tau > real(1.0) + real(1.0e-9)
     held = int(0)
     firm = int(0)
     if model.pairs.count > 0:
@@ -158,7 +158,7 @@ def end_round(run: Run, trial: Trial, system: OuterSystem, residuals: Residuals)
     if not grows and driven <= real(1.0) and run.clk[w].left <= BALANCED * model.limits.residual_tolerance:
         return
     if run.ctl[w].round >= MOST:
-        run.ctl[w].failure = run.ctl[w].failure | k.RESTLESS
+        run.ctl[w].failure = run.ctl[w].failure | k.NOT_AT_REST
         return
     if run.ctl[w].round <= MOST_HELD:  # later the inertia of the body constrains it
         system.hold_force[w] = dragged
@@ -184,7 +184,7 @@ def end_round(run: Run, trial: Trial, system: OuterSystem, residuals: Residuals)
         b += 1
     m = int(0)
     while m < model.modes.count:
-        residuals.modal_residual[w, m] = residuals.modal_residual[w, m] - run.clk[w].outer.acc * (
+        residuals.modal_residual[w, m] = residuals.modal_residual[w, m] - run.clk[w].retained.acc * (
             trial.dq[w, m] - trial.centre_dq[w, m]
         )
         trial.centre_dq[w, m] = trial.dq[w, m]
@@ -195,9 +195,11 @@ def end_round(run: Run, trial: Trial, system: OuterSystem, residuals: Residuals)
         run.ctl[w].stale = 1
         run.ctl[w].refresh = 1
     if grows:
-        growth = wp.exp(real(2.0) * GROWN / real(wp.max(run.ctl[w].careful, 1)))
-        run.clk[w].outer.acc = wp.max(run.clk[w].outer.acc / growth, real(1.0) / (run.clk[w].tau * run.clk[w].tau))
-        run.clk[w].local.acc = run.clk[w].outer.acc
+        growth = wp.exp(real(2.0) * GROWN / real(wp.max(run.ctl[w].proximal_level, 1)))
+        run.clk[w].retained.acc = wp.max(
+            run.clk[w].retained.acc / growth, real(1.0) / (run.clk[w].tau * run.clk[w].tau)
+        )
+        run.clk[w].local.acc = run.clk[w].retained.acc
         run.ctl[w].reassemble = 1
         run.ctl[w].stale = 1
         run.ctl[w].refresh = 1

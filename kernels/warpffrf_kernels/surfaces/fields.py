@@ -48,7 +48,7 @@ def add_fields(
             end = int(0)
             base = int(0)
             if other % 2 == 0:
-                base = (w * model.pairs.count + pair) * directions * model.window.hats
+                base = (w * model.pairs.count + pair) * directions * model.window.grid_nodes
                 i = (geometry.window[w, pair, 0] + model.window.half) * lines
                 end = (geometry.window[w, pair, 1] + model.window.half + 1) * lines
             else:

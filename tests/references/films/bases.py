@@ -1,6 +1,6 @@
 r"""Pressure functions of a film, with the points where its equation is evaluated.
 
-`Hats`: all free nodes of a grid, each with its own cavity volume. `Strips`: hat functions around, polynomials along,
+`Nodes`: all free nodes of a grid, each with its own cavity volume. `Strips`: hat functions around, polynomials along,
 
     phi_jm = psi_j(theta) (1 - zeta^2) (zeta^m - c_m),      zeta = -1 .. 1 along,   m = 0, 2, ..., or 0, 1, 2, ...
 
@@ -10,7 +10,7 @@ mean of all but m = 0 vanish. So the cavity volume of a column is the multiplier
 enters the equation of m = 0 alone, whose pressure it replaces; the others are always free, and are zero for uniform gap
 and cavity.
 
-Surface motion is given at nodes in either case: `to_hats` gives pressures there, `between` gaps at the points.
+Surface motion is given at nodes in either case: `to_nodes` gives pressures there, `between` gaps at the points.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Basis:
     slope_x: Sparse
     slope_z: Sparse
     between: Sparse
-    to_hats: Sparse
+    to_nodes: Sparse
     beside: Array
     area: Array
     outflows: tuple[Sparse, Sparse]
@@ -54,7 +54,7 @@ class Basis:
         return abs(u) * (self.outflows[0] if u >= 0.0 else self.outflows[1])
 
 
-def hats(grid: FilmGrid, free: Array) -> Basis:
+def grid_nodes(grid: FilmGrid, free: Array) -> Basis:
     """The `free` (nodes,) bool ones of a grid."""
     number = np.flatnonzero(free)
     of = sp.csr_matrix((np.ones(len(number)), (number, np.arange(len(number)))), shape=(grid.count, len(number)))
@@ -98,7 +98,7 @@ def strips(grid: FilmGrid, free: Array, powers: tuple[int, ...]) -> Basis:
     kept = np.repeat(free, n)
     at_rows = ((grid.z - middle) / half)[:, None]
     in_rows = ((1.0 - at_rows**2) * at_rows ** np.array(powers)[None, :]) @ even
-    to_hats = sp.kron(sp.identity(grid.columns), in_rows).tocsr()
+    to_nodes = sp.kron(sp.identity(grid.columns), in_rows).tocsr()
     turned = sp.csr_matrix((np.ones(grid.columns), (after, columns)), shape=(grid.columns, grid.columns))
     identity = sp.identity(grid.columns, format="csr")
     first, second = (half * whole[0] * (identity - carried).tocsr()[free][:, free] for carried in (turned, turned.T))
@@ -111,6 +111,6 @@ def strips(grid: FilmGrid, free: Array, powers: tuple[int, ...]) -> Basis:
     return Basis(
         at, np.tile(half * w, grid.columns) * pitch, operator(0.5, 0.5, along)[:, kept],
         operator(-1.0 / pitch, 1.0 / pitch, along)[:, kept], operator(0.5 / half, 0.5 / half, slopes)[:, kept],
-        sp.kron(around, in_z).tocsr(), to_hats[:, kept], n * np.arange(voids), np.full(voids, pitch * half * whole[0]),
+        sp.kron(around, in_z).tocsr(), to_nodes[:, kept], n * np.arange(voids), np.full(voids, pitch * half * whole[0]),
         (first, second),
     )  # fmt: skip

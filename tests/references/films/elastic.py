@@ -26,7 +26,7 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from references.films.bases import hats, strips
+from references.films.bases import grid_nodes, strips
 from references.films.complementarity import NO_VOID
 from references.films.grid import FilmGrid
 from references.films.rough_walls import RoughWalls
@@ -110,14 +110,14 @@ class ElasticJournal:
         if self.powers is None:
             inner = np.repeat(free[:, None], g.rows, axis=1)
             inner[:, [0, -1]] = False
-            self.basis = hats(g, inner.ravel())
+            self.basis = grid_nodes(g, inner.ravel())
         else:
             self.basis = strips(g, free, self.powers)
         b = self.basis
         self.normal = self._directions(b.at[:, 0])
-        self.normal_at_hats = self._directions(np.repeat(g.x, g.rows))
+        self.normal_at_nodes = self._directions(np.repeat(g.x, g.rows))
         self.G = self.compliance @ (g.value.T @ sp.diags(g.weights) @ g.value).toarray()
-        self.G_film = self.G @ b.to_hats
+        self.G_film = self.G @ b.to_nodes
         self.carried_with = 0.5 * self.speed * self.radius
         self.outflow = b.outflow(self.carried_with)
         self.of_film = -(b.value.T @ (b.weights[:, None] * self.normal))
@@ -142,10 +142,10 @@ class ElasticJournal:
         u = self.G_film @ state.pressure + self.G @ state.asperity
         return self.clearance - self.normal @ state.place + self.basis.between @ u
 
-    def gap_at_hats(self, state: State) -> Array:
+    def gap_at_nodes(self, state: State) -> Array:
         """h (nodes,) [m]."""
         u = self.G_film @ state.pressure + self.G @ state.asperity
-        return self.clearance - self.normal_at_hats @ state.place + u
+        return self.clearance - self.normal_at_nodes @ state.place + u
 
     def force(self, state: State) -> tuple[Array, Array]:
         """On the shaft (2,) [N], by the film and by the asperities."""
@@ -191,11 +191,11 @@ class ElasticJournal:
             R = R + squeezed + b.value.T @ (b.weights * a0 * h)
             R[b.beside] -= T @ now.void
             F = sum(self.force(now)) + load
-            h_hats = self.gap_at_hats(now)
-            rest_a = (0.0 if self.asperities is None else self.asperities.pressure(-h_hats)) - now.asperity
+            h_nodes = self.gap_at_nodes(now)
+            rest_a = (0.0 if self.asperities is None else self.asperities.pressure(-h_nodes)) - now.asperity
             if settled and self._balanced(now, R, F, load, rest_a):
                 return now, iteration
-            change = self._newton(now, R, A, B, T, F, h_hats, rest_a)
+            change = self._newton(now, R, A, B, T, F, h_nodes, rest_a)
             if change is None:
                 return None, iteration
             now, settled = self._taken(now, change, h)
@@ -233,15 +233,15 @@ class ElasticJournal:
         return R, A.toarray(), B.tocsr()
 
     def _newton(
-        self, now: State, R: Array, A: Array, B: Sparse, T: Array, F: Array, h_hats: Array, rest_a: Array
+        self, now: State, R: Array, A: Array, B: Sparse, T: Array, F: Array, h_nodes: Array, rest_a: Array
     ) -> tuple[Array, Array, Array, Array] | None:  # fmt: skip
         """Changes of position, pressure, asperity pressure, cavity volume."""
-        b, n, hats_ = self.basis, self.basis.unknowns, self.grid.count
-        steep = np.zeros(hats_) if self.asperities is None else -self.asperities.slope(-h_hats)
-        at_hats = np.hstack([self.G_film, (self.G @ rest_a)[:, None], -self.normal_at_hats])
+        b, n, grid_nodes_ = self.basis, self.basis.unknowns, self.grid.count
+        steep = np.zeros(grid_nodes_) if self.asperities is None else -self.asperities.slope(-h_nodes)
+        at_grid_nodes = np.hstack([self.G_film, (self.G @ rest_a)[:, None], -self.normal_at_nodes])
         if np.any(steep):
-            at_hats = la.solve(np.eye(hats_) - self.G * steep[None, :], at_hats)
-        by_p, by_rest, by_e = at_hats[:, :n], at_hats[:, n], at_hats[:, n + 1 :]
+            at_grid_nodes = la.solve(np.eye(grid_nodes_) - self.G * steep[None, :], at_grid_nodes)
+        by_p, by_rest, by_e = at_grid_nodes[:, :n], at_grid_nodes[:, n], at_grid_nodes[:, n + 1 :]
         moved = (B @ b.between).toarray()  # by nodal displacements
         J = A + moved @ (self.G_film + self.G @ (steep[:, None] * by_p) if np.any(steep) else self.G_film)
         of_rest = moved @ (self.G @ (rest_a + steep * by_rest))

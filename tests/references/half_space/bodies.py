@@ -37,11 +37,11 @@ def half_plane(columns: int, pitch: float, width: float, material: Material, dep
     """Plane strain; `columns` nodes `pitch` [m] apart along x about the origin, `width` [m] along y; displacements
     against a point at `depth` [m], above columns * pitch."""
     modulus = contact_modulus(material)
-    hats = toeplitz(plane_table("nodes", pitch, columns, depth)) / modulus
+    grid_nodes = toeplitz(plane_table("nodes", pitch, columns, depth)) / modulus
     cells = mean_2d(columns, pitch, modulus, depth) / (pitch * 0.5 * width)
     tangential = np.einsum("de,ij,kl->dikejl", np.eye(2), cells, np.eye(2))
     return _body(
-        _grid(columns, pitch, np.array([-0.5, 0.5]) * width), np.kron(hats, 0.5 * width * np.eye(2)), tangential
+        _grid(columns, pitch, np.array([-0.5, 0.5]) * width), np.kron(grid_nodes, 0.5 * width * np.eye(2)), tangential
     )
 
 
@@ -50,10 +50,10 @@ def half_space(columns: int, rows: int, pitch: float, material: Material) -> Red
     grid = _grid(columns, pitch, pitch * (np.arange(rows) - 0.5 * (rows - 1)))
     centers = np.stack(np.meshgrid(grid.theta, grid.z, indexing="ij"), axis=-1).reshape(-1, 2)
     size = (pitch, pitch)
-    hats = toeplitz(space_table("nodes", size, (columns, rows))) / contact_modulus(material)
+    grid_nodes = toeplitz(space_table("nodes", size, (columns, rows))) / contact_modulus(material)
     cells = mean_3d(centers, size, material) / pitch**2
     n = len(centers)
-    return _body(grid, hats, cells.reshape(n, 2, n, 2).transpose(1, 0, 3, 2))
+    return _body(grid, grid_nodes, cells.reshape(n, 2, n, 2).transpose(1, 0, 3, 2))
 
 
 def _grid(columns: int, pitch: float, z: Array) -> SurfaceGrid:

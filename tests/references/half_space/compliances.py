@@ -10,7 +10,7 @@ L the depth of the fixed point. `a(p, q) = int p u[q]` is the compliance energy 
 **Between functions of the grid** it depends on their distance only. Hat functions of a grid of spacing s, correlated
 with each other, are `s B3(x/s)`, cells `s B1(x/s)`, with B the B-splines of degree 3 and 1. So
 
-    plane: a_k = -(2/pi) delta^n F_n / s^(n-2),    F_n'...' = ln|x| n times, n = 4 (hats) or 2 (cells),
+    plane: a_k = -(2/pi) delta^n F_n / s^(n-2),    F_n'...' = ln|x| n times, n = 4 (nodes) or 2 (cells),
     space: a_kl = (s_x s_y)^2 / pi  int int B(t - k) B(v - l) / sqrt(s_x^2 t^2 + s_y^2 v^2) dt dv,
 
 delta the central difference of step s. The second integral is cut along the lines of the grid, and into squares; the

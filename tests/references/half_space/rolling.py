@@ -1,7 +1,7 @@
 r"""Rolling with friction on an elastic half-plane, in cells: the law of friction without a body around it.
 
 Like materials, so that pressures do not move the surfaces tangentially: Hertz's contact is fixed at |x| <= a, its
-pressure in hat functions (`hat_pressures`), material moves through it from the leading edge x = a to x = -a. The
+pressure in hat functions (`node_pressures`), material moves through it from the leading edge x = a to x = -a. The
 traction is constant on each cell of width w. In a step the material advances by A, the rigid surfaces creep by xi A
 relative to each other, and the material now at x was at x + A before:
 
@@ -33,8 +33,8 @@ from scipy.optimize import brentq
 
 from references.closed_forms import LineContact
 from references.half_space.friction_program import solve
-from references.half_space.hat_pressures import bounding, edge_beyond, line_pressures
 from references.half_space.influence import mean_2d, strip_mean
+from references.half_space.node_pressures import bounding, edge_beyond, line_pressures
 from warpffrf.model.errors import require_number
 
 Array = np.ndarray

@@ -1,6 +1,6 @@
 r"""Tangential loading of a patch at rest in cells, on the half-plane and the half-space: cases C4 and C5.
 
-Hertz's contact is fixed, its pressure in hat functions (`hat_pressures`); the far parts of the two bodies are shifted
+Hertz's contact is fixed, its pressure in hat functions (`node_pressures`); the far parts of the two bodies are shifted
 relative to each other by increments D (n cells, tractions constant on each, bounds of `bounding`, means over cells):
 
     s_i = u_new,i - u_old,i - D,      u = G tau,
@@ -18,8 +18,8 @@ from scipy.optimize import brentq
 
 from references.closed_forms import LineContact, PointContact
 from references.half_space.friction_program import solve
-from references.half_space.hat_pressures import bounding, line_pressures, point_pressures
 from references.half_space.influence import mean_2d, mean_3d
+from references.half_space.node_pressures import bounding, line_pressures, point_pressures
 from references.half_space.rolling import STICK
 from warpffrf.model.material import Material
 

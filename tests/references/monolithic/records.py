@@ -139,7 +139,7 @@ class Records:
             turns = [np.tile(np.eye(3), (T, 1, 1)) if b < 0 else axes[b] for b in sides]
             own = [s.films[n] for s in self._saved]
             numbers = np.array([x.numbers for x in own], dtype=float).reshape(T, FILM_NUMBERS)
-            fields = [np.array([x.fields[k] for x in own]).reshape(T, len(data.hat_form)) for k in FILM_FIELDS]
+            fields = [np.array([x.fields[k] for x in own]).reshape(T, len(data.node_form)) for k in FILM_FIELDS]
             films[data.name] = FilmForces(**film_arrays(data, numbers, fields, arms, turns))
         return films
 

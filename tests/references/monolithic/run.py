@@ -13,7 +13,7 @@ from references.monolithic.core.integrator import BEGIN, FORGET, REST, Formula, 
 from references.monolithic.core.local_coordinates import TREATMENTS
 from references.monolithic.core.state import State, initial_state, layout_of
 from references.monolithic.core.tension import tensions_of
-from references.monolithic.films.basis import hat_basis, node_basis
+from references.monolithic.films.basis import bilinear_basis, node_basis
 from references.monolithic.films.film import TURNS, FilmData, Memory, begin_films
 from references.monolithic.history import MonolithicHistory
 from references.monolithic.line_of_centres.pair import pair_data
@@ -84,7 +84,7 @@ def build(
     films: list[FilmData] = []
     for film, i in zip(scene.films, systems.films, strict=True):
         data.notes += [] if at_nodes else film.notes
-        basis = node_basis(film) if at_nodes else hat_basis(film)
+        basis = node_basis(film) if at_nodes else bilinear_basis(film)
         films.append(FilmData(film, basis, layout, i, coordinates[i], films[-1] if films else None))
     begin_films(films, first)
     stretch = max([1.0, *(TURNS * film.slowness() / REST_LAST for film in films)])

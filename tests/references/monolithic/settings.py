@@ -26,7 +26,7 @@ def check_choices(
         require_number(layer_stiffness, "the monolithic reference: layer_stiffness", positive=True)
         if law == "hats":
             raise InputError(
-                "the monolithic reference: layer_stiffness belongs to law='nodes'; law 'hats' has no layer"
+                "the monolithic reference: layer_stiffness belongs to law='nodes'; law 'nodes' has no layer"
             )
 
 

@@ -95,7 +95,7 @@ def _at_rest(state: State, rates: bool) -> Trial:
 def _refined(system: System, state: State, given: State, evaluation: Evaluation) -> Balance | None:
     """The equations of the module solved in place; None if the rows are dependent."""
     layout, data = system.layout, system.data
-    o, c, B = layout.outer, layout.coordinates, layout.bodies
+    o, c, B = layout.retained, layout.coordinates, layout.bodies
 
     def at(acc: float, lam: np.ndarray, rates: bool = False) -> Balance:
         zero = Increment(np.zeros_like(state.r), np.zeros_like(state.w), np.zeros_like(state.q), lam)
@@ -108,7 +108,7 @@ def _refined(system: System, state: State, given: State, evaluation: Evaluation)
     lam[pulls] = tensions.force[~tensions.holds]
     held = np.delete(np.arange(layout.rows), pulls)
     first = at(0.0, lam)
-    C = first.outer[:o, o + held].T.copy()  # gradients of the rows as they pull
+    C = first.retained[:o, o + held].T.copy()  # gradients of the rows as they pull
     M0 = np.zeros((o, o))
     for b, body in enumerate(data.bodies):
         M0[6 * b : 6 * b + 3, 6 * b : 6 * b + 3] = body.mass * np.eye(3)
@@ -128,7 +128,7 @@ def _refined(system: System, state: State, given: State, evaluation: Evaluation)
     state.qd = given.qd.copy()
     state.qd[: layout.modes] = V[6 * B :]
     moving = at(0.0, lam)
-    M = at(1.0, lam).outer[:o, :o] - moving.outer[:o, :o]
+    M = at(1.0, lam).retained[:o, :o] - moving.retained[:o, :o]
     force = -moving.residual[:c]
     for unknowns, load in evaluation.loads(system.nodal):
         force[unknowns] += load

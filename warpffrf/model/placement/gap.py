@@ -224,7 +224,7 @@ def _beside(surface: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
     beside = (z < grid.z[0]) | (z > grid.z[-1])
     if grid.periodic:
         return beside
-    # the outermost hats reach a pitch beyond the outermost columns
+    # the outermost nodes reach a pitch beyond the outermost columns
     half = 0.5 * grid.pitch * (grid.columns + 1)
     off = theta - theta_offset(surface) - grid.theta_start - 0.5 * grid.pitch * (grid.columns - 1)
     if not surface.shape.profile().planar:

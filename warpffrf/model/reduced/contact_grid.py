@@ -116,9 +116,9 @@ def meridian_gram(kind: str, shape: Any, z: np.ndarray) -> np.ndarray:
     if kind == "cells":
         return np.diag(measure.sum(axis=1))
     rows = len(z)
-    hats = np.stack([1.0 - s, s])
+    grid_nodes = np.stack([1.0 - s, s])
     M = np.zeros((rows, rows))
-    local = np.einsum("aq,bq,eq->eab", hats, hats, measure)
+    local = np.einsum("aq,bq,eq->eab", grid_nodes, grid_nodes, measure)
     for a in range(2):
         for b in range(2):
             np.add.at(M, (np.arange(rows - 1) + a, np.arange(rows - 1) + b), local[:, a, b])

@@ -191,7 +191,7 @@ class Recovery:
 
     `transfer` (N//2 + 1, 3 p, c rows) complex64: displacement of one sector's `p` display points, in that sector's own
     axes, per harmonic amplitude of the nodal forces. `axes` (3, 3): columns are the axes of sector 0 in user axes, the
-    third is the axis of rotation. A body without periodicity has one sector and a real transfer (1, 3 n, hats). Grid
+    third is the axis of rotation. A body without periodicity has one sector and a real transfer (1, 3 n, nodes). Grid
     column j is column `offset + j*stride` of the `c*N` columns that the harmonics count.
     """
 

@@ -97,7 +97,7 @@ def _beyond(body: ReducedBody, name: str, held: str | None, theta: float, z: Arr
     P = np.outer(splines.around([theta])[0], weight @ splines.along(z)).ravel()
     used = np.flatnonzero(P)
     far = float(P[used] @ _entries(surface, used) @ P[used])
-    modes = P @ splines.of_hats(surface.mode_normal)
+    modes = P @ splines.of_nodes(surface.mode_normal)
     if held is not None:
         interface = body.interfaces[held]
         places, normals = surface.shape.point(theta, z), surface.shape.normal(theta, z)

@@ -107,9 +107,9 @@ def sector_frames(axes: np.ndarray, sector: np.ndarray, sectors: int) -> np.ndar
 
 @dataclass(frozen=True)
 class GridSpan:
-    """The whole grid that covers the facets, and where the grid of the surface lies in it: hats on an arc are cut out
-    of a full turn (`closed`), on which the Gram matrix is inverted then, or of a larger arc with half hats at its ends,
-    which carry no traction. `columns` of the whole grid; column 0 of the surface is its column `first`."""
+    """The whole grid that covers the facets, and where the grid of the surface lies in it: nodes on an arc are cut out
+    of a full turn (`closed`), on which the Gram matrix is inverted then, or of a larger arc with half nodes at its
+    ends, which carry no traction. `columns` of the whole grid; column 0 of the surface is its column `first`."""
 
     first: int
     columns: int
@@ -158,7 +158,7 @@ class LoadStress:
 
     @property
     def kind(self) -> str:
-        """Grid functions, "nodes" or "cells"; a `SurfaceGrid` holds hats."""
+        """Grid functions, "nodes" or "cells"; a `SurfaceGrid` holds nodes."""
         return getattr(self.grid, "kind", "nodes")
 
     @property

@@ -42,8 +42,8 @@ from warpffrf.offline.contact.contact_grid import (
     nodal_plan,
     wrapped,
 )
-from warpffrf.offline.contact.hat_loads import ContactFacets
 from warpffrf.offline.contact.mesh_error import line_mesh_error, touched_in_lines
+from warpffrf.offline.contact.node_loads import ContactFacets
 from warpffrf.offline.fe import Assignment, facet_material
 from warpffrf.offline.options import ContactGrid
 from warpffrf.offline.settings import Settings

@@ -64,10 +64,10 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.local_mass import LocalMass
 from warpffrf.offline.contact.contact_grid import GridPlan, too_fine
-from warpffrf.offline.contact.hat_loads import ContactFacets
+from warpffrf.offline.contact.node_loads import ContactFacets
 
 if TYPE_CHECKING:
-    from warpffrf.offline.contact.hat_loads import KeptFunctions
+    from warpffrf.offline.contact.node_loads import KeptFunctions
     from warpffrf.offline.cyclic.surface import CyclicField
 
 Array = np.ndarray
@@ -139,13 +139,13 @@ TRACES = 1e-4
 # lower it).
 INDEPENDENCE = 1e-10
 WINDOW_COLUMNS = 24  # shows a grid finer by 10 %
-WINDOW_HATS = 600  # at most, but `LEAST_COLUMNS` whole columns: the eigenvalues of the window take 0.1 s
+WINDOW_NODES = 600  # at most, but `LEAST_COLUMNS` whole columns: the eigenvalues of the window take 0.1 s
 LEAST_COLUMNS = 7
 
 
 def window_columns(columns: int, rows: int) -> int:
     """Number of neighbouring columns that are checked."""
-    return min(columns, max(LEAST_COLUMNS, min(WINDOW_COLUMNS, WINDOW_HATS // rows)))
+    return min(columns, max(LEAST_COLUMNS, min(WINDOW_COLUMNS, WINDOW_NODES // rows)))
 
 
 def eigenvalue_ratio(window: np.ndarray) -> float:

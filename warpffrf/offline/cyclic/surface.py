@@ -53,8 +53,8 @@ from warpffrf.offline.contact.contact_grid import (
     nodal_plan,
     thinned_rows,
 )
-from warpffrf.offline.contact.hat_loads import NODAL_KINDS, NORMAL, TANGENTIAL, ContactFacets
 from warpffrf.offline.contact.local_mass import AROUND, check_traces
+from warpffrf.offline.contact.node_loads import NODAL_KINDS, NORMAL, TANGENTIAL, ContactFacets
 from warpffrf.offline.cyclic.sector import Sector, phase, turned
 from warpffrf.offline.fe import Sparse
 
@@ -180,7 +180,7 @@ class CyclicSurface:
             first, columns = c * (pattern.first + 1), c * (pattern.count - 1)
         if columns < 1:
             raise InputError(
-                f"contact {self.name!r}: the facets span {pattern.count} sectors, too short for one hat; "
+                f"contact {self.name!r}: the facets span {pattern.count} sectors, too short for one node; "
                 "choose a longer arc or a smaller spacing of the contact grid"
             )
         return first, columns, False
@@ -235,11 +235,11 @@ class CyclicField:
     def _add_loads(self, loads, sector: Sector, number: int) -> None:
         nn = sector.nodes
         of_node, node = loads.node // nn, loads.node % nn
-        of_hat, part = loads.column // self.c, loads.column % self.c
+        of_shape_function, part = loads.column // self.c, loads.column % self.c
         for s in (0, 1):
             axes = np.stack([turned(a[None], sector.axes, s * sector.phi)[0] for a in sector.axes.T], axis=1)
-            for o in np.unique(of_hat[of_node == s]):
-                here = (of_node == s) & (of_hat == o)
+            for o in np.unique(of_shape_function[of_node == s]):
+                here = (of_node == s) & (of_shape_function == o)
                 function = (number * self.c + part[here]) * self.rows + loads.row[here]
                 dofs = (3 * node[here][:, None] + np.arange(3)).ravel()
                 entries = ((loads.value[here] @ axes).ravel(), (dofs, np.repeat(function, 3)))

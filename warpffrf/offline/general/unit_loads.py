@@ -43,8 +43,8 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import CrossCompliance, Recovery, Tangential
 from warpffrf.model.reduced.local_mass import LocalMass
-from warpffrf.offline.contact.hat_loads import NORMAL, TANGENTIAL, ContactFacets, KeptFunctions, TractionField
 from warpffrf.offline.contact.local_mass import AROUND, check_traces, dense_mass, slope_lags, window_columns
+from warpffrf.offline.contact.node_loads import NORMAL, TANGENTIAL, ContactFacets, KeptFunctions, TractionField
 from warpffrf.offline.elastic import ElasticModel, StaticResponse
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.observers import SKIN, Observer
@@ -274,10 +274,10 @@ class GeneralSurface:
             return None
         return Observer(f"along/{self.name}", sp.csr_matrix(self.around.loads(self.nodes).T), np.dtype(np.float64))
 
-    def _extent(self, hats: TractionField) -> tuple[int, int]:
+    def _extent(self, grid_nodes: TractionField) -> tuple[int, int]:
         """First column, and number of columns, of those whose functions lie inside the facets. Raises `InputError` if
         there are holes."""
-        inside = hats.covered(COVERED)
+        inside = grid_nodes.covered(COVERED)
         if not self.plan.periodic:
             inside[[0, -1]] = False
         kept = np.flatnonzero(inside)

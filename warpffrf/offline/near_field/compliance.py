@@ -135,7 +135,7 @@ def near_compliance(
     size = c * rows
     known = _known(g, sectors, first)
     lags, asymmetry = _symmetric(T["nn"].reshape(sectors, size, size), known)
-    area = np.tile(f.hats.area, c)
+    area = np.tile(f.grid_nodes.area, c)
     forces = lags * area[:, None] * area
     tangential = None
     if f.cells is not None:
@@ -213,7 +213,7 @@ class _Window:
         g = f.grid
         theta = g.theta_start + g.pitch * 0.5 * (columns[0] + columns[-1])
         self.chart = FlatChart(f.shape, float(theta), float(0.5 * (g.z[rows[0]] + g.z[rows[-1]])))
-        self.loads = f.hats.point_loads(self.chart, columns, rows)
+        self.loads = f.grid_nodes.point_loads(self.chart, columns, rows)
         self.tolerance = ON_SURFACE * f.edge
         self.ends = [self._end(end, quarter) for end in ends]
         faces = [on_end(f.shape, f.mesh.points, end, f.edge) for end in ends]
@@ -295,20 +295,20 @@ class _Window:
             margin = min(margin, (total - 1 - (high - low)) // 2)
         columns = np.arange(low - margin, high + margin + 1)
         only = not (g.periodic or total > g.columns)
-        hats = self._nodal(f.hats, here, columns, only)
+        grid_nodes = self._nodal(f.grid_nodes, here, columns, only)
         own = ((self.columns - columns[0])[:, None] * g.rows + self.rows).ravel()
-        unit = hats.unit[:, own]
-        inside = {"nodes": hats.inside}
+        unit = grid_nodes.unit[:, own]
+        inside = {"nodes": grid_nodes.inside}
         shape = (len(columns), g.rows, len(self.columns), len(self.rows))
         if f.cells is None:
             (v,) = self._answer([FlatLoads(unit, self.loads)])
-            return columns, inside, {"nn": np.asarray(hats.unit.T @ v[:, 2]).reshape(shape)}
+            return columns, inside, {"nn": np.asarray(grid_nodes.unit.T @ v[:, 2]).reshape(shape)}
 
         cells = self._nodal(f.cells, here, columns, only)
         inside["cells"] = cells.inside
         curved = [d for d in (0, 1) if self.curvatures[d] != 0.0]
-        centre = [np.asarray(m.sum(axis=0)).ravel()[own] for m in hats.moments]
-        dipoles = [hats.moments[d][:, own] - unit @ sp.diags(centre[d]) for d in curved]
+        centre = [np.asarray(m.sum(axis=0)).ravel()[own] for m in grid_nodes.moments]
+        dipoles = [grid_nodes.moments[d][:, own] - unit @ sp.diags(centre[d]) for d in curved]
         spread = self.loads.force
         means = self.loads.moments()
         off = [spread * ((self.loads.s, self.loads.t)[d] - means[d][:, None]) for d in curved]
@@ -327,7 +327,7 @@ class _Window:
             turned = cells.moments[d].T @ v[:, 2] - cells.unit.T @ (v[:, 2] * centre[d] + dipole)
             T_tn[d] -= self.curvatures[d] * turned
         T_tt = np.stack([[cells.unit.T @ tangential[load][:, d] for load in (0, 1)] for d in (0, 1)])
-        T_nn = np.asarray(hats.unit.T @ v[:, 2])
+        T_nn = np.asarray(grid_nodes.unit.T @ v[:, 2])
         solved = {"nn": T_nn, "tt": T_tt, "tn": T_tn}
         return columns, inside, {block: T.reshape(*T.shape[:-2], *shape) for block, T in solved.items()}
 

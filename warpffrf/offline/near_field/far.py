@@ -16,8 +16,8 @@ from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import Tangential
 from warpffrf.model.reduced.far_field import ASYMMETRIC, FarField, FarTangential
 from warpffrf.offline.contact.contact_choice import wall
-from warpffrf.offline.contact.hat_loads import ContactFacets
 from warpffrf.offline.contact.mesh_error import touched_in_lines
+from warpffrf.offline.contact.node_loads import ContactFacets
 from warpffrf.offline.fe import Assignment
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.near_field.compliance import NearTangential, near_compliance
@@ -158,12 +158,12 @@ def find_far_field(
     return FoundField(far, facts, notes, warnings)
 
 
-def _far_tangential(own: Tangential, near: NearTangential | None, hats: FarSplines) -> FarTangential:
-    """Remainder of the `own` compliance of cells without the half-space; `hats`: the splines of normal loads."""
+def _far_tangential(own: Tangential, near: NearTangential | None, grid_nodes: FarSplines) -> FarTangential:
+    """Remainder of the `own` compliance of cells without the half-space; `grid_nodes`: the splines of normal loads."""
     if near is None:
         raise TypeError("the half-space was not computed for tangential tractions")
-    cells = FarSplines(own.grid, hats.shape, hats.turn)
-    lags_nt = cells.sources(hats.targets(own.lags_nt - near.lags_nt), directions=2)
+    cells = FarSplines(own.grid, grid_nodes.shape, grid_nodes.turn)
+    lags_nt = cells.sources(grid_nodes.targets(own.lags_nt - near.lags_nt), directions=2)
     return FarTangential(cells.compliance(own.lags_tt - near.lags_tt, directions=2), lags_nt, near.asymmetry)
 
 

@@ -176,14 +176,14 @@ def _at_points(plane: _QuarterPlane, t: float, along: Array, zeta: Array, y: Arr
     k, weights = k[use], weights[use]
     solved = np.maximum(k, LONGEST)
     far = solved * t
-    hat = plane.read(
+    grid_node = plane.read(
         plane.fields(solved * (1.0 - t)), np.multiply.outer(far, zeta.ravel()), np.multiply.outer(far, y.ravel())
     )
-    hat += plane.long_waves[:, None, None] * np.log(k / solved)[:, None]
+    grid_node += plane.long_waves[:, None, None] * np.log(k / solved)[:, None]
     phase = np.multiply.outer(k * t, along.ravel())
     even = np.cos(phase) * weights[:, None]
     odd = (k * t)[:, None] * np.sinc(phase / np.pi) * weights[:, None]
-    return np.einsum("ckp,ckp->cp", hat, np.stack([odd, even, even])).reshape(3, *along.shape)
+    return np.einsum("ckp,ckp->cp", grid_node, np.stack([odd, even, even])).reshape(3, *along.shape)
 
 
 def _table_file(nu: float) -> Path:

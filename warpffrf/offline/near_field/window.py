@@ -62,7 +62,7 @@ from warpffrf.model.mesh.elements import cell_kind, facet_kind
 from warpffrf.model.mesh.facets import FacetSet, outer_faces, row_numbers
 from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.far_field import FreeEnd
-from warpffrf.offline.contact.hat_loads import ContactFacets
+from warpffrf.offline.contact.node_loads import ContactFacets
 from warpffrf.offline.fe import Assignment, Sparse, assemble
 from warpffrf.offline.near_field.half_space import OUTWARD, EndField, PointLoads, half_space_at
 from warpffrf.offline.solvers import factorise
@@ -260,15 +260,15 @@ class NearFunctions:
         self.edge = self.facets.chart.edge
         around = grid.pitch * float(np.max(shape.radius_at(grid.z)))
         self.spacing = max(self.edge, around, float(np.max(np.diff(grid.z))))  # [m]
-        self.hats = SpreadFunctions(shape, grid)
+        self.grid_nodes = SpreadFunctions(shape, grid)
         self.cells = None if tangential is None else SpreadFunctions(shape, tangential)
 
     @property
     def blocks(self) -> list[tuple[str, SpreadFunctions, SpreadFunctions]]:
         """Parts of the compliance: name, functions of the displacement, functions of the force."""
-        found = [("nn", self.hats, self.hats)]
+        found = [("nn", self.grid_nodes, self.grid_nodes)]
         if self.cells is not None:
-            found += [("tt", self.cells, self.cells), ("tn", self.cells, self.hats)]
+            found += [("tt", self.cells, self.cells), ("tn", self.cells, self.grid_nodes)]
         return found
 
 

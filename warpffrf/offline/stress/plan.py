@@ -37,7 +37,7 @@ from warpffrf.model.mesh.elements import cell_kind, facet_kind
 from warpffrf.model.reduced.contact_surface import Recovery
 from warpffrf.model.reduced.stress_field import GridSpan, LoadStress, StressField, StressPoints
 from warpffrf.offline.contact.contact_grid import full_turn, grid_values
-from warpffrf.offline.contact.hat_loads import NORMAL, TANGENTIAL, surface_vectors
+from warpffrf.offline.contact.node_loads import NORMAL, TANGENTIAL, surface_vectors
 from warpffrf.offline.fe import Assignment, Sparse
 from warpffrf.offline.stress.operator import (
     InCells,

@@ -2,7 +2,7 @@
 (`warpffrf_kernels.core.declaration`).
 
 class State(ContactState, Arrays):
-    pressure: DeviceArray = reals("world", "pair", "hat", unit="Pa", note="at the nodes")
+    pressure: DeviceArray = reals("world", "pair", "node", unit="Pa", note="at the nodes")
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ from warpffrf_kernels.core.declaration import DeviceArray, declared_in, structs
 from warpffrf_kernels.core.film_scratch import FilmScratch
 from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve, SlipSpeedSolve
 from warpffrf_kernels.core.lap_scratch import LapScratch
-from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Residuals, RunWords, Trial
+from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem, RunWords, Trial
 from warpffrf_kernels.kinematics.contact_wrench import Held
 from warpffrf_kernels.lumped.forces import Load
 from warpffrf_kernels.lumped.moments import Moment
@@ -53,7 +53,7 @@ class Frames(Arrays):
 
 
 class Scratch(
-    RunWords, Trial, Residuals, OuterSystem, ImpulsiveContact, ContactGeometry, PatchScratch, RollingScratch,
+    RunWords, Trial, Residuals, RetainedSystem, ImpulsiveContact, ContactGeometry, PatchScratch, RollingScratch,
     ContactFields, ContactSolve, LayerScratch, FrictionCells, FrictionSolve, SlipSpeedSolve, LumpedContacts,
     FilmScratch, LapScratch, Frames, Before, Arrays,
 ):  # fmt: skip
@@ -69,7 +69,7 @@ KEPT = tuple(
 """With friction on contact-fixed cells: their compliances and factors, which are reused from step to step while they
 are accurate enough."""
 KEPT_OF_PATCHES = (
-    "patch_change", "patch_steady", "patch_made", "lasting", "slot_of", "slot_hat", "J", "G", "order", "block",
+    "patch_change", "patch_steady", "patch_made", "lasting", "slot_of", "slot_node", "J", "G", "order", "block",
     "factor",
 )  # fmt: skip
 """Without it: what an attempt starts from, and rows of G that are kept from step to step. (Tables that are carried as

@@ -27,7 +27,7 @@ def columns_of_turn(surface: ContactSurface) -> int:
     return sectors * surface.lags.shape[1] // surface.grid.rows if whole else 0
 
 
-def hat_gram(surface: ContactSurface, sectors: int | None = None) -> Array:
+def node_gram(surface: ContactSurface, sectors: int | None = None) -> Array:
     """M_psi of the nodes [m^2], block-circulant like D, or in `sectors` sectors, 1: dense."""
     grid = surface.grid
     sectors = len(surface.lags) if sectors is None else sectors

@@ -95,10 +95,10 @@ def _cell_room(collector: Collector, m: Model) -> CellRoom:
             cells = plan.columns * len(plan.z)
             first, most = max(first, slots_of(contact, cells)), max(most, cells)
             continue
-        hats = m.window.hats if contact.capacity is None else min(contact.capacity, m.window.hats)
-        beside = 2 * (min(hats, m.window.columns) + min(hats, a.grid.rows))
-        first = max(first, min(m.window.hats, slots_of(contact, hats) + beside))
-        most = max(most, min(m.window.hats, hats + beside))
+        grid_nodes = m.window.grid_nodes if contact.capacity is None else min(contact.capacity, m.window.grid_nodes)
+        beside = 2 * (min(grid_nodes, m.window.columns) + min(grid_nodes, a.grid.rows))
+        first = max(first, min(m.window.grid_nodes, slots_of(contact, grid_nodes) + beside))
+        most = max(most, min(m.window.grid_nodes, grid_nodes + beside))
     return CellRoom(m.capacity.slots, m.capacity.slot_limit, first, most)
 
 

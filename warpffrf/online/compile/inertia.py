@@ -18,7 +18,7 @@ def fill_inertia(collector: Collector, m: Model) -> None:
     """Retained modes, and the inertia tables of those that carry inertia."""
     plans = collector.inertia.bodies
     carrying = [plan.count for plan in plans]
-    counts = outer_modes(collector)
+    counts = retained_modes(collector)
     starts = np.cumsum([0, *counts])
     modal = np.cumsum([0, *collector.mode_counts])
     dense_of = np.full(modal[-1], -1)
@@ -65,7 +65,7 @@ def _fill_membrane(collector: Collector, m: Model) -> None:
     collector.fill(m.bodies, square_start=np.cumsum([0, *ranks]))
 
 
-def outer_modes(collector: Collector) -> list[int]:
+def retained_modes(collector: Collector) -> list[int]:
     """Number of retained modes of each body: those that carry inertia; all global ones of a body that is loaded on
     several surfaces, as those of a sheet, by which its pairs influence each other about as much as themselves; and all
     global ones of a body with a film or a small-sliding contact, which have blocks of their own.
@@ -108,6 +108,6 @@ def fill_stiffening(collector: Collector, m: Model) -> bool:
 
 def dense_columns(m: Model, collector: Collector, bodies: Sequence[Body]) -> list[int]:
     """Retained columns of the retained modes of `bodies`."""
-    starts = np.cumsum([0, *outer_modes(collector)])
+    starts = np.cumsum([0, *retained_modes(collector)])
     indices = dict.fromkeys(body.index for body in bodies)
     return [6 * m.bodies.count + int(d) for i in indices for d in range(starts[i], starts[i + 1])]

@@ -23,7 +23,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.small_sliding import matched_surface
 from warpffrf.model.small_sliding.sliding import MatchedCells, cells_of, small_sliding_notes, yields
 from warpffrf.online.compile.collector import Collector
-from warpffrf.online.compile.inertia import outer_modes
+from warpffrf.online.compile.inertia import retained_modes
 from warpffrf_kernels.core.model import Laps
 from warpffrf_kernels.laps import motion
 from warpffrf_kernels.laps.tableau import MOST
@@ -75,7 +75,7 @@ def fill_laps(collector: Collector) -> None:
             parts.setdefault(name, []).append(np.asarray(value))
 
     modal = np.cumsum([0, *collector.mode_counts])
-    outer = np.cumsum([0, *outer_modes(collector)])
+    retained = np.cumsum([0, *retained_modes(collector)])
     column = 0
     for numbers in groups_of(scene.small_sliding):
         members = [scene.small_sliding[number] for number in numbers]
@@ -102,17 +102,17 @@ def fill_laps(collector: Collector) -> None:
         mode = [np.full(within, -1)] + [modal[b.index] + np.arange(b.mode_count) for b in flexible]
         moving = _bodies([lap for lap in members if lap.b is not None], rigid=True)
         rigid = np.concatenate([np.zeros(0, int), *(6 * b.index + np.arange(6) for b in moving)])
-        dense = [6 * len(scene.bodies) + outer[b.index] + np.arange(b.mode_count) for b in flexible]
+        dense = [6 * len(scene.bodies) + retained[b.index] + np.arange(b.mode_count) for b in flexible]
         one(
             components=components, yields=float(diagonal[:, 0].mean()), laps=len(members), cells=len(friction),
-            columns=columns, lines=lines + columns, outers=len(rigid) + columns - within,
+            columns=columns, lines=lines + columns, coordinates=len(rigid) + columns - within,
         )  # fmt: skip
         part(
             compliance=G[kept, kept].T.ravel(), motion=J[kept].T.ravel(), friction=friction,
             gap=np.concatenate([c.gap for c in cells]),
             own=diagonal[:, 1:].mean(axis=1),
-            column_mode=np.concatenate(mode), outer=np.concatenate([rigid, *dense]),
-            outer_column=np.concatenate([np.full(len(rigid), -1), within + np.arange(columns - within)]),
+            column_mode=np.concatenate(mode), retained=np.concatenate([rigid, *dense]),
+            retained_column=np.concatenate([np.full(len(rigid), -1), within + np.arange(columns - within)]),
         )  # fmt: skip
         column += columns
         collector.notes.extend(_notes(members, cells, lines))
@@ -120,11 +120,11 @@ def fill_laps(collector: Collector) -> None:
     if scene.small_sliding:
         values |= {name: ones[name] for name in values if name in ones}
         values |= {name: np.concatenate(parts[name]) for name in values if name in parts}
-        lines, columns, outers = (np.array(ones[name]) for name in ("lines", "columns", "outers"))
+        lines, columns, coordinates = (np.array(ones[name]) for name in ("lines", "columns", "coordinates"))
         most = np.minimum(np.maximum((lines - columns) // 2, FEWEST), np.minimum(lines - columns, MOST))
         for name, sizes in (
             ("lap", ones["laps"]), ("cell", ones["cells"]), ("column", columns), ("line", lines), ("table", lines**2),
-            ("square", columns**2), ("outer", outers), ("followed", outers * columns), ("differing", most),
+            ("square", columns**2), ("retained", coordinates), ("followed", coordinates * columns), ("differing", most),
             ("factor", most**2), ("update", most * lines),
         ):  # fmt: skip
             values[f"{name}_start"] = np.concatenate([[0], np.cumsum(sizes)])

@@ -68,20 +68,20 @@ def fill_pairs(collector: Collector, m: Model) -> None:
         # all contacts share the widest window, so each needs the columns opposite it
         if family == LINE_OF_CENTRES and isinstance(b, ContactSurface):
             _require_common_width(collector, contact, a, b)
-            side, *hat = _reach_on_second(a, b, half)
+            side, *grid_node = _reach_on_second(a, b, half)
         else:
-            side, *hat = second_reach(b, Extent.of(a), Extent.of(b), angle, half)
+            side, *grid_node = second_reach(b, Extent.of(a), Extent.of(b), angle, half)
         second_half = max(second_half, side)
-        stencil = (max(stencil[0], hat[0]), max(stencil[1], hat[1]))
+        stencil = (max(stencil[0], grid_node[0]), max(stencil[1], grid_node[1]))
         pair_modes = max(pair_modes, sum(collector.mode_counts[body.index] for body in _moving(body_a, body_b)))
-        hats = (2 * min(own, MAX_HALF_WINDOW) + 1) * a.grid.rows
-        most = hats if contact.capacity is None else min(contact.capacity, (2 * own + 1) * a.grid.rows)
+        grid_nodes = (2 * min(own, MAX_HALF_WINDOW) + 1) * a.grid.rows
+        most = grid_nodes if contact.capacity is None else min(contact.capacity, (2 * own + 1) * a.grid.rows)
         limit += most
         slots += slots_of(contact, most)
         coupled.append(_coupled_columns(collector, m, body_a, body_b))
     second_half = max(second_half, stencil[0])  # the window of a rigid surface also contains a stencil
     collector.fill(
-        m.window, half=half, columns=2 * half + 1, rows=rows, hats=(2 * half + 1) * rows,
+        m.window, half=half, columns=2 * half + 1, rows=rows, grid_nodes=(2 * half + 1) * rows,
         second_half=second_half, second_columns=2 * second_half + 1, nodes=(2 * second_half + 1) * second_rows,
         stencil_columns=stencil[0], stencil_rows=stencil[1],
     )  # fmt: skip
@@ -163,7 +163,7 @@ def _coupled_columns(collector: Collector, m: Model, body_a: Body | Ground, body
     rigid = [6 * index + c for index in (own if len(own) == 2 else 2 * own) for c in range(6)]
     markers = [body in own and interface >= 0 for body, interface, *_ in collector.markers]
     ends = zip(collector.rows.a, collector.rows.b, strict=True)
-    touching = [m.outer.row_offset + r for r, (a, b) in enumerate(ends) if markers[a] or markers[b]]
+    touching = [m.retained.row_offset + r for r, (a, b) in enumerate(ends) if markers[a] or markers[b]]
     return rigid + dense_columns(m, collector, moving) + touching
 
 

@@ -17,7 +17,7 @@ from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.compliance_tables import (
     by_column,
     columns_of_turn,
-    hat_gram,
+    node_gram,
     product,
     response_table,
     transposed,
@@ -37,8 +37,8 @@ class Key(NamedTuple):
     kind: str
     target: int
     source: int
-    hats_read: bool
-    hats_load: bool
+    nodes_read: bool
+    nodes_load: bool
     layer: float
 
 
@@ -150,13 +150,13 @@ def _table(collector: Collector, key: Key, window: Window, far: bool) -> tuple[n
         raise TypeError(f"no operator for {key}")
     sectors = len(operator)
     factors = [operator]
-    if key.hats_read:
-        factors.insert(0, hat_gram(target, sectors))
-    if key.hats_load:
-        factors.append(hat_gram(source, sectors))
+    if key.nodes_read:
+        factors.insert(0, node_gram(target, sectors))
+    if key.nodes_load:
+        factors.append(node_gram(source, sectors))
     blocks = product(*factors)
     if key.layer:
-        blocks = blocks + key.layer * hat_gram(target, sectors)
+        blocks = blocks + key.layer * node_gram(target, sectors)
     lines = [(1 + (key.kind in of), s.grid.rows)
              for of, s in (((PRESSED, TANGENTIAL), target), ((RUBBED, TANGENTIAL), source))]  # fmt: skip
     blocks = by_column(blocks, *lines)

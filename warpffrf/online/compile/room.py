@@ -14,11 +14,11 @@ from warpffrf.model.contact import Contact
 LEAST_SLOTS, USUAL_PATCH = 64, 4  # active nodes; windows per patch
 
 
-def slots_of(contact: Contact, hats: int) -> int:
-    """Largest number of active nodes of a pair with `hats` nodes."""
+def slots_of(contact: Contact, grid_nodes: int) -> int:
+    """Largest number of active nodes of a pair with `grid_nodes` nodes."""
     if contact.capacity is not None:
-        return min(hats, contact.capacity)
-    return min(hats, max(LEAST_SLOTS, hats // USUAL_PATCH))
+        return min(grid_nodes, contact.capacity)
+    return min(grid_nodes, max(LEAST_SLOTS, grid_nodes // USUAL_PATCH))
 
 
 @dataclass(frozen=True)

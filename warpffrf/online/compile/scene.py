@@ -99,8 +99,8 @@ def _compiled(collector: Collector) -> CompiledScene:
     )  # fmt: skip
     m.modes.count, m.rows.count = int(modal_start[-1]), len(collector.rows)
     fill_inertia(collector, m)
-    m.outer.row_offset = 6 * m.bodies.count + m.dense.count
-    m.outer.count = m.outer.row_offset + m.rows.count
+    m.retained.row_offset = 6 * m.bodies.count + m.dense.count
+    m.retained.count = m.retained.row_offset + m.rows.count
     m.pairs.count = len(scene.finite_sliding)
     collector.fill(m, gravity=wp.vec3d(*scene.gravity), length=_length(collector))
     _modes(collector, m)
@@ -131,7 +131,7 @@ def _compiled(collector: Collector) -> CompiledScene:
         m.limits, residual_tolerance=settings.residual_tolerance, energy_tolerance=settings.energy_tolerance,
         max_iterations=settings.max_iterations * (LAYER_ITERATIONS if slow else 1),
         max_inner=settings.max_inner, max_guarded=settings.max_guarded, max_level=settings.max_level,
-        most_made=0.0 if cut else settings.most_made,
+        gain_limit=0.0 if cut else settings.gain_limit,
     )  # fmt: skip
     collector.elements.films = wp.array([collector.films], dtype=Films, device=collector.device)
     collector.elements.laps = wp.array([collector.laps], dtype=Laps, device=collector.device)
@@ -201,7 +201,7 @@ def _modes(collector: Collector, m: Model) -> None:
     collector.fill(
         m.modes, stiffness=w**2, damping=2.0 * np.concatenate(ratios) * w, kind=np.concatenate(kinds),
         reach=np.concatenate(reach), dynamic_count=int(np.count_nonzero(own)),
-        top_frequency=float(np.max(w, initial=0.0)), outer_frequency=float(np.max(w[~own], initial=0.0)),
+        top_frequency=float(np.max(w, initial=0.0)), retained_frequency=float(np.max(w[~own], initial=0.0)),
     )  # fmt: skip
     collector.notes.extend(local.notes)
 

@@ -350,7 +350,7 @@ def _weak(
     world = r_a + A.shape.point(theta, z) @ A_a.T
     theta_b, z_b, gap = B.shape.chart((world - r_b) @ A_b)
     depth = float(max(-gap.min(), 0.0))
-    weights = _hat_weights(rule, columns, grid.rows)
+    weights = _node_weights(rule, columns, grid.rows)
     if B.grid is None:
         return weights @ gap.ravel(), np.zeros((len(weights), 0)), depth
     # points outside B have no opposite point
@@ -362,7 +362,7 @@ def _weak(
     return weights @ gap.ravel() - S @ u, S, depth
 
 
-def _hat_weights(rule: _Rule, columns: np.ndarray, rows: int) -> np.ndarray:
+def _node_weights(rule: _Rule, columns: np.ndarray, rows: int) -> np.ndarray:
     """w_p psi_i(x_p) (nodes of the columns, points of their strips) [m^2]."""
     n = len(rule.fraction)
     weights = np.zeros((len(columns), rows, len(columns) + 1, n))
@@ -379,7 +379,7 @@ def _weak_yield(
     """Weak compression (nodes,) [m^3] of a layer under `pressure` (nodes,), and its tangent E (nodes, nodes)
     [m^3/Pa].
     """
-    weights = _hat_weights(rule, columns, rows)
+    weights = _node_weights(rule, columns, rows)
     psi = weights / np.tile(rule.weight, len(columns) + 1)
     y, slope = curve.yielding(pressure @ psi)
     return weights @ y, (weights * slope) @ psi.T

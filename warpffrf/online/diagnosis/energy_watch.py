@@ -63,8 +63,8 @@ class EnergyWatch:
     def gained_at_end(self) -> bool:
         """Whether a run that has reached its end has created energy that the device had not yet confirmed."""
         engine = self.engine
-        spell = int(engine.word("spell")[0])
-        if not spell or not engine.compiled.model.limits.most_made:
+        spell = int(engine.word("gaining_steps")[0])
+        if not spell or not engine.compiled.model.limits.gain_limit:
             return False
         share = max(AT_END, SETS_OUT / spell**2)
         if self._made() <= max(share * float(engine.word("most")[0]), round_off_energy(engine)):

@@ -204,20 +204,20 @@ def _fullest(engine: Engine, world: int) -> str:
 def _undetermined(engine: Engine, world: int) -> str:
     """Name the undetermined part of a singular system: the row or body with the largest singular-vector entry."""
     m = engine.compiled.model
-    if not 0 < m.outer.count <= LARGEST_SYSTEM:
+    if not 0 < m.retained.count <= LARGEST_SYSTEM:
         return ""
-    A = _array(engine.scratch, "tangent", world)[: m.outer.count, : m.outer.count]
+    A = _array(engine.scratch, "tangent", world)[: m.retained.count, : m.retained.count]
     if not np.all(np.isfinite(A)):
         return ""
     scale = 1.0 / np.sqrt(np.where(np.diag(A) > 0.0, np.diag(A), 1.0))
-    scale[m.outer.row_offset :] = 1.0
+    scale[m.retained.row_offset :] = 1.0
     rows = np.linalg.norm(A * scale, axis=1)
-    scale[m.outer.row_offset :] = 1.0 / np.where(rows > 0.0, rows, 1.0)[m.outer.row_offset :]
+    scale[m.retained.row_offset :] = 1.0 / np.where(rows > 0.0, rows, 1.0)[m.retained.row_offset :]
     vector = np.abs(np.linalg.svd(scale[:, None] * A * scale)[2][-1])
     at = int(np.argmax(vector))
     if at < 6 * m.bodies.count:
         return f"nothing determines the motion of body {engine.scene.bodies[at // 6].name!r}"
-    if at < m.outer.row_offset:
+    if at < m.retained.row_offset:
         body = int(m.dense.body.numpy()[at - 6 * m.bodies.count])
         return f"nothing determines the deformation of body {engine.scene.bodies[body].name!r}"
-    return f"nothing determines the reaction of {row_owners(engine)[at - m.outer.row_offset]}"
+    return f"nothing determines the reaction of {row_owners(engine)[at - m.retained.row_offset]}"

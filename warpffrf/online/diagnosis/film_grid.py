@@ -36,7 +36,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from warpffrf.model.films import Film
-from warpffrf.online.compile.compliance_tables import hat_gram
+from warpffrf.online.compile.compliance_tables import node_gram
 from warpffrf.online.compile.films.bases import ACROSS, ALONG, Basis, basis_of
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.films import narrowest
@@ -262,7 +262,7 @@ class Pose:
 
 @dataclass(frozen=True)
 class Rates:
-    """filling (points,) [m/s], void (hats,) [m/s], and a_0 [1/s]."""
+    """filling (points,) [m/s], void (nodes,) [m/s], and a_0 [1/s]."""
 
     filling: Array
     void: Array
@@ -270,7 +270,7 @@ class Rates:
 
 
 @dataclass
-class HatState:
+class NodeState:
     """pressure [Pa], void [m], full of all nodes; whether it was found, the smallest gap [m] of the nodes, the force on
     A (3,) [N] in the world, oil in through feeds and out at the ends [m3/s].
     """
@@ -312,7 +312,7 @@ def transport(basis: Basis, carried: Array) -> Any:
     return T
 
 
-class HatFilm:
+class NodeFilm:
     """All nodes of a film at all points, whatever its own quadrature is."""
 
     def __init__(self, film: Film) -> None:
@@ -320,7 +320,7 @@ class HatFilm:
         self.film, self.basis = film, basis_of(film, "full")
         basis = self.basis
         columns = np.arange(film.grid.columns)
-        self.opening = surface.compliance(columns) @ hat_gram(surface, 1)[0]  # (nodes, nodes) m/Pa
+        self.opening = surface.compliance(columns) @ node_gram(surface, 1)[0]  # (nodes, nodes) m/Pa
         self.shape = np.asarray(surface.mode_normal).reshape(basis.functions, -1)
         points = len(basis.weight)
         at = (np.repeat(np.arange(points), basis.function.shape[1]), basis.function.ravel())
@@ -329,10 +329,10 @@ class HatFilm:
             for values in (basis.value, basis.around, basis.along)
         )
         self.place = surface.shape.point(basis.theta, basis.z) - body.center_of_mass
-        self.at_hats = surface.shape.point(*basis.at.T) - body.center_of_mass
+        self.at_grid_nodes = surface.shape.point(*basis.at.T) - body.center_of_mass
         self.around, self.along = _tangents(film, basis.theta, basis.z)
-        self.ways_of_hats = _tangents(film, *basis.at.T)
-        self.form, self.form_of_hats = film.gap_form(basis.theta, basis.z), film.gap_form(*basis.at.T)
+        self.ways_of_nodes = _tangents(film, *basis.at.T)
+        self.form, self.form_of_nodes = film.gap_form(basis.theta, basis.z), film.gap_form(*basis.at.T)
         self.can_void = film.cavitation in ("jfo", "reynolds")
         self.travels = film.cavitation == "jfo"
 
@@ -346,7 +346,9 @@ class HatFilm:
 
     def at_nodes(self, pose: Pose, pressure: Array) -> Array:
         """Gap (columns, rows) [m] at the nodes."""
-        gap = self.seen(pose, self.at_hats)[0] + self.form_of_hats + self.opening @ pressure - self.shape @ pose.q
+        gap = (
+            self.seen(pose, self.at_grid_nodes)[0] + self.form_of_nodes + self.opening @ pressure - self.shape @ pose.q
+        )
         return gap.reshape(self.film.grid.columns, -1)
 
     def least(self, pose: Pose, pressure: Array) -> float:
@@ -354,8 +356,8 @@ class HatFilm:
         return float(narrowest(self.at_nodes(pose, pressure)[None], periodic=self.film.grid.periodic)[0])
 
     def solve(
-        self, pose: Pose, rates: Rates, start: HatState, ways: Array | None = None, force: Array | None = None
-    ) -> HatState:
+        self, pose: Pose, rates: Rates, start: NodeState, ways: Array | None = None, force: Array | None = None
+    ) -> NodeState:
         """The film in a fixed state, from `start`; with `ways` (3, n), world directions along which the second body is
         displaced until the force along them is that of `force` (3,) [N].
         """
@@ -389,7 +391,7 @@ class HatFilm:
                 break
         fed, end = self.basis.fed, at & ~self.basis.fed
         least = self.least(pose.moved(ways @ shift), p)
-        return HatState(p, D, full, found, least, now.force, float(now.rest[fed].sum()), -float(now.rest[end].sum()))
+        return NodeState(p, D, full, found, least, now.force, float(now.rest[fed].sum()), -float(now.rest[end].sum()))
 
 
 @dataclass(frozen=True)
@@ -414,15 +416,15 @@ class _Flow:
 class _Held:
     """Constants of the solution of a film."""
 
-    def __init__(self, of: HatFilm, pose: Pose, rates: Rates, start: HatState, ways: Array) -> None:
+    def __init__(self, of: NodeFilm, pose: Pose, rates: Rates, start: NodeState, ways: Array) -> None:
         basis = of.basis
         self.of, self.pose, self.rates, self.ways = of, pose, rates, ways
         axis_point = of.film.a.surface.shape.axis_point - _center(of.film.a)
         self.slide = pose.sliding(of.place)
         carried = 0.5 * self.slide + np.cross(pose.spin, of.place - axis_point)
         self.u_x, self.u_z = (_along(carried, way) for way in (of.around, of.along))
-        at_hats = 0.5 * pose.sliding(of.at_hats) + np.cross(pose.spin, of.at_hats - axis_point)
-        self.T = transport(basis, np.stack([_along(at_hats, way) for way in of.ways_of_hats], axis=1))
+        at_grid_nodes = 0.5 * pose.sliding(of.at_grid_nodes) + np.cross(pose.spin, of.at_grid_nodes - axis_point)
+        self.T = transport(basis, np.stack([_along(at_grid_nodes, way) for way in of.ways_of_nodes], axis=1))
         self.keeps = rates.a0 * basis.area
         if not of.travels:  # a slack: any size does
             self.T = sp.csr_matrix(self.T.shape)
@@ -469,12 +471,12 @@ class _Held:
             thinner = now.r * now.k * now.thick
             A = A + of.x.T @ sp.diags(w * (now.stiff * now.flow_x - thinner * now.p_x)) @ of.value
             A = A + of.z.T @ sp.diags(w * (now.stiff * now.flow_z - thinner * now.p_z)) @ of.value
-        A, by_hats, by_way = A.tocsr(), by_gap @ of.value, by_gap @ self.towards
+        A, by_shape_functions, by_way = A.tocsr(), by_gap @ of.value, by_gap @ self.towards
         opening = of.opening[:, wet]
 
         def lines(at: Array) -> Array:
             """J of wet columns, then right-hand sides."""
-            J = A[at][:, wet].toarray() + by_hats[at] @ opening
+            J = A[at][:, wet].toarray() + by_shape_functions[at] @ opening
             return np.concatenate([J, -now.rest[at][:, None], -by_way[at]], axis=1)
 
         whole, below, count = lines(wet), lines(dry), len(wet)

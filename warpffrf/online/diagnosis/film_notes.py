@@ -11,7 +11,7 @@ of the run.
 A run keeps up to `SEEN` states on the way, an equilibrium its own: positions, velocities, global coordinates, pressures
 and cavity fractions, and the rates of film and cavity fractions of the step. On `SAMPLED` of them (those of the largest
 force and the largest pressure, the last one and others spread between) the film of all nodes is solved with all of
-these fixed (`film_hats`): first with the bodies at their positions, then with the second one displaced until the force
+these fixed (`film_nodes`): first with the bodies at their positions, then with the second one displaced until the force
 is restored, across the axis of the first surface, or normal to a plane. A load would displace it in this direction, and
 the *smallest gap* and the *largest pressure* are compared there. At the same position the *force* is compared; it
 differs more than under a given load.
@@ -38,7 +38,7 @@ from warpffrf.model.films.roughness import least_gap
 from warpffrf.model.integrators import Integrator, roots_at_infinity
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.films.bases import Basis, basis_of
-from warpffrf.online.diagnosis.film_grid import HatFilm, HatState, Pose, Rates, transport
+from warpffrf.online.diagnosis.film_grid import NodeFilm, NodeState, Pose, Rates, transport
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.films import TURNED_BACK
 from warpffrf.online.history.history import History
@@ -382,25 +382,25 @@ def _chosen(film: Film, seen: Sequence[_Seen], sampled: int) -> list[int]:
     """States to compare: the extreme ones and others spread between."""
     if len(seen) <= sampled:
         return list(range(len(seen)))
-    to_hats = basis_of(film).to_hats
+    to_nodes = basis_of(film).to_nodes
     force = [float(np.linalg.norm(s.force)) for s in seen]
-    largest = [float((to_hats @ s.pressure).max()) for s in seen]
+    largest = [float((to_nodes @ s.pressure).max()) for s in seen]
     first = [int(np.argmax(force)), int(np.argmax(largest)), len(seen) - 1]
     spread = np.linspace(0, len(seen) - 1, sampled - len(set(first)) + 2).astype(int)[1:-1]
     return sorted({*first, *(int(j) for j in spread)})
 
 
 def _compared(film: Film, states: Sequence[_Seen]) -> FilmCheck:
-    hats, own = HatFilm(film), basis_of(film)
+    grid_nodes, own = NodeFilm(film), basis_of(film)
     rows = []
     for seen in states:
-        rates = Rates(_filling(film, own, hats.basis, seen), _void_rates(own, hats.basis, seen), seen.a0)
-        held = hats.solve(seen.pose, rates, _start(own, hats.basis, seen))
+        rates = Rates(_filling(film, own, grid_nodes.basis, seen), _void_rates(own, grid_nodes.basis, seen), seen.a0)
+        held = grid_nodes.solve(seen.pose, rates, _start(own, grid_nodes.basis, seen))
         if not held.found:
             continue
-        moved = hats.solve(seen.pose, rates, held, _ways(film, seen.pose), seen.force)
-        own_pressure = own.to_hats @ seen.pressure
-        gap, largest = hats.least(seen.pose, own_pressure), float(own_pressure.max())
+        moved = grid_nodes.solve(seen.pose, rates, held, _ways(film, seen.pose), seen.force)
+        own_pressure = own.to_nodes @ seen.pressure
+        gap, largest = grid_nodes.least(seen.pose, own_pressure), float(own_pressure.max())
         apart = [
             (state.smallest_gap / gap - 1.0, state.largest_pressure / largest - 1.0)
             for state in (moved if moved.found else held, held)
@@ -410,26 +410,26 @@ def _compared(film: Film, states: Sequence[_Seen]) -> FilmCheck:
     return FilmCheck(*np.array(rows).reshape(-1, 8).T, missed=len(states) - len(rows), own=_of_rows(film))
 
 
-def _column_of(own: Basis, all_hats: Basis) -> Array:
+def _column_of(own: Basis, all_nodes: Basis) -> Array:
     """(nodes,) the function that has the cavity fraction of each node."""
-    return np.asarray(own.hat_function)[: all_hats.functions]
+    return np.asarray(own.node_function)[: all_nodes.functions]
 
 
-def _start(own: Basis, all_hats: Basis, seen: _Seen) -> HatState:
+def _start(own: Basis, all_nodes: Basis, seen: _Seen) -> NodeState:
     """Values of the profiles at nodes."""
-    column = _column_of(own, all_hats)
+    column = _column_of(own, all_nodes)
     full = seen.full[column]
-    return HatState(np.where(full, own.to_hats @ seen.pressure, 0.0), np.where(full, 0.0, seen.void[column]), full)
+    return NodeState(np.where(full, own.to_nodes @ seen.pressure, 0.0), np.where(full, 0.0, seen.void[column]), full)
 
 
-def _void_rates(own: Basis, all_hats: Basis, seen: _Seen) -> Array:
-    """delta_t D (hats,) [m/s], of the column."""
+def _void_rates(own: Basis, all_nodes: Basis, seen: _Seen) -> Array:
+    """delta_t D (nodes,) [m/s], of the column."""
     flow = seen.refill - transport(own, seen.carried) @ seen.void
     rate = np.divide(flow, own.area, out=np.zeros_like(flow), where=own.area > 0.0)
-    return rate[_column_of(own, all_hats)]
+    return rate[_column_of(own, all_nodes)]
 
 
-def _filling(film: Film, own: Basis, all_hats: Basis, seen: _Seen) -> Array:
+def _filling(film: Film, own: Basis, all_nodes: Basis, seen: _Seen) -> Array:
     """delta_t(r h) [m/s] at the points of all nodes: an axial polynomial in each strip between columns, a
     circumferential spline through their middles.
     """
@@ -438,14 +438,14 @@ def _filling(film: Film, own: Basis, all_hats: Basis, seen: _Seen) -> Array:
     middle, half = 0.5 * float(grid.z[0] + grid.z[-1]), 0.5 * float(grid.z[-1] - grid.z[0])
     rate, zeta = seen.filling.reshape(strips, -1), (own.z.reshape(strips, -1)[0] - middle) / half
     along = np.polynomial.legendre.legfit(zeta, rate.T, min(len(zeta) - 1, RISES)).T  # (strips, powers)
-    x = (all_hats.theta - film.theta[0]) / grid.pitch - 0.5
+    x = (all_nodes.theta - film.theta[0]) / grid.pitch - 0.5
     at = np.arange(strips, dtype=float)
     if grid.periodic:
         at, along = np.append(at, strips), np.concatenate([along, along[:1]])
         around = CubicSpline(at, along, bc_type="periodic")(np.mod(x, strips))
     else:
         around = CubicSpline(at, along)(x)
-    return np.polynomial.legendre.legval((all_hats.z - middle) / half, around.T, tensor=False)
+    return np.polynomial.legendre.legval((all_nodes.z - middle) / half, around.T, tensor=False)
 
 
 def _ways(film: Film, pose: Pose) -> Array:

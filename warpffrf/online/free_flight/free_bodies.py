@@ -412,13 +412,13 @@ def _solve(body: FreeBody, state: Motion, w_1: Array, qd_1: Array, h: float) -> 
         )
         # d pi_1/d qd_1 (3, k): of q_1 = ... + h/2 qd_1, and of H_1 qd_1
         pi_qd = H_1.T + 0.5 * h * (P_1 @ w_1 + np.tensordot(G, qd_1, (1, 0))).T
-        turn = np.eye(3) + 0.5 * h * _hat(wbar)
+        turn = np.eye(3) + 0.5 * h * _grid_node(wbar)
         D_w = 0.5 * (P_w0 + np.tensordot(G, qd_0, (1, 0)))
         D_qd = 0.5 * G_w0
         if n:
             D_qd = D_qd + 0.25 * h * (body.second @ w_1) @ w_0
         jacobian = np.zeros((3 + n, 3 + n))
-        jacobian[:3, :3] = turn @ J_1 - 0.25 * h * _hat(sum_pi)
+        jacobian[:3, :3] = turn @ J_1 - 0.25 * h * _grid_node(sum_pi)
         jacobian[:3, 3:] = turn @ pi_qd
         jacobian[3:, :3] = H_1 - h * D_w
         # w_1.(G_lj h/2): line j, column l, and G_lj = -G_jl
@@ -437,5 +437,5 @@ def _solve(body: FreeBody, state: Motion, w_1: Array, qd_1: Array, h: float) -> 
     raise NotConverged(f"body {body.name!r}: Newton's method found no solution of the step; reduce step")
 
 
-def _hat(x: Array) -> Array:
+def _grid_node(x: Array) -> Array:
     return np.array([[0.0, -x[2], x[1]], [x[2], 0.0, -x[0]], [-x[1], x[0], 0.0]])

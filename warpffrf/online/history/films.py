@@ -28,11 +28,11 @@ def film_histories(compiled: Any, rows: SavedRows, bodies: dict[str, BodyHistory
     """By name; the arrays of films are read where the scene has some."""
     found = {}
     for i, film in enumerate(compiled.scene.films):
-        first, end = compiled.films.hat_start.numpy()[i : i + 2]
+        first, end = compiled.films.node_start.numpy()[i : i + 2]
         fields = {name: rows[f"saved_film_{name}"][:, first:end] for name in FIELDS}
         history = _history(film, rows["saved_film"][:, i], fields, bodies)
         if not film.b.rigid:
-            first, end = compiled.films.second_hat_start.numpy()[i : i + 2]
+            first, end = compiled.films.second_node_start.numpy()[i : i + 2]
             grid = film.b.surface.grid
             loads = rows["saved_film_second"][:, first:end]
             history.load_second = loads.reshape(-1, grid.columns, grid.rows).copy()

@@ -282,8 +282,8 @@ class History(reprs.Shown):
     sensors: dict[str, SensorHistory] = field(default_factory=dict)
     checkpoint: dict[str, np.ndarray] = field(default_factory=dict)  # the complete device state at the end
     options: dict[str, str] = field(default_factory=dict)  # of `simulate`, name -> value as text
-    marks: Any = None  # intermediate states, `online.marks.Marks`, only for a run in this process
-    cell_checks: dict[int, Any] = field(default_factory=dict)  # by contact, `online.diagnosis.cell_check`, as marks
+    samples: Any = None  # intermediate states, `online.samples.Samples`, only for a run in this process
+    cell_checks: dict[int, Any] = field(default_factory=dict)  # by contact, `online.diagnosis.cell_check`, as samples
     film_checks: dict[str, Any] = field(default_factory=dict)  # by film, `online.diagnosis.film_check`, likewise
     film_grids: dict[str, Any] = field(default_factory=dict)  # by film, `online.diagnosis.film_grid`, likewise
     budget: list[BudgetLine] = field(default_factory=list)  # the errors of the run, once evaluated

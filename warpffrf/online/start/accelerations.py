@@ -9,9 +9,9 @@ drives, their gradient C and their signals s(t), a state satisfies
 
 R is evaluated on the device, with everything that a step includes; springs and dampers enter by their laws. gamma is a
 central difference of the device's own gradients, `(8 (g(d) - g(-d)) - (g(2d) - g(-2d)))/(12 d)` with `g(e) = C(x(e))
-V`. With d such that nothing rotates by more than `TURN`, its error is (TURN^4)/30 of gamma, and round-off is divided by
-TURN only once. A step of size h in positions divides by its square instead, which for h = 1e-7 s makes 1e-16 m to 1e-2
-m/s2.
+V`. With d such that nothing rotates by more than `WARP_LOCK`, its error is (WARP_LOCK^4)/30 of gamma, and round-off is
+divided by WARP_LOCK only once. A step of size h in positions divides by its square instead, which for h = 1e-7 s makes
+1e-16 m to 1e-2 m/s2.
 
 The equations are linear in a and lam. They are solved with the mass matrix of the undeformed bodies, and corrected by R
 until convergence; inertia terms of the deformed body are small compared with it, so this contracts. Joints with
@@ -32,7 +32,7 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.start.settle import Friction
 from warpffrf_kernels.core import control as k
 
-TURN = 2e-3  # rad, or of the shortest length: see the module; truncation and round-off are then both near 1e-13
+WARP_LOCK = 2e-3  # rad, or of the shortest length: see the module; truncation and round-off are then both near 1e-13
 CORRECTIONS = 12  # an inertia that deformation changes by a tenth converges to 1e-12
 RUBBING_CORRECTIONS = 60  # friction that is half of its effect on reactions converges to 1e-13 in about as many
 SETTLED = 1e-13  # of the largest acceleration and multiplier
@@ -61,7 +61,7 @@ def refine(engine: Engine, given: Mapping[str, np.ndarray]) -> bool:
 
 
 class _World:
-    """One world of an engine as arrays over its outer coordinates (6 a body), then modes."""
+    """One world of an engine as arrays over its retained coordinates (6 a body), then modes."""
 
     def __init__(self, engine: Engine, w: int) -> None:
         self.engine, self.w = engine, w
@@ -110,9 +110,9 @@ class _World:
         reals["h"][self.w], reals["next_time"][self.w] = NEVER, self.time
         for word, value in (
             ("alpha_m", 0.0), ("alpha_f", 0.5), ("beta", 0.5), ("gamma", 0.0), ("acc", 0.0), ("vel", 1.0),
-            ("forget", 0.0),
+            ("restart", 0.0),
         ):  # fmt: skip
-            reals["outer"][word][self.w] = value
+            reals["retained"][word][self.w] = value
         engine.state.ctl.assign(words)
         engine.state.clk.assign(reals)
         rigid = shift[: 6 * self.bodies].reshape(-1, 6)
@@ -261,7 +261,7 @@ class _World:
 
     def _curvature(self, V: np.ndarray) -> np.ndarray:
         """gamma (rows,), see the module."""
-        d = TURN / max(self._pace(V), SLOWEST)
+        d = WARP_LOCK / max(self._pace(V), SLOWEST)
         gamma = np.zeros(self.rows)
         for factor, weight in STENCIL:
             self._evaluate(factor * d * V)

@@ -40,7 +40,7 @@ def start_consistently(engine: Engine, step: float | None = None) -> None:
     if np.any(engine.word("status")):
         return
     if not refine(engine, given) and engine.compiled.slips.laws:
-        engine.control(forget=1)  # friction is found with the first step
+        engine.control(restart=1)  # friction is found with the first step
     for name, unit, least in (("v", "m/s", 1.0), ("omega", "rad/s", 1.0 / engine.compiled.model.length)):
         change = np.linalg.norm(getattr(engine.state, name).numpy() - given[name], axis=-1)
         for i, body in enumerate(engine.scene.bodies):
@@ -60,7 +60,7 @@ def start_from_loads(engine: Engine, step: float) -> None:
     moving = any(_speed(drive, t) != 0.0 for drive in engine.scene.drives)
     rubs = engine.compiled.model.capacity.cells > 0
     if not rubs or moving:
-        engine.control(forget=0)
+        engine.control(restart=0)
         start_consistently(engine, step)
         if rubs:
             engine.start_notes.append(
@@ -69,7 +69,7 @@ def start_from_loads(engine: Engine, step: float) -> None:
             )
     if not np.any(engine.word("status")):
         engine.enter(k.DYNAMIC, step, target=0)
-        engine.control(careful=0, downhill=0, reason=0)
+        engine.control(proximal_level=0, energy_bounded=0, reason=0)
         if rubs or any(c.friction.acts for c in engine.scene.lumped_contacts):
             engine.control(level=min(RUB_IN, engine.settings.max_level))
 

@@ -14,12 +14,12 @@ def begin_loading(engine: Engine, step: float) -> None:
     """Start a new count of load steps of `step` [s] at the present time."""
     engine.clock(start_time=engine.word("time"), tau=LAST * float(engine.compiled.model.length))
     engine.enter(k.LOADING, step, target=0)
-    engine.control(careful=0, reason=0, shaken=0, spell=0, again=0)
+    engine.control(proximal_level=0, reason=0, shaken=0, gaining_steps=0, again=0)
 
 
-def restless(engine: Engine) -> str:
+def not_at_rest(engine: Engine) -> str:
     """The body that kept moving in a load step that did not come to rest; else ""."""
-    if not engine.word("status")[0] & int(k.RESTLESS):
+    if not engine.word("status")[0] & int(k.NOT_AT_REST):
         return ""
     scratch, bodies = engine.scratch, engine.compiled.model.bodies
     count = len(engine.scene.bodies)

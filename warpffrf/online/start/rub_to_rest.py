@@ -38,7 +38,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import ENERGY_LINES
 from warpffrf.online.start.free_motions import LEANS, FreeMotions
-from warpffrf.online.start.loading import begin_loading, restless, slides
+from warpffrf.online.start.loading import begin_loading, not_at_rest, slides
 from warpffrf.online.start.settle import LEAST, PressedMotions, press
 from warpffrf_kernels.core import control as k
 
@@ -110,18 +110,18 @@ def _rubbed(engine: Engine, careful: int) -> bool:
     whole = TAKES * 2.0**deep
     begin_loading(engine, whole)
     engine.clock(start_time=time - whole)
-    engine.control(level=deep, sub=2**deep - 1, careful=careful, target=1, every=2)  # one step records no row
+    engine.control(level=deep, sub=2**deep - 1, proximal_level=careful, target=1, every=2)  # one step records no row
     # grids of contact make more of energies than a load step changes them by, where it closes or opens
-    engine.control(downhill=int(engine.compiled.model.pairs.count == 0))
+    engine.control(energy_bounded=int(engine.compiled.model.pairs.count == 0))
     engine.replay(ATTEMPTS)
     if np.any(engine.word("status")):
         free.look()
-        engine.not_at_rest = free.unbalanced() or ("" if slides(engine) else free.driven) or restless(engine)
+        engine.not_at_rest = free.unbalanced() or ("" if slides(engine) else free.driven) or not_at_rest(engine)
     free.release()
     words = engine.state.ctl.numpy().copy()
     words["status"] &= ~int(k.UNDERFLOW)  # no step was halved
     engine.state.ctl.assign(words)
-    engine.control(step=0, sub=0, level=0, downhill=0, careful=0)
+    engine.control(step=0, sub=0, level=0, energy_bounded=0, proximal_level=0)
     engine.clock(start_time=time, user_step=TAKES)
     if np.any(engine.word("status")):
         return False

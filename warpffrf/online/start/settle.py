@@ -102,14 +102,14 @@ def settle(engine: Engine, free: FreeMotions | None = None) -> bool:
     """
     engine.rates_to_zero()
     free = free or FreeMotions(engine)
-    engine.control(downhill=int(not engine.scene.films))
+    engine.control(energy_bounded=int(not engine.scene.films))
     engine.scratch.film_stretch.fill_(stretch(engine.scene, LAST * float(engine.compiled.model.length)))
     try:
         at_rest = _stepped(engine, free)
         engine.not_at_rest = "" if at_rest else free.unbalanced() or free.driven
         return at_rest
     finally:
-        engine.control(downhill=0)
+        engine.control(energy_bounded=0)
         free.release()
 
 
@@ -136,7 +136,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
                 return _at_rest(engine, free, creeping=False)
             if rubs and tau < FIRST * length and np.all((status == 0) | (status == int(k.ENERGY))):
                 engine.state.ctl.assign(words)
-                engine.control(downhill=0)
+                engine.control(energy_bounded=0)
                 rubs, too_long, tau = False, np.inf, FIRST * length
                 continue
             if free.hold_driven():
@@ -162,7 +162,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
         if free.wanders:
             free.hold_driven()
         if np.all(left <= level):
-            engine.control(downhill=0)
+            engine.control(energy_bounded=0)
         if np.all(moved <= failed_at / GROWTH):
             too_long, before = np.inf, np.full(engine.worlds, np.inf)
         longer = [min(tau * growth, last) for growth in (GROWTH, CAREFUL, 1.0)]

@@ -31,7 +31,7 @@ BESIDE = "pair_beside"  # bodies that are loaded by several pairs
 LINE, POINT, FEW = "line_pair", "point_pair", "few_pair"  # families of kinematics
 TOUCHING = "patch_beside"  # several of these on one body
 PATCH = "patch_pair"  # pressures on contact-fixed cells
-HATS = "hat_pair"  # pressures at the nodes of the first grid
+GRID_NODES = "node_pair"  # pressures at the nodes of the first grid
 STEP = {"amplitude": "modal_step", "of_state": 0, "first_field": "first_step", "second_field": "second_step"}
 
 CONTACT = Participant(
@@ -42,7 +42,7 @@ CONTACT = Participant(
         threads(line_of_centres.locate, "pair", when=LINE),
         threads(closest_point.locate_points, "pair", when=POINT),
         threads(place.locate_patches, "pair", when=PATCH),
-        threads(windows.open_window, "pair", when=HATS),
+        threads(windows.open_window, "pair", when=GRID_NODES),
         blocks(line_of_centres.sample, "pair", when=LINE),
         blocks(line_of_centres_weights.weigh, "pair", when=LINE),
         blocks(contact_wrench.hold_contact_frame, "pair", when=POINT),
@@ -61,14 +61,14 @@ CONTACT = Participant(
         blocks(line_of_centres_sampled.shift_few, "pair", when=FEW),
     ],
     shift=[
-        blocks(line_of_centres_weights.shift, "pair", when=HATS),
+        blocks(line_of_centres_weights.shift, "pair", when=GRID_NODES),
         threads(contact_fields.set_second_window, "pair"),
-        blocks(contact_fields.modal_fields, "pair", when=HATS, amplitude="q1", of_state=1),
+        blocks(contact_fields.modal_fields, "pair", when=GRID_NODES, amplitude="q1", of_state=1),
         blocks(fields.modal_cells, "pair", when=PATCH, amplitude="q1", of_state=1),
     ],
     displace=[
-        blocks(contact_fields.load_second, "pair", when=HATS),
-        blocks(contact_fields.local_fields, "pair", when=HATS),
+        blocks(contact_fields.load_second, "pair", when=GRID_NODES),
+        blocks(contact_fields.local_fields, "pair", when=GRID_NODES),
         blocks(fields.load_splines, "pair", when=PATCH),
         blocks(fields.local_cells, "pair", when=PATCH),
         blocks(between.add_between, "pair", when=TOUCHING),
@@ -76,34 +76,34 @@ CONTACT = Participant(
     close=[
         blocks(between.keep_beside, "pair", when=TOUCHING),
         blocks(contact_fields.close_gaps, "pair"),
-        blocks(contact_fields.load_modes, "pair", when=HATS),
+        blocks(contact_fields.load_modes, "pair", when=GRID_NODES),
         blocks(fields.load_modes, "pair", when=PATCH),
     ],
     sum=[threads(contact_fields.sum_contact), threads(fields.guard_patches, when=PATCH)],
     push=[blocks(impulsive_contact.push_bodies)],
     mean=[threads(impulsive_means.balance_means)],
-    respond=[
+    assemble_compliance=[
         blocks(impulsive_contact.compare_receptances, when="dynamic_mode"),
         threads(contact_compliance.take_slots),
         threads(lasting.note_rows, "pair", when=PATCH),
-        blocks(contact_compliance.respond, when=HATS),
-        blocks(contact_compliance.modal_rows, when=HATS),
+        blocks(contact_compliance.respond, when=GRID_NODES),
+        blocks(contact_compliance.modal_rows, when=GRID_NODES),
         blocks(system.answer_splines, "pair", when=PATCH),
         blocks(system.assemble_cells, when=PATCH),
-        blocks(contact_assembly.assemble, when=HATS),
+        blocks(contact_assembly.assemble, when=GRID_NODES),
         blocks(contact_assembly.assemble_between, when=BESIDE),
         blocks(system.assemble_patches_beside, when=TOUCHING),
     ],
-    condense=[blocks(contact_compliance.outer_rows)],
-    press=[
+    condense=[blocks(contact_compliance.retained_rows)],
+    solve_normal=[
         threads(pair_elimination.order_slots),
         blocks(pair_elimination.eliminate_pairs, "pair"),
         blocks(pair_elimination.pose_pressures),
         blocks(pair_elimination.solve_pressures),
         blocks(between_pairs.solve_between, when=BESIDE),
     ],
-    follow=[
-        blocks(contact_fields.modal_fields, "pair", when=HATS, **STEP),
+    back_substitute=[
+        blocks(contact_fields.modal_fields, "pair", when=GRID_NODES, **STEP),
         blocks(fields.modal_cells, "pair", when=PATCH, amplitude="modal_step", of_state=0, first_field="first_step"),
     ],
     correct=[
@@ -115,7 +115,7 @@ CONTACT = Participant(
     judge=[
         threads(leaps.refuse_leaps_of_pairs),
         threads(impulsive_means.judge_pairs, "pair"),
-        threads(impulsive_means.find_restless, "pair", when="dynamic_mode"),
+        threads(impulsive_means.find_unsettled, "pair", when="dynamic_mode"),
     ],
     keep=[
         blocks(impulsive_memory.keep_memory, "pair"),

@@ -8,7 +8,7 @@ from warpffrf_kernels.films import flow, increments, keeping, sampling, second, 
 
 SECOND = Participant(
     "second surfaces of films that yield",
-    when="film_second_hat",
+    when="film_second_node",
     load=[blocks(second.load_second, "film")],
     assemble=[blocks(second.weigh_second, "film")],
     record=[blocks(keeping.record_second, "film")],
@@ -24,7 +24,7 @@ FILM = Participant(
         threads(flow.push_films),
     ],
     assemble=[blocks(system.assemble_film, "film"), threads(system.stiffen_by_films)],
-    answer=[blocks(increments.limit_films)],
+    recover=[blocks(increments.limit_films)],
     advance=[blocks(increments.take_film, "film")],
     book=[threads(flow.book_films)],
     keep=[blocks(keeping.keep_film, "film")],

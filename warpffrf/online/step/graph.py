@@ -18,12 +18,12 @@ import numpy as np
 import warp as wp
 
 from warpffrf.online.arrays import Ring, Scratch, Sizes, State
-from warpffrf.online.compile.outer_pattern import OuterPattern, on_device
+from warpffrf.online.compile.retained_pattern import RetainedPattern, on_device
 from warpffrf.online.compile.scene import CompiledScene, models_of
 from warpffrf.online.step import phases
 from warpffrf.online.step.modules import load
 from warpffrf.online.step.program import Program
-from warpffrf.online.turn import TURN, replays_side_by_side
+from warpffrf.online.warp_lock import WARP_LOCK, replays_side_by_side
 
 STARTING = ("v_rate", "v_alg", "omega_rate", "omega_alg", "qd_rate", "qd_alg")
 
@@ -32,7 +32,7 @@ class Parts(ABC):
     """A step on the arrays of `program`: its parts, launched one by one, and many attempts of it."""
 
     def __init__(
-        self, compiled: CompiledScene, state: State, scratch: Scratch, pattern: OuterPattern, program: Program
+        self, compiled: CompiledScene, state: State, scratch: Scratch, pattern: RetainedPattern, program: Program
     ) -> None:
         self.compiled, self.state, self.scratch, self.device = compiled, state, scratch, compiled.device
         self.pattern, self.program = pattern, program
@@ -110,7 +110,7 @@ class StepGraph(Parts):
         state: State,
         ring: Ring,
         scratch: Scratch,
-        pattern: OuterPattern,
+        pattern: RetainedPattern,
         *,
         progress: bool = False,
     ) -> None:
@@ -130,7 +130,7 @@ class StepGraph(Parts):
         begin = time.perf_counter()
         self.scratch.budget.assign(np.full(self.state.ctl.shape, budget, dtype=np.int32) + 1)
         self.program.run(("count",))
-        with TURN.left() if replays_side_by_side(self.device) else nullcontext():
+        with WARP_LOCK.left() if replays_side_by_side(self.device) else nullcontext():
             wp.capture_launch(self.graph)
         if wp.get_device(self.device).is_cuda:
             wp.synchronize_device(self.device)

@@ -23,8 +23,9 @@ CONTACT = ("locate", "few", "shift", "cells", "displace", "close", "slide", "sum
 EVALUATION = (*MOVE_AND_LOAD, *CONTACT)
 JUDGEMENT = ("balance", "store", "mean", "unbalanced")
 SOLUTION = (
-    "assemble", "eliminate", "respond", "condense", "press", "increase", "follow", "displace", "correct", "stick",
-    "increase_again", "answer", "advance",
+    "assemble", "eliminate", "assemble_compliance", "condense", "solve_normal", "increase", "back_substitute",
+    "displace", "correct", "solve_tangential",
+    "increase_again", "recover", "advance",
 )  # fmt: skip
 ITERATION = (*EVALUATION, *JUDGEMENT, *SOLUTION)
 RECORD = ("measure", "record", "close_row")

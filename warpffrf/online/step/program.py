@@ -20,8 +20,8 @@ from warpffrf.online.step.layers import LAYERS
 from warpffrf.online.step.ledger import LEDGER
 from warpffrf.online.step.lumped import LUMPED, MOMENTS
 from warpffrf.online.step.motion import MOTION
-from warpffrf.online.step.outer import OUTER
 from warpffrf.online.step.pretension import PRETENSION
+from warpffrf.online.step.retained import OUTER
 from warpffrf.online.step.snapshot import SNAPSHOT
 
 PARTICIPANTS = (

@@ -39,11 +39,11 @@ from warpffrf.online.run import coarser, describe
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
-from warpffrf.online.turn import TURN
 from warpffrf.online.vibrations.film_modes import film_modes
 from warpffrf.online.vibrations.linearise import Linearisation, linearise
 from warpffrf.online.vibrations.quadratic import quadratic_modes
 from warpffrf.online.vibrations.stuck_laps import stuck_notes
+from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf_kernels.core.control import LOADING, STATIC
 
 Array = np.ndarray
@@ -100,7 +100,7 @@ class SceneModes:
     notes: list[str] = field(default_factory=list)
 
 
-@TURN
+@WARP_LOCK
 def find_modes(
     scene: Scene,
     count: int = 20,

@@ -100,8 +100,8 @@ def _thin(engine: Engine, film: int) -> Array:
     films = engine.compiled.films
     start, end = films.unknown_start.numpy()[film : film + 2]
     functions = films.function_start.numpy()[film] + films.function_of.numpy()[start:end]
-    hats = films.hat_start.numpy()[film] + np.arange(films.rough.numpy()[film])
-    full, rough = engine.state.film_full.numpy()[0, 1, functions], engine.scratch.film_rough.numpy()[0, hats]
+    grid_nodes = films.node_start.numpy()[film] + np.arange(films.rough.numpy()[film])
+    full, rough = engine.state.film_full.numpy()[0, 1, functions], engine.scratch.film_rough.numpy()[0, grid_nodes]
     return np.concatenate([full, rough]) == 0
 
 

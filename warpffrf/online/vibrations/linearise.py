@@ -117,8 +117,8 @@ class _Probe:
         clk["next_time"] = clk["time"]
         clk["h"] = NO_TIME
         for word, value in (("alpha_m", 1.0), ("alpha_f", 0.0), ("beta", 1.0), ("gamma", 0.0),
-                            ("acc", RIGID_TANGENT), ("vel", 1.0), ("forget", 0.0)):  # fmt: skip
-            clk["outer"][word] = value  # dampers follow their law where vel > 0
+                            ("acc", RIGID_TANGENT), ("vel", 1.0), ("restart", 0.0)):  # fmt: skip
+            clk["retained"][word] = value  # dampers follow their law where vel > 0
         for word, value in (("run", 1), ("moved", 1), ("reassemble", 1), ("refresh", 1), ("recenter", 0),
                             ("iteration", 0), ("failure", 0), ("slots", 0), ("fresh", 0), ("changes", 0),
                             ("round", -1)):  # fmt: skip
@@ -354,7 +354,7 @@ def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
     count = int(probe.state.ctl.numpy()["slots"][0]) if m.pairs.count else 0
     if not count:
         return total, 0
-    slot_pair = x.slot_hat.numpy()[0, :count, 0]
+    slot_pair = x.slot_node.numpy()[0, :count, 0]
     L = np.zeros((count, n))
     local = x.L.numpy()[0, :count, :12]
     J = x.J.numpy()[: m.capacity.slots * m.pairs.most_modes].reshape(m.capacity.slots, m.pairs.most_modes)[:count]
@@ -418,17 +418,17 @@ def slot_flexibility(compiled: CompiledScene, scratch: Scratch, count: int) -> n
     E = np.zeros((count, count))
     m = compiled.model
     kinds, first = compiled.elements.layers.kind.numpy(), m.pairs.first.numpy()
-    pairs, hats = scratch.slot_hat.numpy()[0, :count].T
+    pairs, grid_nodes = scratch.slot_node.numpy()[0, :count].T
     slot_of, tangent = scratch.slot_of.numpy()[0], scratch.layer_tangent.numpy()[0]
     rows = m.surfaces.rows.numpy()[first]
-    for i, (pair, hat) in enumerate(zip(pairs, hats, strict=True)):
+    for i, (pair, grid_node) in enumerate(zip(pairs, grid_nodes, strict=True)):
         if not kinds[pair]:
             continue
-        column, row = divmod(int(hat), int(rows[pair]))
+        column, row = divmod(int(grid_node), int(rows[pair]))
         for n in range(9):
             c, r = column + n // 3 - 1, row + n % 3 - 1
             if 0 <= c < m.window.columns and 0 <= r < rows[pair]:
                 j = slot_of[pair, c * rows[pair] + r]
                 if j >= 0:
-                    E[i, j] = tangent[pair, hat, n]
+                    E[i, j] = tangent[pair, grid_node, n]
     return E

@@ -18,7 +18,7 @@ the linear oscillator with this stiffness and the same loss per cycle. A free vi
 the amplitude itself falls by another ratio, as the frequency changes with it.
 
 The equations are solved on the host by Newton's method, in the coordinates of the modes of the stuck state, with the
-kernels' forces and their tangent T_zz (`warpffrf_kernels.laps.outer`); a step that fails is halved.
+kernels' forces and their tangent T_zz (`warpffrf_kernels.laps.retained`); a step that fails is halved.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ from warpffrf.online.compile.laps import lap_order
 from warpffrf.online.engine import Engine
 from warpffrf.online.step import phases
 from warpffrf.online.step.lap import LAP
-from warpffrf.online.turn import TURN
 from warpffrf.online.vibrations.eigenmodes import SceneModes, free_basis
 from warpffrf.online.vibrations.linearise import Linearisation
+from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.laps.forms import STICK
 
@@ -129,7 +129,7 @@ class RubbingMode:
         self.shape = basis.T @ (linear.M @ phi)
         self.omega = omega
 
-    @TURN
+    @WARP_LOCK
     def cycle(self, amplitude: float, cycles: int, steps: int) -> Cycle:
         """The last of `cycles` cycles, at least two, of `amplitude`, of `steps` steps each. Raises `InputError` where
         one fails."""
@@ -223,7 +223,7 @@ def _mixed(met: list[tuple[Array, Array]]) -> tuple[Array, Array]:
     return x - dx @ weight, left - dleft @ weight
 
 
-@TURN
+@WARP_LOCK
 def rubbing_mode(modes: SceneModes, i: int) -> RubbingMode:
     """Mode i of `modes`. Raises `InputError` for scenes without small-sliding contacts, and for modes that are not
     standing vibrations.

@@ -39,7 +39,7 @@ from warpffrf.online.compile.inertia_plan import InertiaPlan, fastest_turning
 from warpffrf.online.history.history import BudgetLine, History
 from warpffrf.output.accuracy.demands import next_setting, of_the_step
 from warpffrf.output.accuracy.limits import PRESSURES, Limits
-from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GRID, HATS, INERTIA, Setting
+from warpffrf.output.accuracy.setting import AUTO, BODY_FIXED, CELL_ERROR, GRID, INERTIA, Setting
 from warpffrf.output.budget import contacts
 from warpffrf.output.budget.figures import is_main
 from warpffrf.output.result import Result
@@ -154,7 +154,7 @@ def _with_cells(scene: Scene, now: Setting) -> Setting:
     """`now` with cells for contacts that can have them and were set to nodes of the contact grid."""
     options = dict(now.options)
     for contact in scene.finite_sliding:
-        if options.get((GRID, contact.name)) == HATS:
+        if options.get((GRID, contact.name)) == BODY_FIXED:
             options[GRID, contact.name] = AUTO
     return replace(now, options=options)
 

@@ -33,7 +33,16 @@ from warpffrf.online.diagnosis.indicator import TermSize, term_sizes
 from warpffrf.online.history.history import BudgetLine
 from warpffrf.online.settings import Settings
 from warpffrf.output.accuracy.limits import Limits
-from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GRID, HATS, INERTIA, KINEMATICS, STIFFENING, Setting
+from warpffrf.output.accuracy.setting import (
+    AUTO,
+    BODY_FIXED,
+    CELL_ERROR,
+    GRID,
+    INERTIA,
+    KINEMATICS,
+    STIFFENING,
+    Setting,
+)
 from warpffrf.output.budget import contacts, time_step
 from warpffrf.output.budget.budget import percent
 from warpffrf.output.budget.figures import is_main
@@ -116,7 +125,7 @@ def _grids(scene: Scene, result: Any, limits: Limits) -> list[Choice]:
     enough for all of them, since a body cannot have contacts of both kinds; else the default. Empty unless the rule
     covers each."""
     runs = {contact.name: result.contact(contact.name) for contact in scene.finite_sliding}
-    chosen = {contact.name for contact in result.history.scene.finite_sliding if contact.grid == HATS}
+    chosen = {contact.name for contact in result.history.scene.finite_sliding if contact.grid == BODY_FIXED}
     free = [
         c
         for c in scene.finite_sliding
@@ -125,9 +134,9 @@ def _grids(scene: Scene, result: Any, limits: Limits) -> list[Choice]:
     ruled = [not c.friction.acts and c.quadrature == "full" and np.any(runs[c.name].touching) for c in free]
     if not all(ruled):
         return []
-    errors = {c.name: _hats_errors(c, runs[c.name]) for c in free}
+    errors = {c.name: _nodes_errors(c, runs[c.name]) for c in free}
     right = all(force <= limits.force and pressure <= limits.pressure for force, pressure in errors.values())
-    return [Choice(GRID, name, HATS if right else AUTO, _told(*pair)) for name, pair in errors.items()]
+    return [Choice(GRID, name, BODY_FIXED if right else AUTO, _told(*pair)) for name, pair in errors.items()]
 
 
 def _told(force: float, pressure: float) -> str:
@@ -137,12 +146,12 @@ def _told(force: float, pressure: float) -> str:
     return f"errors at nodes of the contact grid: {percent(force)} of the force, {percent(pressure)} of pressures"
 
 
-def _hats_errors(contact: Any, loaded: Any) -> tuple[float, float]:
+def _nodes_errors(contact: Any, loaded: Any) -> tuple[float, float]:
     """Errors of force and pressures on the body-fixed grid of a contact, for its patch as it was `loaded`; NaN without
     a rule."""
     grid, shape = contact.a.surface.grid, loaded.view.first.shape
     spacing = float(shape.radius_at(0.5 * (grid.z[0] + grid.z[-1]))) * float(grid.pitch)
-    force, pressure = (contacts.hats_error(loaded, spacing, of) for of in (contacts.FORCE, contacts.PRESSURE))
+    force, pressure = (contacts.nodes_error(loaded, spacing, of) for of in (contacts.FORCE, contacts.PRESSURE))
     return ON_MESH * force, pressure
 
 

@@ -16,7 +16,7 @@ from warpffrf.model.scene import Scene
 INERTIA, STIFFENING = "inertia", "stiffening"  # of bodies
 GRID, CELL_ERROR, KINEMATICS = "grid", "cell_error", "kinematics"  # of contacts
 AUTO = "auto"  # chosen by the program
-HATS = "body_fixed"  # a grid
+BODY_FIXED = "body_fixed"  # a grid
 
 
 @dataclass(frozen=True)

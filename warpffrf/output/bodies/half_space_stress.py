@@ -123,7 +123,7 @@ def under_cells(points: Array, x: Array, y: Array, pressure: Array, poisson_rati
     return _summed(points, x, y, lambda corners, *_: np.einsum("njkc,jk->nc", corners.uniform(), weight), poisson_ratio)
 
 
-def under_hats(points: Array, x: Array, y: Array, pressure: Array, poisson_ratio: float) -> Array:
+def under_nodes(points: Array, x: Array, y: Array, pressure: Array, poisson_ratio: float) -> Array:
     """Stress (n, 6) [Pa] at points (n, 3) [m] under a pressure that is bilinear between its values (columns, rows) [Pa]
     at the nodes x (columns,), y (rows,) [m], ascending, at least two each; 0 outside of them."""
     dx, dy = np.diff(x)[:, None], np.diff(y)[None, :]

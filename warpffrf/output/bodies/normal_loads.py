@@ -52,7 +52,7 @@ from warpffrf.output.geometry.scene_view import BodyView, FilmView, PairView, Sc
 from warpffrf.output.geometry.skin_nodes import SkinNodes
 
 
-def hat_forces(surface: Any, values: np.ndarray) -> np.ndarray:
+def node_forces(surface: Any, values: np.ndarray) -> np.ndarray:
     """`M values`: nodal forces (columns, rows) [N] of nodal values (columns, rows) [Pa] on the surface's whole grid."""
     pitch = surface.grid.pitch
     if surface.grid.periodic:
@@ -63,7 +63,7 @@ def hat_forces(surface: Any, values: np.ndarray) -> np.ndarray:
     return around @ surface.gram_z.T
 
 
-def hat_areas(surface: Any) -> np.ndarray:
+def node_areas(surface: Any) -> np.ndarray:
     """int psi_i dA of one column's nodes (rows,) [m^2]; all columns inside the surface are equal."""
     return surface.grid.pitch * surface.gram_z.sum(axis=1)
 
@@ -87,19 +87,19 @@ class NormalLoads(ABC):
         `i`."""
 
 
-class HatLoads(NormalLoads):
+class NodeLoads(NormalLoads):
     """Loads of a pressure at the nodes of the first body's contact grid."""
 
     def forces(self, i: int) -> np.ndarray:
         """Outward nodal forces (columns, rows) [N]."""
         contact = self.contact
         if self.first:
-            return -hat_forces(self.surface, self._coefficients(i))
+            return -node_forces(self.surface, self._coefficients(i))
         return -spread(self.surface, contact.first_column_second[i], contact.load_second[i])
 
     def pressure(self, i: int, on: SkinSurface, points: np.ndarray) -> np.ndarray:
         """Pressure [Pa] at the points on the surface, bilinear between nodes."""
-        return on.interpolate(self._coefficients(i) if self.first else -self.forces(i) / hat_areas(self.surface))
+        return on.interpolate(self._coefficients(i) if self.first else -self.forces(i) / node_areas(self.surface))
 
     def _coefficients(self, i: int) -> np.ndarray:
         return spread(self.surface, self.contact.first_column[i], self.contact.pressure[i])
@@ -171,14 +171,14 @@ class FilmLoads(NormalLoads):
 
     def forces(self, i: int) -> np.ndarray:
         """Outward nodal forces (columns, rows) [N]."""
-        return -hat_forces(self.surface, self._whole(i)) if self.first else -self.film.load_second[i]
+        return -node_forces(self.surface, self._whole(i)) if self.first else -self.film.load_second[i]
 
     def pressure(self, i: int, on: SkinSurface, points: np.ndarray) -> np.ndarray:
         """Pressure [Pa] at the points on the surface, bilinear between nodes; on the second surface nodal forces over
         nodal areas."""
         if self.first:
             return on.interpolate(self._whole(i))
-        area = hat_forces(self.surface, np.ones(self.film.load_second.shape[1:]))
+        area = node_forces(self.surface, np.ones(self.film.load_second.shape[1:]))
         return on.interpolate(self.film.load_second[i] / area)
 
     def _whole(self, i: int) -> np.ndarray:
@@ -198,7 +198,7 @@ def film_loads(films: Any, history: Any, body: str) -> list[FilmLoads]:
 
 def normal_loads(pair: PairView, history: Any, *, first: bool) -> NormalLoads:
     """The loads of `pair` on its first or second body, by the grid of its pressure in `history`."""
-    kind = HatLoads if history.contacts[pair.name].cells is None else CellLoads
+    kind = NodeLoads if history.contacts[pair.name].cells is None else CellLoads
     return kind(pair, history, first=first)
 
 

@@ -62,7 +62,7 @@ from warpffrf.model.reduced.far_field import cutoff
 from warpffrf.model.reduced.inertia import membrane_amplitudes, membrane_forms
 from warpffrf.model.reduced.stress_field import StressField, max_shear, principal, rotated, von_mises
 from warpffrf.online.history.history import History
-from warpffrf.output.bodies.half_space_stress import under_cells, under_hats
+from warpffrf.output.bodies.half_space_stress import under_cells, under_nodes
 from warpffrf.output.bodies.normal_loads import CellLoads, NormalLoads, SmallSlidingLoads, film_loads, normal_loads
 from warpffrf.output.bodies.patch_on_skin import poses, tangential_forces
 from warpffrf.output.geometry.places import grid_theta_offset, tangents
@@ -284,11 +284,15 @@ class PatchStress:
             return found
         points = np.stack([s[near], t[near], self.depth[near]], axis=1)
         far = surface.far
-        nu, cells, hats = far.poisson_ratio, self._cells(i, theta_c, z), self._hats(theta, z, radius, forces)
-        total = cells(points, nu) - hats(points, nu)
+        nu, cells, grid_nodes = (
+            far.poisson_ratio,
+            self._cells(i, theta_c, z),
+            self._grid_nodes(theta, z, radius, forces),
+        )
+        total = cells(points, nu) - grid_nodes(points, nu)
         for end in far.ends:
             mirrored = points * ENDS + np.array([0.0, 2.0 * float(meridian_arc(shape, z, np.array(end.z))), 0.0])
-            total += SHEARED * (cells(mirrored, nu) - hats(mirrored, nu))
+            total += SHEARED * (cells(mirrored, nu) - grid_nodes(mirrored, nu))
         found[near] = share[near, None] * rotated(total, self.axes[near])
         return found
 
@@ -322,7 +326,7 @@ class PatchStress:
 
         return stress
 
-    def _hats(self, theta: float, z: float, radius: float, forces: np.ndarray) -> Any:
+    def _grid_nodes(self, theta: float, z: float, radius: float, forces: np.ndarray) -> Any:
         """The stress (n, 6) of the nodal pressures at points (n, 3) of this body's flat chart; theta on its grid."""
         surface, shape = self.surface, self.surface.shape
         grid = surface.grid
@@ -344,6 +348,6 @@ class PatchStress:
             x, values = x[::-1], values[::-1]
 
         def stress(points: np.ndarray, nu: float) -> np.ndarray:
-            return under_hats(points, x, y, values, nu)
+            return under_nodes(points, x, y, values, nu)
 
         return stress

@@ -23,7 +23,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
 from warpffrf.model.reduced.stress_field import max_shear, von_mises
-from warpffrf.output.bodies.half_space_stress import under_cells, under_hats
+from warpffrf.output.bodies.half_space_stress import under_cells, under_nodes
 from warpffrf.output.bodies.stress import ENDS, SHEARED, meridian_arc
 
 DEEP, PLACES = 3.0, 181  # depth in the smaller half-width of the patch, and number of depths
@@ -99,7 +99,7 @@ def _load(contact: Any, i: int) -> Any:
     arc, z = lines if cells else (contact.arc[i], contact.rows[i])
     x, y = arc - float(contact.center[i]), meridian_arc(shape, middle, np.asarray(z))
     pressure = contact.history.pressure[i]
-    under = under_cells if cells else under_hats
+    under = under_cells if cells else under_nodes
     mirrors = 2.0 * meridian_arc(shape, middle, np.array(contact.ends)) if contact.patch_kind == "line" else np.zeros(0)
 
     def stress(points: np.ndarray, nu: float) -> np.ndarray:

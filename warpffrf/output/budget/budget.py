@@ -56,21 +56,21 @@ SOURCES: tuple[Callable[[Run], list[BudgetLine]], ...] = (
     lambda run: mesh_lines(run.result),
     lambda run: stress_lines(run.result),
     lambda run: inertia_lines(run.result, run.engine),
-    lambda run: [] if run.result.history.marks.static else local_lines(run.result, run.engine),
+    lambda run: [] if run.result.history.samples.static else local_lines(run.result, run.engine),
     lambda run: tolerance_lines(run.result, run.engine),
 )
 
 
 def error_budget(result: Any, *, progress: bool = False) -> list[BudgetLine]:
     """The lines of `result`, a run of this process with recorded marks. progress: report the progress."""
-    run = Run(result, result.history.marks.engine(), progress)
+    run = Run(result, result.history.samples.engine(), progress)
     lines = with_all_figures(result, [line for source in SOURCES for line in source(run)])
     return [*lines, *stress_by_pressure(lines)]
 
 
 def at_rest(result: Any) -> bool:
     """Whether it is a single equilibrium."""
-    return bool(result.history.marks.static and len(result.history.time) == 1)
+    return bool(result.history.samples.static and len(result.history.time) == 1)
 
 
 def _of_steps(run: Run) -> list[BudgetLine]:
@@ -79,7 +79,7 @@ def _of_steps(run: Run) -> list[BudgetLine]:
     if at_rest(run.result):
         return []
     history = run.result.history
-    if not history.marks.static:
+    if not history.samples.static:
         return time_step_lines(history, run.result.view, run.engine, progress=run.progress)
     basis = (
         "each load step ends in an equilibrium; its length matters to the path of friction, and to works, by what the "
@@ -91,9 +91,9 @@ def _of_steps(run: Run) -> list[BudgetLine]:
 def why_not(result: Any) -> str:
     """The reason why there is no budget of `result`, or ""."""
     history = result.history
-    if history.marks is None or not hasattr(history.scene, "contacts"):
+    if history.samples is None or not hasattr(history.scene, "contacts"):
         return "it requires the process of the run, and an integrator other than those for checks"
-    if len(history.time) < (1 if history.marks.static else 2):
+    if len(history.time) < (1 if history.samples.static else 2):
         return "no step was saved"
     return ""
 

@@ -98,7 +98,7 @@ def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
             ]
             lines += _of_cells(found, history.time, check if known else None, cure)
         else:
-            own = [_of_hats(found, of) for of in (FORCE, PRESSURE)]
+            own = [_of_nodes(found, of) for of in (FORCE, PRESSURE)]
             lines.append(replace(own[1], of=f"peak pressure of contact {contact.name!r}", size=own[1].size ** 2))
         of_force = share[contact.name]
         lines += [_beside(line, part) for line, part in zip(own, (of_force, np.sqrt(of_force)), strict=True)]
@@ -140,19 +140,19 @@ def _beside(line: BudgetLine, share: float) -> BudgetLine:
     return replace(line, size=share * line.size, basis=basis)
 
 
-def _of_hats(found: Any, quantity: str) -> BudgetLine:
+def _of_nodes(found: Any, quantity: str) -> BudgetLine:
     """Error of the body-fixed grid by the rule, at the largest load."""
     cure = "a finer grid (half_width= of the mesh, ContactGrid(spacing=)), or contact_fixed=True"
     of = f"{quantity} of contact {found.name!r}"
     if found.patch_kind not in PATCHES:
         return BudgetLine(GRID, of, np.nan, f"there is no rule for a patch that is {found.patch_kind!r}", cure)
-    size = MEAN * hats_error(found, found.spacing, quantity)
+    size = MEAN * nodes_error(found, found.spacing, quantity)
     if np.isnan(size):
         return BudgetLine(GRID, of, np.nan, "the patch is smaller than a column of the grid", cure)
     return BudgetLine(GRID, of, size, "the rule of the grid at the largest load, mean position", cure)
 
 
-def hats_error(found: Any, spacing: float, quantity: str) -> float:
+def nodes_error(found: Any, spacing: float, quantity: str) -> float:
     """Error of a grid with node `spacing` [m] around, for a patch as `found` at its largest load; NaN if the patch is
     smaller than a spacing, or of a kind without a rule."""
     kind = PATCHES.get(found.patch_kind)

@@ -154,7 +154,9 @@ def with_all_figures(result: Any, lines: Sequence[BudgetLine]) -> list[BudgetLin
     found += _of_pairs(result, found, own, given)
     found += _of_machine(result, found, own, given)
     lumped = {f"contact {name!r}" for name in history.lumped_contacts}
-    exact = history.marks.static and not any(body.reduced for body in history.scene.bodies)  # except for its iteration
+    exact = history.samples.static and not any(
+        body.reduced for body in history.scene.bodies
+    )  # except for its iteration
     deform = any(body.reduced is not None for body in history.scene.bodies)
     of_numbers = {line.of for line in found if line.found and line.source not in OF_TIME}
     of_any = {line.of for line in found if line.found}

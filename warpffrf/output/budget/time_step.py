@@ -46,7 +46,7 @@ import numpy as np
 from warpffrf.model.messages.progress import Progress
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import BudgetLine, History
-from warpffrf.online.marks import COARSER, FINER, Again, Marks
+from warpffrf.online.samples import COARSER, FINER, Again, Samples
 from warpffrf.output.budget.figures import figures
 from warpffrf.output.budget.quantities import Quantity, quantities
 from warpffrf.output.geometry.scene_view import SceneView
@@ -71,7 +71,7 @@ def time_step_lines(history: History, view: SceneView, engine: Engine, *, progre
     def of(history: History) -> dict[str, Quantity]:
         return {**figures(history, view), **quantities(history)}
 
-    marks: Marks = history.marks
+    marks: Samples = history.samples
     begin = float(marks.states[marks.first]["clk"]["time"][0]) if marks.states else 0.0
     reached = marks.first + round((history.time[-1] - begin) / marks.step)
     windows = [(a, b) for a, b in marks.windows(reached) if b - a >= COARSER]
@@ -192,7 +192,7 @@ def _by_whole(history: History, own: Found, time: Array, coarse: Found) -> list[
     return lines
 
 
-def _windows(history: History, marks: Marks, parts: Sequence[tuple[int, int]]) -> list[int]:
+def _windows(history: History, marks: Samples, parts: Sequence[tuple[int, int]]) -> list[int]:
     """Indices of the windows to repeat, the evenly spaced ones first."""
     spread = [int(x) for x in (np.arange(SPREAD) + 0.5) / SPREAD * len(parts)]
     busy = busyness(history, _begins(marks, parts))
@@ -200,7 +200,7 @@ def _windows(history: History, marks: Marks, parts: Sequence[tuple[int, int]]) -
     return [*dict.fromkeys(spread), *others[:BUSIEST]]
 
 
-def _begins(marks: Marks, parts: Sequence[tuple[int, int]]) -> list[float]:
+def _begins(marks: Samples, parts: Sequence[tuple[int, int]]) -> list[float]:
     """Start times of the windows [s]."""
     return [float(marks.states[a]["clk"]["time"][0]) for a, _ in parts]
 

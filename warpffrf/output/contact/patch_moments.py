@@ -144,10 +144,10 @@ def axial_integrals(shape: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     R, slope = shape.radius_at(points), shape.slope_at(points)
     sums = []
     for integrand in (R, R * slope, (points + R * slope) * R):
-        hats = np.zeros(len(z))
-        hats[:-1] += (weight * integrand * (1.0 - t)).sum(axis=1)
-        hats[1:] += (weight * integrand * t).sum(axis=1)
-        sums.append(hats)
+        grid_nodes = np.zeros(len(z))
+        grid_nodes[:-1] += (weight * integrand * (1.0 - t)).sum(axis=1)
+        grid_nodes[1:] += (weight * integrand * t).sum(axis=1)
+        sums.append(grid_nodes)
     return sums[0], sums[1], sums[2]
 
 

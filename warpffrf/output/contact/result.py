@@ -52,7 +52,7 @@ def line_moments(x: np.ndarray, p: np.ndarray, h: float) -> LineMoments:
     return section_moments(x, p, h, OWN)
 
 
-def hat_means(p: np.ndarray) -> np.ndarray:
+def node_means(p: np.ndarray) -> np.ndarray:
     """Weighted nodal means across the patch (see the module) of the nodal values p (T, columns, rows) [Pa]."""
     padded = np.pad(p, ((0, 0), (1, 1), (0, 0)))
     return (padded[:, :-2] + 4.0 * padded[:, 1:-1] + padded[:, 2:]) / 6.0
@@ -154,7 +154,7 @@ class ContactResult(PairResult):
     @cached_property
     def mean_pressure(self) -> np.ndarray:
         """(T, columns, rows) Pa, pressure of each node: its weighted mean across the patch."""
-        return hat_means(self.history.pressure)
+        return node_means(self.history.pressure)
 
     @cached_property
     def moments(self) -> PatchMoments:

@@ -88,7 +88,7 @@ def _mode_name(body: ReducedBody, mode: int) -> str:
     return f"{mode + FIRST_ELASTIC}: {_hertz(body.frequencies[mode])}"
 
 
-def hat_response(surface: ContactSurface, column: int, row: int) -> np.ndarray:
+def node_response(surface: ContactSurface, column: int, row: int) -> np.ndarray:
     """D (columns, rows) [m/N]: normal displacement of every contact node per unit force on one, by the local modes."""
     grid = surface.grid
     c, rows = grid.columns_per_sector, grid.rows
@@ -108,7 +108,7 @@ def decay(ax: Any, body: ReducedBody) -> None:
     for n, surface in enumerate(shown):
         grid = surface.grid
         j, k = grid.columns // 2, grid.rows // 2
-        local = hat_response(surface, j, k)
+        local = node_response(surface, j, k)
         normal = surface.mode_normal.reshape(grid.columns, grid.rows, -1)
         whole = local + (normal / stiffness) @ normal[j, k] if len(stiffness) else local
         steps = np.abs(np.arange(grid.columns) - j)

@@ -52,7 +52,7 @@ def map_window(contact: Any, rows: np.ndarray) -> MapWindow:
     return MapWindow(reach, low, high)
 
 
-def hat_map(contact: Any, i: int, values: np.ndarray, window: MapWindow, shape: tuple[int, int]) -> np.ndarray:
+def node_map(contact: Any, i: int, values: np.ndarray, window: MapWindow, shape: tuple[int, int]) -> np.ndarray:
     """(height, width) of nodal `values` (columns, rows) at saved step `i`, interpolated bilinearly, zero outside of the
     grid's window."""
     arc, values = _rightwards(contact, i, values)
@@ -80,7 +80,7 @@ def cell_map(contact: Any, i: int, values: np.ndarray, window: MapWindow, shape:
 def pressure_map(contact: Any, i: int, values: np.ndarray, window: MapWindow, shape: tuple[int, int]) -> np.ndarray:
     """(height, width) of the pressure `values` (columns, rows) on the contact's own grid at saved step `i`."""
     on_cells = isinstance(contact, CellContactResult)
-    return (cell_map if on_cells else hat_map)(contact, i, values, window, shape)
+    return (cell_map if on_cells else node_map)(contact, i, values, window, shape)
 
 
 def _lying_in(lines: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

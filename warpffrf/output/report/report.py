@@ -300,12 +300,12 @@ TOLD = {  # name of a counter -> its words in a report; always listed
     "build_seconds": "preparation [s]",
     "loop_seconds": "time stepping [s]",
     "finish_seconds": "evaluation [s]",
-    "outer_columns": "retained unknowns",
+    "retained_columns": "retained unknowns",
 }
 EXPLAINED = {  # explanations of these words
     "build_seconds": "including compilation and loading of kernels",
     "seconds_in_graph": "kernels alone",
-    "outer_columns": "6 per body, coupled modes, constraints",
+    "retained_columns": "6 per body, coupled modes, constraints",
 }
 IN_BRACKETS = {"loop_seconds": "seconds_in_graph"}
 WHERE_THERE = {  # listed if not zero

@@ -14,9 +14,9 @@ import logging
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.study.sweeps.crews import Answers, Elsewhere, WorkerDied
+from warpffrf.study.sweeps.executors import Answers, Elsewhere, WorkerDied
 from warpffrf.study.sweeps.job import Answer
-from warpffrf.study.sweeps.parcel import Parcel
+from warpffrf.study.sweeps.payload import Payload
 
 ANSWERS_IN = 10  # s for the scheduler to answer: a running one answers at once
 AHEAD = 4  # rows sent per worker: it need not wait for the next, and few are repeated if it is lost
@@ -27,8 +27,8 @@ log = logging.getLogger("warpffrf")
 class Cluster(Elsewhere):
     """The workers of a client; `own`: whether it was created here, and is closed here."""
 
-    def __init__(self, parcel: Parcel, client: Any, own: bool) -> None:
-        super().__init__(parcel, client.get_executor(pure=False))
+    def __init__(self, payload: Payload, client: Any, own: bool) -> None:
+        super().__init__(payload, client.get_executor(pure=False))
         self.client, self.own = client, own
         if not _workers(client):
             log.warning("sweep: the scheduler has no worker yet; waiting for one: dask worker ADDRESS --nthreads 1")

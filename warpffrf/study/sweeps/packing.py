@@ -7,7 +7,7 @@ the files that it names. A pickle runs code when it is opened. A worker therefor
 the sweep, whatever lies in the folder under that name: write access to the folder can make a sweep fail, but not run
 code.
 
-Workers compare their versions with those of the parcel before they open it: other versions could change numbers, or
+Workers compare their versions with those of the payload before they open it: other versions could change numbers, or
 could not read the pickle.
 """
 
@@ -25,7 +25,7 @@ from warpffrf.model.files.paths import written_whole
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.file import read_reduced_body
 from warpffrf.study.sweeps.job import OTHER_VERSIONS, Answer, Job, Numbered, versions
-from warpffrf.study.sweeps.parcel import Parcel
+from warpffrf.study.sweeps.payload import Payload
 
 BODY = "reduced body"
 JOB = "{}.job"  # file of a large job
@@ -35,27 +35,27 @@ KEPT = 2  # opened jobs that a worker keeps: the present and the previous one
 _opened: dict[str, Job] = {}
 
 
-def opened(parcel: Parcel) -> Job:
-    """The job of a parcel, opened once per process. Raises `InputError` if this process cannot open it."""
-    if parcel.digest not in _opened:
+def opened(payload: Payload) -> Job:
+    """The job of a payload, opened once per process. Raises `InputError` if this process cannot open it."""
+    if payload.digest not in _opened:
         while len(_opened) >= KEPT:
             del _opened[next(iter(_opened))]
-        content, folder = parcel.content, Path(parcel.folder)
+        content, folder = payload.content, Path(payload.folder)
         if not content:
-            content = _there(folder / JOB.format(parcel.digest)).read_bytes()
-        if hashlib.sha256(content).hexdigest() != parcel.digest:
+            content = _there(folder / JOB.format(payload.digest)).read_bytes()
+        if hashlib.sha256(content).hexdigest() != payload.digest:
             raise InputError(
-                f"sweep: the job '{parcel.digest}' in '{folder}' is not the one that was sent (its hash differs), and "
+                f"sweep: the job '{payload.digest}' in '{folder}' is not the one that was sent (its hash differs), and "
                 "is not opened; see who can write to that folder, and begin anew with overwrite=True (--overwrite)"
             )
         try:
-            _opened[parcel.digest] = _Unpickler(io.BytesIO(content), folder).load()
+            _opened[payload.digest] = _Unpickler(io.BytesIO(content), folder).load()
         except (ImportError, AttributeError) as error:
             raise InputError(
                 f"sweep: a worker cannot import what builds the scenes or reads outputs ({error}); install that module "
                 "where workers run, or define the functions in the script itself"
             ) from None
-    return _opened[parcel.digest]
+    return _opened[payload.digest]
 
 
 def _there(file: Path) -> Path:
@@ -67,8 +67,8 @@ def _there(file: Path) -> Path:
     return file
 
 
-def packed(job: Job, folder: Path) -> Parcel:
-    """The parcel of a job, whose bodies are written to `folder`. Raises `InputError` for objects that cannot be
+def packed(job: Job, folder: Path) -> Payload:
+    """The payload of a job, whose bodies are written to `folder`. Raises `InputError` for objects that cannot be
     pickled."""
     stream = io.BytesIO()
     try:
@@ -86,19 +86,19 @@ def packed(job: Job, folder: Path) -> Parcel:
         with written_whole(folder / JOB.format(digest)) as partial:
             partial.write_bytes(content)
         content = b""
-    return Parcel(content, digest, str(folder.absolute()), versions())
+    return Payload(content, digest, str(folder.absolute()), versions())
 
 
-def answers_of(parcel: Parcel, rows: Numbered, device: str | None) -> list[Answer]:
+def answers_of(payload: Payload, rows: Numbered, device: str | None) -> list[Answer]:
     """Answers of this process for `rows`, unless its versions differ."""
     differ = [
-        f"{name} {mine}, here {parcel.versions.get(name)}"
+        f"{name} {mine}, here {payload.versions.get(name)}"
         for name, mine in versions().items()
-        if parcel.versions.get(name) != mine
+        if payload.versions.get(name) != mine
     ]
     if differ:
         return [Answer(number, OTHER_VERSIONS, ", ".join(differ), host=socket.gethostname()) for number, _ in rows]
-    return opened(parcel).answers(rows, device)
+    return opened(payload).answers(rows, device)
 
 
 def _pickler() -> Any:

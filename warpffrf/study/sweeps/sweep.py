@@ -22,8 +22,8 @@ from warpffrf.model.messages.progress import Progress, deferred_interrupts, spea
 from warpffrf.output.result import Result
 from warpffrf.study.runs import Run, run_of, with_options
 from warpffrf.study.sweeps.cluster import Cluster, client_at
-from warpffrf.study.sweeps.crews import Answers, Crew, Elsewhere, Here, Processes, WorkerDied, refuse_in_workers
 from warpffrf.study.sweeps.design import Design, Row, design_of
+from warpffrf.study.sweeps.executors import Answers, Elsewhere, Executor, Here, Processes, WorkerDied, refuse_in_workers
 from warpffrf.study.sweeps.folder import Folder
 from warpffrf.study.sweeps.job import (
     ERROR_BUDGET,
@@ -120,8 +120,8 @@ def sweep(
             if done:
                 log.info("sweep: %d of %d rows have been run", len(done), len(design.rows))
             if left:
-                crew = _crew(job, folder, workers, devices)
-                _run(crew, left, worlds, folder, len(design.rows), progress)
+                executor = _executor(job, folder, workers, devices)
+                _run(executor, left, worlds, folder, len(design.rows), progress)
         except (OSError, EOFError) as error:  # a full disk, or the process that starts workers was killed
             reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
             raise InputError(
@@ -183,26 +183,28 @@ def _definition(job: Job, design: Design) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _crew(job: Job, folder: Folder, workers: Any, devices: list[str | None]) -> Crew:
+def _executor(job: Job, folder: Folder, workers: Any, devices: list[str | None]) -> Executor:
     """The executor of the rows."""
     if len(devices) == 1:
         return Here(job, devices[0])
-    parcel = packed(job, folder.bodies)
+    payload = packed(job, folder.bodies)
     if devices:
-        return Processes(parcel, devices)
+        return Processes(payload, devices)
     own = isinstance(workers, str)
     client = client_at(workers) if own else workers
     if hasattr(client, "get_executor") and hasattr(client, "scheduler_info"):
-        return Cluster(parcel, client, own)
-    return Elsewhere(parcel, client)
+        return Cluster(payload, client, own)
+    return Elsewhere(payload, client)
 
 
-def _run(crew: Crew, left: list[tuple[int, Row]], worlds: int, folder: Folder, count: int, progress: bool) -> None:
+def _run(
+    executor: Executor, left: list[tuple[int, Row]], worlds: int, folder: Folder, count: int, progress: bool
+) -> None:
     """Run the remaining rows, and store their answers."""
     bar = Progress("sweep", count, enabled=progress, unit="run", done=count - len(left))
     keeping = _Keeping(folder, bar, count - len(left))
     try:
-        _dispatch(crew, left, worlds, keeping)
+        _dispatch(executor, left, worlds, keeping)
     except KeyboardInterrupt:
         log.warning(
             "sweep: interrupted, %d of %d rows have been run; continue with resume=True (--resume)", keeping.done, count
@@ -211,7 +213,7 @@ def _run(crew: Crew, left: list[tuple[int, Row]], worlds: int, folder: Folder, c
         bar.close()
         with deferred_interrupts():
             try:
-                crew.close()
+                executor.close()
             finally:
                 folder.gather()
 
@@ -250,21 +252,21 @@ class _Keeping:
         self.bar.update(self.done)
 
 
-def _dispatch(crew: Crew, left: list[tuple[int, Row]], worlds: int, keeping: _Keeping) -> None:
+def _dispatch(executor: Executor, left: list[tuple[int, Row]], worlds: int, keeping: _Keeping) -> None:
     """Rows are sent in packs of `worlds`; those of a dead worker are sent again one by one, to identify the row that
     caused it."""
     waiting = deque(left[n : n + worlds] for n in range(0, len(left), worlds))
     out: dict[Answers, list[tuple[int, Row]]] = {}
     deaths: Counter[int] = Counter()
     while waiting or out:
-        while waiting and len(out) < (crew.capacity if keeping.open else 1):
+        while waiting and len(out) < (executor.capacity if keeping.open else 1):
             pack = waiting.popleft()
-            out[crew.submit(pack)] = pack
+            out[executor.submit(pack)] = pack
         ended, _ = wait(out, timeout=LOOK_EVERY, return_when=FIRST_COMPLETED)
         for future in ended:
             pack = out.pop(future)
             try:
-                answers = crew.collect(future)
+                answers = executor.collect(future)
             except WorkerDied:
                 log.warning("sweep: a worker died at row %s; it is run again", ", ".join(str(n) for n, _ in pack))
                 deaths[pack[0][0]] += len(pack) == 1

@@ -83,14 +83,14 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Balance:
-    """`residual` (size,), `outer` (outer + rows, outer + rows) tangent of rigid coordinates, global modes and rows,
-    `diagonal` (local,) that of local coordinates, the `wrenches` (rows, 6) of unit multipliers, the largest force [N],
-    new `stretch`, energies [J], and `springs` (coordinates, 7): value and wrench on the second body of every
+    """`residual` (size,), `retained` (retained + rows, retained + rows) tangent of rigid coordinates, global modes and
+    rows, `diagonal` (local,) that of local coordinates, the `wrenches` (rows, 6) of unit multipliers, the largest force
+    [N], new `stretch`, energies [J], and `springs` (coordinates, 7): value and wrench on the second body of every
     coordinate of the spring laws. `locked` (t, 2) of pretensions: whether they are locked, and their present or locked
     length. `pulls` (markers, 6) on interfaces and `lag` (2, modes) of the forces whose mean is given (`mean_work`)."""
 
     residual: np.ndarray
-    outer: np.ndarray
+    retained: np.ndarray
     diagonal: np.ndarray
     wrenches: np.ndarray
     force: float
@@ -175,9 +175,9 @@ def balance(
     lag = add_mean_work(data, layout, state, formula, trial.q, work.pulls, residual, K)
     xi, xid, xidd = trial.q[n_modes:], trial.qd[n_modes:], trial.qdd[n_modes:]
     full = np.zeros(layout.size)
-    full[: layout.outer] = residual[: layout.outer]
-    full[layout.outer : layout.coordinates] = local.mass * xidd + local.damping * xid + local.stiffness * xi
-    full[layout.coordinates :] = residual[layout.outer :]
+    full[: layout.retained] = residual[: layout.retained]
+    full[layout.retained : layout.coordinates] = local.mass * xidd + local.damping * xid + local.stiffness * xi
+    full[layout.coordinates :] = residual[layout.retained :]
     diagonal = acc * local.mass + vel * local.damping + local.stiffness
     potential = stored - sum(b.mass * float(data.gravity @ trial.r[i]) for i, b in enumerate(data.bodies))
     energy = {
@@ -192,7 +192,8 @@ def balance(
 
 
 def row_curvature(data: SceneData, layout: Layout, trial: Trial, V: np.ndarray) -> np.ndarray:
-    """V^T H V (rows,) of the rigid rows for velocities V (outer,): the part of their second derivative besides C a."""
+    """V^T H V (rows,) of the rigid rows for velocities V (retained,): the part of their second derivative besides C
+    a."""
     work = _Work(data, layout, None, trial)
     out = np.zeros(layout.rows)
     for n, item in enumerate(data.constraints):
@@ -206,7 +207,7 @@ class _Work:
 
     def __init__(self, data: SceneData, layout: Layout, formula: Any, trial: Trial) -> None:
         self.data, self.layout, self.formula, self.trial = data, layout, formula, trial
-        size = layout.outer + layout.rows
+        size = layout.retained + layout.rows
         self.residual = np.zeros(size)
         self.tangent = np.zeros((size, size))
         self.force = 0.0
@@ -252,7 +253,7 @@ class _Work:
         for markers, members in groups.items():
             items = [self.data.constraints[n] for n in members]
             rows, at = self.rows([(c.kind, c.i, c.j, None) for c in items], markers)
-            lines = self.layout.outer + np.array(members)
+            lines = self.layout.retained + np.array(members)
             pull = lam[members]
             self.residual[at] += pull @ rows.force
             self.tangent[lines[:, None], at] = rows.slope
@@ -268,7 +269,7 @@ class _Work:
                 self.residual[line] = value - item.reference
                 if item.is_length:
                     self.force = max(self.force, abs(float(force)))
-        lines = self.layout.outer + tensions.rows
+        lines = self.layout.retained + tensions.rows
         self.residual[lines] = values[tensions.rows] - tensions.length
         pulls = ~tensions.holds
         lines, scale = lines[pulls], tensions.scale[pulls]

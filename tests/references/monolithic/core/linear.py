@@ -56,13 +56,13 @@ def dense_jacobian(
     `turnings`: per pair its state and the derivative (columns, rigid) of the contact forces by the rigid coordinates;
     `stiffness`: (columns, F, G, E) of contacts to be added.
     """
-    n, c, o = layout.size, layout.coordinates, layout.outer
+    n, c, o = layout.size, layout.coordinates, layout.retained
     K = np.zeros((n, n), order="F") if buffer is None else buffer
     K.fill(0.0)
-    K[:o, :o] = balance.outer[:o, :o]
-    K[:o, c:] = balance.outer[:o, o:]
-    K[c:, :o] = balance.outer[o:, :o]
-    K[c:, c:] = balance.outer[o:, o:]
+    K[:o, :o] = balance.retained[:o, :o]
+    K[:o, c:] = balance.retained[:o, o:]
+    K[c:, :o] = balance.retained[o:, :o]
+    K[c:, c:] = balance.retained[o:, o:]
     local = np.arange(o, c)
     K[local, local] = balance.diagonal
     for state, turning in turnings:
@@ -109,24 +109,24 @@ class LowRank:
 
     def __init__(self, layout: Layout, balance: Balance, turnings: list[tuple[Any, np.ndarray]]) -> None:
         self.layout = layout
-        o, c = layout.outer, layout.coordinates
-        K = np.asfortranarray(balance.outer.copy())
+        o, c = layout.retained, layout.coordinates
+        K = np.asfortranarray(balance.retained.copy())
         self.beside: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
         for state, turning in turnings:
             at = state.data.columns
-            outer = at < o
+            retained = at < o
             rigid = at[: turning.shape[1]]
-            K[np.ix_(at[outer], rigid)] -= turning[outer]
-            self.beside.append((at[~outer] - o, rigid, -turning[~outer]))
-        self.outer = Dense(K, o)
+            K[np.ix_(at[retained], rigid)] -= turning[retained]
+            self.beside.append((at[~retained] - o, rigid, -turning[~retained]))
+        self.retained = Dense(K, o)
         self.diagonal = balance.diagonal
         self.at = np.concatenate([np.arange(o), np.arange(c, layout.size)])
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """K^-1 times `right`."""
-        o, c = self.layout.outer, self.layout.coordinates
+        o, c = self.layout.retained, self.layout.coordinates
         out = np.empty_like(right)
-        out[self.at] = self.outer.solve(right[self.at])
+        out[self.at] = self.retained.solve(right[self.at])
         local = right[o:c].copy()
         for rows, rigid, block in self.beside:
             local[rows] -= block @ out[rigid]

@@ -80,9 +80,9 @@ def static_coordinates(reduced: Any, loaded: Sequence[Loaded], label: str) -> li
         ]))  # fmt: skip
         diagonal, found, first = (np.zeros_like(kappa), np.zeros_like(kappa), kappa), [], 0
         for one, surface, D in zip(loaded, surfaces, own, strict=True):
-            rows, hats = trace[first : first + len(D)], surface.local_modes
-            shear = (rows[hats:].reshape(2, hats, -1),) if one.friction else ()
-            found.append(LocalCoordinates(rows[:hats], *diagonal, *shear))
+            rows, grid_nodes = trace[first : first + len(D)], surface.local_modes
+            shear = (rows[grid_nodes:].reshape(2, grid_nodes, -1),) if one.friction else ()
+            found.append(LocalCoordinates(rows[:grid_nodes], *diagonal, *shear))
             first += len(D)
         known[key] = found
     return known[key]

@@ -39,7 +39,7 @@ class Pulls:
 
     @classmethod
     def none(cls, data: SceneData, layout: Layout) -> Pulls:
-        size = layout.outer + layout.rows
+        size = layout.retained + layout.rows
         stiffened = [m for m, place in enumerate(data.markers) if place.stiffening is not None]
         return cls(np.zeros((len(data.markers), 6)), {m: np.zeros((6, size)) for m in stiffened})
 
@@ -99,7 +99,7 @@ def add_mean_work(
         slope[some, columns] += 0.25 * np.tensordot(df, K, 1)
     y = (miss - (1.0 - c.gamma) * state.lag[0]) / c.gamma
     Y = ((1.0 - c.alpha_m) * y + c.alpha_m * state.lag[0] - c.alpha_f * state.lag[1]) / (1.0 - c.alpha_f)
-    at = slice(6 * layout.bodies, layout.outer)
+    at = slice(6 * layout.bodies, layout.retained)
     residual[at] += Y
     tangent[at] += (1.0 - c.alpha_m) / (c.gamma * (1.0 - c.alpha_f)) * slope
     return np.stack([y, Y])

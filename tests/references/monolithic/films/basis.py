@@ -5,7 +5,7 @@ matrices of values and of slopes along the surface. Displacements are those of t
 volumes are lumped, m_i m^2 each, and cross the faces between neighbours i and j, whose normal [m] points from i to j
 and has the length of the face.
 
-    hats    tensor products, 3 x 2 Gauss points per cell, boxes around the nodes: the law of the separated solver
+    nodes    tensor products, 3 x 2 Gauss points per cell, boxes around the nodes: the law of the separated solver
     nodes   P1 on the triangles of the skin in the chart, six points each, boxes between perpendicular
             bisectors around the nodes, without faces across the diagonals of rectangles, so that cavities do not
             spread across the flow; the nodes of the rim of the triangulation are fixed
@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from references.monolithic.line_of_centres.sampling import ON_SURFACE, _hat_values
+from references.monolithic.line_of_centres.sampling import ON_SURFACE, _node_values
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.contact_grid import cell_edges
 
@@ -67,7 +67,7 @@ def metric(shape: Any, z: Array) -> tuple[Array, Array]:
     return radius, np.broadcast_to(np.sqrt(1.0 + steep**2), np.shape(z))
 
 
-# --- hats
+# --- nodes
 
 
 def _line(nodes: int, closed: bool, count: int) -> tuple[Array, Array, Any, Any]:
@@ -84,7 +84,7 @@ def _line(nodes: int, closed: bool, count: int) -> tuple[Array, Array, Any, Any]
     return cell, at, value, sparse.csr_matrix((np.concatenate([-ones, ones]), where), shape=shape)
 
 
-def hat_basis(film: Any) -> Basis:
+def bilinear_basis(film: Any) -> Basis:
     """The bilinear functions of the grid of `film`."""
     shape, grid = film.a.surface.shape, film.grid
     columns, rows = grid.columns, grid.rows
@@ -192,7 +192,7 @@ def node_basis(film: Any) -> Basis:
         given[found] = feed.pressure
         fed |= found
     return Basis(
-        points[:, 0], points[:, 1], weight, value, around, along, value @ _hat_values(grid, x, z),
+        points[:, 0], points[:, 1], weight, value, around, along, value @ _node_values(grid, x, z),
         np.stack([theta, z], axis=1), held | fed, given, fed, np.asarray(value.T @ weight), faces, normals,
         _to_grid(film, corner, at, n, period),
     )  # fmt: skip

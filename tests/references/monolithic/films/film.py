@@ -105,9 +105,9 @@ class FilmData:
         self.points = self.places(self.basis.theta, self.basis.z)
         self.nodes = self.places(*self.basis.place.T)
         theta, z = np.meshgrid(film.theta, film.grid.z, indexing="ij")
-        self.hats = self.places(theta.ravel(), z.ravel())
+        self.grid_nodes = self.places(theta.ravel(), z.ravel())
         self.form = film.gap_form(self.basis.theta, self.basis.z)
-        self.hat_form = film.gap_form(theta, z).ravel()
+        self.node_form = film.gap_form(theta, z).ravel()
         self.flexible = np.concatenate(
             [6 * layout.bodies + layout.body_modes(self.a), layout.of_surface(surface)]
         )  # fmt: skip

@@ -43,10 +43,10 @@ def film_row(film: FilmState, void: Array) -> FilmRow:
         h.min(), x.pressure.max(), loss, w @ (film.sliding(h) * np.sum(s.slide**2, axis=1)),
         film.rest[b.held & b.fed].sum(), -film.rest[b.held & ~b.fed].sum(), empty / space, space - empty,
     ]  # fmt: skip
-    sight = data.sight(film.pose, data.hats, film.rates.static)
+    sight = data.sight(film.pose, data.grid_nodes, film.rates.static)
     fields = {
         "pressure": b.to_grid @ x.pressure,
-        "gap": sight.distance + data.hat_form - film.displacement,
+        "gap": sight.distance + data.node_form - film.displacement,
         "void": b.to_grid @ void,
     }
     return FilmRow(np.concatenate([force, moments, second, sums]), fields)

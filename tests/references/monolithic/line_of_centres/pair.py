@@ -28,7 +28,7 @@ import numpy as np
 from references.monolithic.core.local_coordinates import LocalCoordinates
 from references.monolithic.core.state import Layout
 from references.monolithic.line_of_centres.frame import RIGID, Side, Stations, side_of, stations
-from references.monolithic.line_of_centres.sampling import HatTests, NodeTests, Points, cells_of
+from references.monolithic.line_of_centres.sampling import NodalTests, NodeTests, Points, cells_of
 
 LAWS = ("hats", "nodes")
 STIFFER = 300.0  # layer over a node's own stiffness: a load on many nodes deflects more, so the force error is smaller
@@ -75,7 +75,7 @@ def pair_data(
     a, b = side_of(contact.a), side_of(contact.b)
     first, second = contact.a.surface, contact.b.surface
     skin = contact.a.body.reduced.surface
-    tests: Any = HatTests(first) if law == "hats" else NodeTests(first, skin)
+    tests: Any = NodalTests(first) if law == "hats" else NodeTests(first, skin)
     phi_a = np.hstack([first.mode_normal, local[0].trace])
     phi_b = np.hstack([second.mode_normal, local[1].trace])
     layer = 0.0

@@ -52,7 +52,7 @@ def contact_row(pair: PairState, s: np.ndarray) -> ContactRow:
             (on_a, on_b), (data.a, data.b), strict=True
         )]  # fmt: skip
         return ContactRow(np.zeros(12), approach, *empty)
-    column, row, value = _hats_of(pair, active, s[active], on_a)
+    column, row, value = _nodes_of(pair, active, s[active], on_a)
     first = int(column.min())
     pressure = np.zeros((int(column.max()) - first + 1, data.a.grid.rows))
     np.add.at(pressure, (column - first, row), value)
@@ -65,7 +65,7 @@ def contact_row(pair: PairState, s: np.ndarray) -> ContactRow:
     )  # fmt: skip
 
 
-def _hats_of(
+def _nodes_of(
     pair: PairState, active: np.ndarray, s: np.ndarray, middle: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Columns (on the branch of `middle`), rows and pressures of the grid nodes for multipliers s of `active`."""
@@ -73,16 +73,16 @@ def _hats_of(
     number = pair.number[active]
     if not isinstance(tests, NodeTests):
         return np.rint(pair.points.column[active]).astype(int), number % grid.rows, s
-    loads = np.asarray(tests.hats[number].T @ s).ravel()
-    hats = np.flatnonzero(loads)
-    column, row = hats // grid.rows, hats % grid.rows
+    loads = np.asarray(tests.grid_nodes[number].T @ s).ravel()
+    grid_nodes = np.flatnonzero(loads)
+    column, row = grid_nodes // grid.rows, grid_nodes % grid.rows
     around = np.full(grid.columns, grid.pitch)
     if grid.periodic:
         column = column - grid.columns * np.floor((column - middle) / grid.columns + 0.5).astype(int)
     else:
         around[[0, -1]] *= 0.5
     area = around[column % grid.columns] * grid.gram_z(pair.data.a.shape).sum(axis=1)[row]
-    return column, row, loads[hats] / area
+    return column, row, loads[grid_nodes] / area
 
 
 def joined(windows: list[Window], rows: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

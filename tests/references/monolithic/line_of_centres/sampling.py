@@ -4,7 +4,7 @@ Both are functions on points of the first surface: point p lies at the grid colu
 its weight in test i is T_pi (>= 0). The gap of test i is `g_i = sum_p T_pi g_p`, and a unit of its multiplier is the
 pressure T_pi at p.
 
-    hats    Gauss points of the cells, T_pi = weight dA psi_i: weak gaps, the law of the separated solver
+    nodes    Gauss points of the cells, T_pi = weight dA psi_i: weak gaps, the law of the separated solver
     nodes   p = i the nodes of the finite elements, T = 1: gaps at nodes, the multiplier is the force of a node
 
 The body's own displacement enters test i as `W_i.u`, u nodal coefficients: W = Gram matrix M of the grid, or the shape
@@ -57,7 +57,7 @@ class Points:
     column: np.ndarray
 
 
-class HatTests:
+class NodalTests:
     """The nodes of the first grid, numbered column by column over the whole grid."""
 
     def __init__(self, surface: Any) -> None:
@@ -128,11 +128,11 @@ class NodeTests:
         places, self.station = np.unique(np.round((z[on] - grid.z[0]) / (SAME_STATION * width)), return_inverse=True)
         self.z = grid.z[0] + places * SAME_STATION * width
         self.share = _shares(skin, on)[on]
-        self.hats = _hat_values(grid, self.x, self.z[self.station])
+        self.grid_nodes = _node_values(grid, self.x, self.z[self.station])
 
     def own(self, field: np.ndarray) -> np.ndarray:
         """W times `field` (nodes, n): displacements of the FE nodes."""
-        return self.hats @ field
+        return self.grid_nodes @ field
 
     def points(self, middle: float, half: int, faces: np.ndarray) -> Points:
         """Nodes within `half` columns of `middle` that face the other surface."""
@@ -159,7 +159,7 @@ def _shares(skin: Any, on: np.ndarray) -> np.ndarray:
     return share
 
 
-def _hat_values(grid: Any, x: np.ndarray, z: np.ndarray) -> Any:
+def _node_values(grid: Any, x: np.ndarray, z: np.ndarray) -> Any:
     """Values (points, nodes) of all shape functions at grid columns x and axial positions z."""
     column, row, u, v, _ = cells_of(grid, x, z)
     data, i, j = [], [], []

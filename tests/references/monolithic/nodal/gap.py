@@ -32,7 +32,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from references.monolithic.core.rotation import hat
+from references.monolithic.core.rotation import grid_node
 from references.monolithic.line_of_centres.frame import SLACK
 from references.monolithic.line_of_centres.sampling import cells_of
 from references.monolithic.nodal.surface import NodeSide, PartnerSide
@@ -87,7 +87,7 @@ def _column(b: PartnerSide, theta: np.ndarray) -> np.ndarray:
     return x - turn * np.floor((x - 0.5 * (grid.columns - 1)) / turn + 0.5)
 
 
-def hats_at(b: PartnerSide, cells: tuple[np.ndarray, ...], by: str = "") -> sparse.csr_matrix:
+def nodes_at(b: PartnerSide, cells: tuple[np.ndarray, ...], by: str = "") -> sparse.csr_matrix:
     """N (k, nodes of B) in cells `cells`, or its derivative `by` "x" (column) or "z" [1/m]."""
     column, row, u, v, slope = cells
     grid, k = b.grid, len(column)
@@ -142,9 +142,9 @@ def motion(a: NodeSide, b: PartnerSide, over: Opposite, at: np.ndarray, A_b: np.
     y, theta, z, d = over.y[at], over.theta[at], over.z[at], over.d[at]
     dy = np.zeros((k, 3, RIGID))
     dy[:, :, 0:3] = A_b.T
-    dy[:, :, 3:6] = -C @ hat(a.place[at])
+    dy[:, :, 3:6] = -C @ grid_node(a.place[at])
     dy[:, :, 6:9] = -A_b.T
-    dy[:, :, 9:12] = hat(y)
+    dy[:, :, 9:12] = grid_node(y)
     b_j = tangents_at(b, over, at)
     foot, normal = np.zeros_like(dy), np.zeros_like(dy)
     ways = []

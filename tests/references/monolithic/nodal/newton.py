@@ -121,6 +121,6 @@ def size_of(balance: Balance, residual: np.ndarray, layout: Layout) -> float:
     """The residual of all coordinates, each over the root of its stiffness and inertia: an energy, except for rows."""
     if not np.all(np.isfinite(residual)):
         return np.inf
-    o, c = layout.outer, layout.coordinates
-    scale = np.concatenate([np.abs(np.diag(balance.outer)[:o]), np.abs(balance.diagonal)])
+    o, c = layout.retained, layout.coordinates
+    scale = np.concatenate([np.abs(np.diag(balance.retained)[:o]), np.abs(balance.diagonal)])
     return float(np.sqrt(np.sum(residual[:c] ** 2 / np.where(scale > 0.0, scale, 1.0))))

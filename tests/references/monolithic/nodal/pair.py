@@ -25,7 +25,7 @@ import numpy as np
 
 from references.monolithic.nodal.frame import Extra, Poses
 from references.monolithic.nodal.friction import NodeTraction, node_traction
-from references.monolithic.nodal.gap import RIGID, Opposite, hats_at, leaning, opposite, tangents_at
+from references.monolithic.nodal.gap import RIGID, Opposite, leaning, nodes_at, opposite, tangents_at
 from references.monolithic.nodal.layer_slopes import followed, layer_pressure
 from references.monolithic.nodal.surface import NodeSide, PartnerSide
 
@@ -102,7 +102,7 @@ class NodePairState:
         self.own = own = a.field @ sight.q_a
         self.other = np.zeros((3, data.count))
         if self.over.cells is not None:
-            self.other = np.asarray(hats_at(b, self.over.cells) @ (b.field @ sight.q_b).T).T
+            self.other = np.asarray(nodes_at(b, self.over.cells) @ (b.field @ sight.q_b).T).T
         self.gap = self.over.d - own[0] - self.other[0]
         self.law_gap = self.gap if sight.iterate is None else followed(data.law, self.gap, sight.iterate[:, 0])
         layer = layer_pressure(data.law, self.law_gap, sight.before[:, GAP], sight.h, moving=sight.moving)
@@ -234,7 +234,7 @@ class NodePairState:
         b, at = self.data.b, self.active
         if self.over.cells is None:
             return np.zeros((3, 0))
-        N = hats_at(b, tuple(c[at] for c in self.over.cells))
+        N = nodes_at(b, tuple(c[at] for c in self.over.cells))
         phi = self.loads
         along = -np.einsum("ki,ijk->jk", phi[:, 1:], self.turn())
         return np.stack([N.T @ phi[:, 0], N.T @ along[0], N.T @ along[1]])

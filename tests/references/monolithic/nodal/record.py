@@ -42,18 +42,18 @@ def node_row(pair: NodePairState) -> tuple[ContactRow, FrictionRow | None]:
     facing = pair.over.faces if np.any(pair.over.faces) else slice(None)
     approach = -float(pair.rigid_gap[facing].min())
     wrench = pair.wrench()
-    hats, columns = _columns(a, at, center)
+    grid_nodes, columns = _columns(a, at, center)
     first = int(columns.min()) if len(columns) else int(round(center))
     width = int(columns.max()) - first + 1 if len(columns) else 1
 
     def window(values: np.ndarray) -> Window:
         out = np.zeros((width, a.grid.rows))
-        np.add.at(out, (columns - first, hats % a.grid.rows), values[hats])
+        np.add.at(out, (columns - first, grid_nodes % a.grid.rows), values[grid_nodes])
         return Window(first, center, out)
 
     area = _areas(a)
     loads = pair.loads
-    spread = a.hats[at].T
+    spread = a.grid_nodes[at].T
     pressure = window(spread @ loads[:, 0] / area)
     row = ContactRow(wrench, approach, pressure, _second(pair))
     if not data.rough:
@@ -129,11 +129,11 @@ def _near(a: NodeSide, x: np.ndarray, middle: float) -> np.ndarray:
 
 def _columns(a: NodeSide, at: np.ndarray, center: float) -> tuple[np.ndarray, np.ndarray]:
     """Grid nodes under the FE nodes `at`, and their columns on the branch of `center`."""
-    hats = np.unique(a.hats[at].indices)
-    column = hats // a.grid.rows
+    grid_nodes = np.unique(a.grid_nodes[at].indices)
+    column = grid_nodes // a.grid.rows
     if a.turn:
         column = column - a.grid.columns * np.floor((column - center) / a.grid.columns + 0.5).astype(int)
-    return hats, column
+    return grid_nodes, column
 
 
 def _areas(a: NodeSide) -> np.ndarray:

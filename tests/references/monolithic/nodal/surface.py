@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from references.monolithic.core.local_coordinates import LocalCoordinates
-from references.monolithic.line_of_centres.sampling import ON_SURFACE, _hat_values, _shares
+from references.monolithic.line_of_centres.sampling import ON_SURFACE, _node_values, _shares
 from warpffrf.model.errors import InputError
 from warpffrf.model.placement.gap import theta_offset
 
@@ -23,9 +23,9 @@ AT_END = 1e-6  # of a grid spacing: nodes on the outermost lines of a grid lie o
 @dataclass(frozen=True, eq=False)
 class NodeSide:
     """The nodes of a first surface: centre of mass (3,) in the body's user frame, positions (n, 3) [m], normals and
-    tangents e_theta, t_z (n, 3), shares (n,) [m2] of the area, grid columns x (n,), values `hats` (n, nodes) there, and
-    displacements (3, n, columns of A) along normal and tangents per coordinate, the last two zero without friction.
-    `turn`: columns of a full revolution, 0 on an arc."""
+    tangents e_theta, t_z (n, 3), shares (n,) [m2] of the area, grid columns x (n,), values `grid_nodes` (n, nodes)
+    there, and displacements (3, n, columns of A) along normal and tangents per coordinate, the last two zero without
+    friction. `turn`: columns of a full revolution, 0 on an arc."""
 
     body: int
     center: np.ndarray
@@ -37,7 +37,7 @@ class NodeSide:
     share: np.ndarray
     x: np.ndarray
     z: np.ndarray
-    hats: Any
+    grid_nodes: Any
     field: np.ndarray
     turn: float
 
@@ -90,12 +90,12 @@ def node_side(port: Any, local: LocalCoordinates, friction: bool, label: str) ->
         x = np.clip(x, 0.0, grid.columns - 1)
     share = _shares(skin, on)[on]
     x, z, theta = x[on], np.clip(z[on], grid.z[0], grid.z[-1]), theta[on]
-    hats = _hat_values(grid, x, z)
-    field = np.stack([hats @ f for f in _fields(surface, local, friction)])
+    grid_nodes = _node_values(grid, x, z)
+    field = np.stack([grid_nodes @ f for f in _fields(surface, local, friction)])
     return NodeSide(
         port.body.index, np.asarray(port.body.center_of_mass), grid, shape,
         shape.point(theta, z) - port.body.center_of_mass, shape.normal(theta, z),
-        np.stack([shape.around(theta), shape.along(theta, z)]), share, x, z, hats, field,
+        np.stack([shape.around(theta), shape.along(theta, z)]), share, x, z, grid_nodes, field,
         full if grid.periodic else 0.0,
     )  # fmt: skip
 

@@ -19,8 +19,8 @@ from functools import cached_property
 
 import numpy as np
 
-from references.monolithic.core.rotation import hat
-from references.monolithic.nodal.gap import RIGID, Motion, hats_at, motion
+from references.monolithic.core.rotation import grid_node
+from references.monolithic.nodal.gap import RIGID, Motion, motion, nodes_at
 from references.monolithic.nodal.pair import NodePairState
 
 
@@ -54,9 +54,9 @@ class LinearisedPair(NodePairState):
         if self.over.cells is not None:
             cells = tuple(x[at] for x in self.over.cells)
             values = (b.field @ self.sight.q_b).T
-            by_x, by_z = (np.asarray(hats_at(b, cells, by) @ values) for by in ("x", "z"))
+            by_x, by_z = (np.asarray(nodes_at(b, cells, by) @ values) for by in ("x", "z"))
             stretch = by_x.T[:, :, None] * moves.column + by_z.T[:, :, None] * moves.axial
-            N = hats_at(b, cells)
+            N = nodes_at(b, cells)
             traces = [np.asarray(N @ b.field[c]) for c in range(parts)]
             by_b[:k] = -traces[0]
             turn = self.turn()
@@ -82,20 +82,22 @@ class LinearisedPair(NodePairState):
         F = np.einsum("kc,ckx->kx", phi, lines)
         m = self.over.normal[at] @ C
         dm = np.einsum("xi,kic->kxc", C.T, moves.normal)
-        dm[:, :, 3:6] += hat(m)
-        dm[:, :, 9:] += -C.T @ hat(self.over.normal[at])
+        dm[:, :, 3:6] += grid_node(m)
+        dm[:, :, 9:] += -C.T @ grid_node(self.over.normal[at])
         dF = phi[:, 0, None, None] * dm
         world = np.einsum("xi,kic->kxc", A_a, dF)
-        world[:, :, 3:6] += -A_a @ hat(F)
+        world[:, :, 3:6] += -A_a @ grid_node(F)
         on_b = F @ C.T
         d_on_b = np.einsum("xi,kic->kxc", C, dF)
-        d_on_b[:, :, 3:6] += -C @ hat(F)
-        d_on_b[:, :, 9:] += hat(on_b)
+        d_on_b[:, :, 3:6] += -C @ grid_node(F)
+        d_on_b[:, :, 9:] += grid_node(on_b)
         out = np.zeros((RIGID, RIGID))
         out[:3] = world.sum(axis=0)
-        out[3:6] = np.einsum("kxi,kic->xc", hat(a.place[at]), dF)
+        out[3:6] = np.einsum("kxi,kic->xc", grid_node(a.place[at]), dF)
         out[6:9] = -out[:3]
-        out[9:] = np.einsum("kxi,kic->xc", hat(on_b), moves.y) - np.einsum("kxi,kic->xc", hat(self.over.y[at]), d_on_b)
+        out[9:] = np.einsum("kxi,kic->xc", grid_node(on_b), moves.y) - np.einsum(
+            "kxi,kic->xc", grid_node(self.over.y[at]), d_on_b
+        )
         rigid = self.data.rigid
         if self.extra is not None:
             out[:, :rigid] += self.extra.slope(self.poses, phi[:, 0], rigid)
@@ -110,7 +112,7 @@ class LinearisedPair(NodePairState):
         moves = self.moves
         b, at, C = self.data.b, self.active, self.over.C
         cells = tuple(x[at] for x in (self.over.cells or ()))
-        N, by_x, by_z = (hats_at(b, cells, by) for by in ("", "x", "z"))
+        N, by_x, by_z = (nodes_at(b, cells, by) for by in ("", "x", "z"))
 
         def spread(forces: np.ndarray) -> np.ndarray:
             return by_x.T @ (forces[:, None] * moves.column) + by_z.T @ (forces[:, None] * moves.axial)
@@ -164,6 +166,6 @@ class LinearisedPair(NodePairState):
 def _turned(t: np.ndarray, C: np.ndarray) -> np.ndarray:
     """d(C t) (k, 3, 12) of vectors t (k, 3) that are fixed in A, by the rigid coordinates."""
     out = np.zeros((len(t), 3, RIGID))
-    out[:, :, 3:6] = -C @ hat(t)
-    out[:, :, 9:] = hat(t @ C.T)
+    out[:, :, 3:6] = -C @ grid_node(t)
+    out[:, :, 9:] = grid_node(t @ C.T)
     return out

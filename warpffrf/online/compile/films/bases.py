@@ -45,9 +45,9 @@ class Basis:
     around: Array
     along: Array
     void: Array
-    hat: Array
+    grid_node: Array
     between: Array
-    to_hats: Any
+    to_nodes: Any
     held: Array
     given: Array
     fed: Array
@@ -55,9 +55,9 @@ class Basis:
     at: Array
     area: Array
     neighbours: dict[str, Array]
-    hat_support: Array
-    hat_value: Array
-    hat_function: Array
+    node_support: Array
+    node_value: Array
+    node_function: Array
 
     @property
     def functions(self) -> int:
@@ -67,7 +67,7 @@ class Basis:
 
 def basis_of(film: Film, quadrature: str | None = None) -> Basis:
     """The basis for the given quadrature of a film, its own or another one."""
-    return _strips(film, film.axial_degrees) if (quadrature or film.quadrature) == "reduced" else _hats(film)
+    return _strips(film, film.axial_degrees) if (quadrature or film.quadrature) == "reduced" else _grid_nodes(film)
 
 
 def radius_at(surface: ContactSurface, z: Array) -> Array:
@@ -97,16 +97,16 @@ def _cells(film: Film, fraction: Array, z: Array) -> tuple[Array, Array, Array, 
     row = np.clip(np.searchsorted(grid.z, z, side="right") - 1, 0, grid.rows - 2)
     v = (z - grid.z[row]) / np.diff(grid.z)[row]
     left, right = columns * grid.rows + row, (columns + 1) % grid.columns * grid.rows + row
-    hat = np.stack([left, left + 1, right, right + 1], axis=-1).reshape(-1, 4)
+    grid_node = np.stack([left, left + 1, right, right + 1], axis=-1).reshape(-1, 4)
     u = fraction
     between = np.stack([(1 - u) * (1 - v), (1 - u) * v, u * (1 - v), u * v], axis=-1)
     theta = (film.theta[columns] + fraction * grid.pitch).ravel()
-    return theta, np.tile(z, len(columns)), hat, np.tile(between, (len(columns), 1))
+    return theta, np.tile(z, len(columns)), grid_node, np.tile(between, (len(columns), 1))
 
 
-def _hats(film: Film) -> Basis:
+def _grid_nodes(film: Film) -> Basis:
     surface, grid = film.a.surface, film.grid
-    hats = grid.columns * grid.rows
+    grid_nodes = grid.columns * grid.rows
     a, wa = np.polynomial.legendre.leggauss(ACROSS)
     b, wb = np.polynomial.legendre.leggauss(ALONG)
     dz = np.diff(grid.z)
@@ -114,19 +114,21 @@ def _hats(film: Film) -> Basis:
     row = np.tile(np.repeat(rows, ALONG), ACROSS)
     a, b = np.repeat(0.5 * (a + 1.0), ALONG * len(rows)), np.tile(0.5 * (b + 1.0), ACROSS * len(rows))
     w = 0.25 * (wa[:, None, None] * np.ones(grid.rows - 1)[None, :, None] * wb[None, None, :]).ravel() * dz[row]
-    theta, z, hat, between = _cells(film, a, grid.z[row] + b * dz[row])
+    theta, z, grid_node, between = _cells(film, a, grid.z[row] + b * dz[row])
     strips = len(theta) // len(a)
     radius, stretch = radius_at(surface, z), stretch_at(surface, z)
     by_a = np.stack([-(1 - b), -b, 1 - b, b], axis=1)
     by_b = np.stack([-(1 - a), 1 - a, -a, a], axis=1) / dz[row][:, None]
     held, given = film.held()
-    number = np.arange(hats)
+    number = np.arange(grid_nodes)
     return Basis(
-        theta, z, np.tile(w, strips) * grid.pitch * radius * stretch, hat, between,
+        theta, z, np.tile(w, strips) * grid.pitch * radius * stretch, grid_node, between,
         np.tile(by_a, (strips, 1)) / (radius * grid.pitch)[:, None], np.tile(by_b, (strips, 1)) / stretch[:, None],
-        between, hat, between, sp.identity(hats, format="csr"), held.ravel(), given.ravel(), _fed(film).ravel(),
-        np.ones(hats, dtype=bool), np.stack([np.repeat(film.theta, grid.rows), np.tile(grid.z, grid.columns)], axis=1),
-        *_boxes(film), number[:, None], np.ones((hats, 1)), number,
+        between, grid_node, between, sp.identity(grid_nodes, format="csr"), held.ravel(), given.ravel(),
+            _fed(film).ravel(),
+        np.ones(grid_nodes, dtype=bool), np.stack([np.repeat(film.theta, grid.rows), np.tile(grid.z, grid.columns)],
+            axis=1),
+        *_boxes(film), number[:, None], np.ones((grid_nodes, 1)), number,
     )  # fmt: skip
 
 
@@ -173,7 +175,7 @@ def _strips(film: Film, powers: tuple[int, ...]) -> Basis:
         return ((1.0 - at**2)[:, None] * at[:, None] ** np.array(powers)[None, :]) @ even
 
     slopes = np.stack([m * zeta ** max(m - 1, 0) * (m > 0) - (m + 2) * zeta ** (m + 1) for m in powers], axis=1) @ even
-    theta, z, hat, between = _cells(film, np.full(2 * n, 0.5), middle + half * zeta)
+    theta, z, grid_node, between = _cells(film, np.full(2 * n, 0.5), middle + half * zeta)
     strips = len(theta) // (2 * n)
     radius, stretch = radius_at(surface, z), stretch_at(surface, z)
     first = np.repeat(np.arange(strips), 2 * n)
@@ -210,7 +212,7 @@ def _strips(film: Film, powers: tuple[int, ...]) -> Basis:
     return Basis(
         theta, z, np.tile(w, strips) * half * grid.pitch * radius * stretch, function,
         0.5 * np.concatenate([values, values], axis=1), np.concatenate([-slope, slope], axis=1),
-        0.5 * np.concatenate([steep, steep], axis=1), np.concatenate([alone, alone], axis=1), hat, between,
+        0.5 * np.concatenate([steep, steep], axis=1), np.concatenate([alone, alone], axis=1), grid_node, between,
         sp.kron(sp.identity(columns), at_rows).tocsr(), np.repeat(held, n), given.ravel(), fed, voids.ravel(),
         np.stack([np.repeat(film.theta, n), np.full(columns * n, middle)], axis=1), area.ravel(), neighbours,
         owner, np.tile(at_rows, (columns, 1)), np.repeat(np.arange(columns) * n, grid.rows),

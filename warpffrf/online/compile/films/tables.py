@@ -21,7 +21,7 @@ from warpffrf.model.films.roughness import factor_table
 from warpffrf.model.oils import Oil
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.online.compile.collector import Collector
-from warpffrf.online.compile.compliance_tables import hat_gram, modal_moments
+from warpffrf.online.compile.compliance_tables import modal_moments, node_gram
 from warpffrf.online.compile.films.bases import Basis, basis_of
 from warpffrf_kernels.core.model import Films
 from warpffrf_kernels.films import asperities as asperity_kernels
@@ -37,7 +37,7 @@ RULES = {
 }  # fmt: skip
 MANY = 1000  # unknowns
 BY_PRESS = ("press_function", "press_value")
-BY_FUNCTION = ("function", "value", "slope_around", "slope_along", "void_value", "hat_support", "hat_value")
+BY_FUNCTION = ("function", "value", "slope_around", "slope_along", "void_value", "node_support", "node_value")
 
 
 class Tables:
@@ -76,7 +76,7 @@ class Tables:
         }
         for name, parts in self.parts.items():
             if name in widths:
-                fill = -1 if name in ("function", "hat_support", "press_function") else 0
+                fill = -1 if name in ("function", "node_support", "press_function") else 0
                 gaps = [widths[name] - part.shape[1] for part in parts]
                 parts = [
                     np.pad(part, ((0, 0), (0, gap)), constant_values=fill)
@@ -97,7 +97,7 @@ def fill_films(collector: Collector) -> None:
     values = dict.fromkeys(declared.declarations, np.zeros(0)) | tables.values()
     if films:
         for name, of in (
-            ("hat", "lift"), ("function", "given"), ("point", "weight"), ("unknown", "function_of"),
+            ("node", "lift"), ("function", "given"), ("point", "weight"), ("unknown", "function_of"),
             ("press", "press_seat"),
         ):  # fmt: skip
             values[f"{name}_start"] = tables.starts(of)
@@ -108,11 +108,11 @@ def fill_films(collector: Collector) -> None:
             values[f"{name}_start"] = tables.starts(name)[:-1]
         lines = values["unknowns"] + values["rough"]
         columns = int(unknowns.RIGID) + values["modes"] + values["second_modes"]
-        hats = values["second_hats"]
+        grid_nodes = values["second_nodes"]
         for name, sizes in (
             ("system", lines), ("matrix", lines * (lines + 1 + 2 * columns)), ("column", columns),
-            ("square", columns**2), ("second_hat", hats), ("load", lines * hats),
-            ("seat", np.where(hats > 0, np.diff(values["point_start"]) + np.diff(values["hat_start"]), 0)),
+            ("square", columns**2), ("second_node", grid_nodes), ("load", lines * grid_nodes),
+            ("seat", np.where(grid_nodes > 0, np.diff(values["point_start"]) + np.diff(values["node_start"]), 0)),
         ):  # fmt: skip
             values[f"{name}_start"] = np.concatenate([[0], np.cumsum(sizes)])
         for name, of in (("entry", "entry_point"), ("near", "near"), ("press_entry", "press_entry")):
@@ -123,22 +123,22 @@ def fill_films(collector: Collector) -> None:
 
 def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> None:
     surface, grid, body = film.a.surface, film.grid, film.a.body
-    hats = grid.columns * grid.rows
+    grid_nodes = grid.columns * grid.rows
     basis = basis_of(film)
     free = np.flatnonzero(~basis.held)
     unknown_of = np.full(basis.functions, -1)
     unknown_of[free] = np.arange(len(free))
     G = _opening(surface)
-    of_functions = G @ basis.to_hats
-    shape = np.asarray(surface.mode_normal).reshape(hats, -1)
-    moment = modal_moments(surface).reshape(hats, -1).T
+    of_functions = G @ basis.to_nodes
+    shape = np.asarray(surface.mode_normal).reshape(grid_nodes, -1)
+    moment = modal_moments(surface).reshape(grid_nodes, -1).T
     theta, z = (v.ravel() for v in np.meshgrid(film.theta, grid.z, indexing="ij"))
     entries = _entries(basis)
     kind, numbers = _oil(film.oil)
     table, ranges = _second_form(film)
     travels = film.cavitation in ("jfo", "reynolds")
     law, law_numbers, law_table = _asperities(film)
-    rough = hats if film.mixed.asperities is not None else 0
+    rough = grid_nodes if film.mixed.asperities is not None else 0
     mixed = film.mixed
     factors = factor_table(mixed.roughness_a, mixed.roughness_b) if mixed.deviation else np.zeros((0, 13))
     lift, voids = of_functions @ basis.given, (basis.voids & travels).astype(int)
@@ -152,10 +152,11 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     )  # fmt: skip
     tables.part(
         compliance=np.hstack([of_functions[:, free], G[:, :rough]]).ravel(), shape=shape.ravel(),
-        moment=(moment @ basis.to_hats).ravel(), table=law_table, rough_moment=moment[:, :rough].ravel(),
-        hat_area=hat_gram(surface, 1)[0].sum(axis=1), lift=lift,
-        hat_place=surface.shape.point(theta, z) - body.center_of_mass, hat_form=film.gap_form(theta, z),
-        hat_function=basis.hat_function, hat_support=basis.hat_support, hat_value=basis.hat_value, function_of=free,
+        moment=(moment @ basis.to_nodes).ravel(), table=law_table, rough_moment=moment[:, :rough].ravel(),
+        node_area=node_gram(surface, 1)[0].sum(axis=1), lift=lift,
+        node_place=surface.shape.point(theta, z) - body.center_of_mass, node_form=film.gap_form(theta, z),
+        node_function=basis.node_function, node_support=basis.node_support, node_value=basis.node_value,
+            function_of=free,
         unknown_of=unknown_of, given=basis.given, feeds=basis.fed.astype(int), voids=voids,
         place=surface.shape.point(*basis.at.T) - body.center_of_mass, around=_around(surface, basis.at[:, 0]),
         along=_along(surface, *basis.at.T), area=basis.area, second_form=table.ravel(), **basis.neighbours,
@@ -170,7 +171,8 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
         point_place=surface.shape.point(basis.theta, basis.z) - body.center_of_mass,
         point_around=_around(surface, basis.theta), point_along=_along(surface, basis.theta, basis.z),
         form=film.gap_form(basis.theta, basis.z), weight=basis.weight, function=basis.function, value=basis.value,
-        slope_around=basis.around, slope_along=basis.along, void_value=basis.void, hat=basis.hat, between=basis.between,
+        slope_around=basis.around, slope_along=basis.along, void_value=basis.void, grid_node=basis.grid_node,
+            between=basis.between,
         begin=_filling(film, basis, lift),
     )  # fmt: skip
     _add_second(film, basis, tables)
@@ -185,7 +187,8 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
         collector.notes.append(f"{film.label}: {film.mixed.asperities.remark}")
     if film.quadrature == "reduced":
         collector.notes.append(
-            f"{film.label}: its pressure consists of {len(free)} profiles in place of {hats} nodes, which balance "
+            f"{film.label}: its pressure consists of {len(free)} profiles in place of {grid_nodes} nodes, which "
+            f"balance "
             "its oil in the axial mean: flows through feeds and ends are not recorded"
         )
     elif len(free) > MANY:
@@ -201,7 +204,7 @@ def _add_second(film: Film, basis: Basis, tables: Tables) -> None:
     """The grid of a compliant second surface, its compliance and the modes of its body; nothing for a rigid one."""
     surface = film.b.surface
     if not isinstance(surface, ContactSurface):
-        tables.one(second_modes=0, second_hats=0, second_grid=(0, 0, 0), second_pitch=(0.0, 1.0, 0.0))
+        tables.one(second_modes=0, second_nodes=0, second_grid=(0, 0, 0), second_pitch=(0.0, 1.0, 0.0))
         empty = np.zeros(0)
         tables.part(
             second_row=empty, second_shape=empty, second_compliance=empty, press_seat=empty, press_entry=empty,
@@ -210,11 +213,11 @@ def _add_second(film: Film, basis: Basis, tables: Tables) -> None:
         )  # fmt: skip
         return
     grid = surface.grid
-    hats = grid.columns * grid.rows
-    shape = np.asarray(surface.mode_normal).reshape(hats, -1)
+    grid_nodes = grid.columns * grid.rows
+    shape = np.asarray(surface.mode_normal).reshape(grid_nodes, -1)
     turn = 0.0 if surface.shape.profile().planar else 2.0 * np.pi / grid.pitch
     tables.one(
-        second_modes=shape.shape[1], second_hats=hats, second_grid=(grid.columns, grid.rows, int(grid.periodic)),
+        second_modes=shape.shape[1], second_nodes=grid_nodes, second_grid=(grid.columns, grid.rows, int(grid.periodic)),
         second_pitch=(float(places_around(surface)[0]), grid.pitch, turn),
     )  # fmt: skip
     tables.part(
@@ -240,12 +243,12 @@ def _presses(film: Film, basis: Basis) -> tuple[Array, Array, Array]:
     points = len(basis.weight)
     if film.quadrature != "reduced":
         return np.arange(points), basis.function, basis.value * basis.weight[:, None]
-    forces = sp.csr_matrix(sp.csr_matrix(hat_gram(film.a.surface, 1)[0]) @ basis.to_hats)
+    forces = sp.csr_matrix(sp.csr_matrix(node_gram(film.a.surface, 1)[0]) @ basis.to_nodes)
     counts = np.diff(forces.indptr)
     slot = np.arange(forces.nnz) - np.repeat(forces.indptr[:-1], counts)
     function, value = np.full((len(counts), counts.max()), -1), np.zeros((len(counts), counts.max()))
-    hat = np.repeat(np.arange(len(counts)), counts)
-    function[hat, slot], value[hat, slot] = forces.indices, forces.data
+    grid_node = np.repeat(np.arange(len(counts)), counts)
+    function[grid_node, slot], value[grid_node, slot] = forces.indices, forces.data
     return points + np.arange(len(counts)), function, value
 
 
@@ -292,9 +295,9 @@ def _asperities(film: Film) -> tuple[int, list[float], Array]:
 
 
 def _opening(surface: ContactSurface) -> Array:
-    """G = D M (hats, hats) [m/Pa]."""
+    """G = D M (nodes, nodes) [m/Pa]."""
     D = surface.compliance(np.arange(surface.grid.columns))
-    return D @ hat_gram(surface, 1)[0]
+    return D @ node_gram(surface, 1)[0]
 
 
 def _around(surface: ContactSurface, theta: Array) -> Array:
@@ -333,7 +336,7 @@ def _entries(basis: Basis) -> Entries:
     near, near_start, near_at = [], [0], np.zeros((len(order), 4), dtype=int)
     for f in range(basis.functions):
         mine = slice(start[f], start[f + 1])
-        found, at = np.unique(basis.hat[point[mine]], return_inverse=True)
+        found, at = np.unique(basis.grid_node[point[mine]], return_inverse=True)
         near.append(found)
         near_start.append(near_start[-1] + len(found))
         near_at[mine] = at.reshape(-1, 4)
@@ -343,7 +346,7 @@ def _entries(basis: Basis) -> Entries:
 def _filling(film: Film, basis: Basis, lift: Array) -> Array:
     """Gap at the points [m] at the start of the scene, opened by the given pressures, times rho/rho_0 there."""
     pressure = np.sum(basis.value * basis.given[basis.function], axis=1)
-    opened = np.sum(basis.between * lift[basis.hat], axis=1)
+    opened = np.sum(basis.between * lift[basis.grid_node], axis=1)
     return film.oil.density_at(pressure) * (film.gap_at(basis.theta, basis.z) + opened)
 
 

@@ -211,4 +211,4 @@ def _spline_modes(body: Body | Ground, collector: Any, surface: ContactSurface) 
             f"body {body.name!r}: its local modes have inertia, and a patch of cells needs them quasi-static; use "
             'local_modes="quasi_static", or grid="body_fixed"'
         )
-    return np.ascontiguousarray(surface.splines.of_hats(surface.mode_normal))
+    return np.ascontiguousarray(surface.splines.of_nodes(surface.mode_normal))

@@ -7,31 +7,31 @@ from warpffrf.online.step.phases import Participant
 from warpffrf_kernels.bodies import inertia, mean_work, membrane
 from warpffrf_kernels.constraints import geometric_stiffness
 from warpffrf_kernels.impulsive import impulsive_contact
-from warpffrf_kernels.linear import outer, outer_solve
+from warpffrf_kernels.linear import retained, retained_solve
 from warpffrf_kernels.normal import contact_solve
 from warpffrf_kernels.step import balance
 
 OUTER = Participant(
-    "outer",
-    load=[blocks(outer.pull, when="row")],
+    "retained",
+    load=[blocks(retained.pull, when="row")],
     balance=[threads(balance.balance)],
-    unbalanced=[once(outer.find_unbalanced)],
+    unbalanced=[once(retained.find_unbalanced)],
     assemble=[
-        blocks(outer.condense),
+        blocks(retained.condense),
         blocks(inertia.couple_modes, when="inertia_mode"),
         blocks(membrane.stiffen_membranes, when="square_mode"),
         blocks(mean_work.couple_pulls, when="stiffened_row"),
         threads(geometric_stiffness.stiffen, when='row'),
         threads(geometric_stiffness.stiffen_applied, when='applied'),
     ],
-    eliminate=[blocks(outer_solve.solve_outer, when='free_outer')],
+    eliminate=[blocks(retained_solve.solve_retained, when='free_retained')],
     increase=[
         blocks(contact_solve.modal_increments, when="mode"),
         blocks(impulsive_contact.push_further, when='dynamic_mode'),
     ],
     advance=[
-        blocks(outer.advance_outer),
-        blocks(outer.advance_rest, when="row_or_mode"),
-        once(outer.count_iteration),
+        blocks(retained.advance_retained),
+        blocks(retained.advance_rest, when="row_or_mode"),
+        once(retained.count_iteration),
     ],
 )  # fmt: skip

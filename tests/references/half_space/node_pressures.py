@@ -50,7 +50,7 @@ def point_pressures(contact: PointContact, nodes: Array) -> Array:
 def _inside(pressure: Array) -> Array:
     edges = [np.take(pressure, (0, -1), axis) for axis in range(pressure.ndim)]
     if any(np.any(edge > 0.0) for edge in edges):
-        raise InputError("pressures in hats: the patch reaches the outermost nodes; give nodes beyond it")
+        raise InputError("pressures in nodes: the patch reaches the outermost nodes; give nodes beyond it")
     return pressure
 
 
@@ -70,7 +70,7 @@ def _pressed(G: Array, area: float, square: Array, radius: float, load: float) -
         if np.array_equal(found, active):
             return s
         active = found
-    raise RuntimeError("pressures in hats: no active set found")
+    raise RuntimeError("pressures in nodes: no active set found")
 
 
 def edge_beyond(pressure: Array) -> float:

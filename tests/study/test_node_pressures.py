@@ -1,4 +1,4 @@
-"""Hertz's contacts in hats, bounds made of them, and mean displacements of cells."""
+"""Hertz's contacts in nodes, bounds made of them, and mean displacements of cells."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from references.closed_forms import LineContact, PointContact, contact_modulus
-from references.half_space.hat_pressures import bounding, edge_beyond, line_pressures, point_pressures
 from references.half_space.influence import influence_3d, mean_2d, mean_3d, strip_displacement
+from references.half_space.node_pressures import bounding, edge_beyond, line_pressures, point_pressures
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 

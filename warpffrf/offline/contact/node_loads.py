@@ -72,7 +72,7 @@ Direction = str | Callable[[np.ndarray, np.ndarray], np.ndarray]  # one of the n
 
 
 @dataclass(frozen=True)
-class HatLoads:
+class NodeLoads:
     """Entries of B: load vectors `value` (e, 3) [m^2] on mesh `node` (e,) per unit coefficient of function (`column`,
     `row`).
 
@@ -87,7 +87,7 @@ class HatLoads:
     area: np.ndarray
 
 
-def hat_loads(
+def node_loads(
     kind: str,
     nodes: np.ndarray,
     chart: Chart,
@@ -96,7 +96,7 @@ def hat_loads(
     *,
     basis: str = "nodes",
     direction: Direction = "normal",
-) -> HatLoads:
+) -> NodeLoads:
     """Loads of all functions of `plan` that reach the facets `nodes` (m, k) of `kind`: `basis` "nodes" on its nodes or
     "cells" around them, between the lines `GridPlan.lines`, in one of `DIRECTIONS` or in user-defined vectors. Rows and
     edge columns are clipped."""
@@ -116,8 +116,8 @@ def surface_vectors(shape, theta: np.ndarray, z: np.ndarray, direction: Directio
     return shape.around(theta) if direction == "theta" else shape.along(theta, z)
 
 
-def _loads(kind, nodes, theta, z, shape, plan: GridPlan, basis: str, direction: Direction) -> HatLoads:
-    """Loads of some facets, see `hat_loads`."""
+def _loads(kind, nodes, theta, z, shape, plan: GridPlan, basis: str, direction: Direction) -> NodeLoads:
+    """Loads of some facets, see `node_loads`."""
     x = (theta - plan.theta_start) / plan.pitch
     if not plan.periodic:  # facets on either side of theta = 0 belong to one arc
         turn, low = full_turn(shape) / plan.pitch, x.min(axis=1, keepdims=True)
@@ -184,17 +184,17 @@ def _functions(plan: GridPlan, basis: str, x, z, j, k) -> tuple[np.ndarray, np.n
     return np.stack([j, j, j + 1, j + 1], axis=1), np.stack([k, k + 1, k, k + 1], axis=1), psi
 
 
-def _summed(node, column, row, value, area, rows: int) -> HatLoads:
+def _summed(node, column, row, value, area, rows: int) -> NodeLoads:
     """Sum entries with the same node and function."""
     low = column.min(initial=0)
     width = (column.max(initial=0) - low + 1) * rows
     key = node * width + (column - low) * rows + row
     _, first, inverse = np.unique(key, return_index=True, return_inverse=True)
     summed = [np.bincount(inverse.ravel(), weights=w, minlength=len(first)) for w in (*value.T, area)]
-    return HatLoads(node[first], column[first], row[first], np.stack(summed[:3], axis=1), summed[3])
+    return NodeLoads(node[first], column[first], row[first], np.stack(summed[:3], axis=1), summed[3])
 
 
-def merged_loads(parts: list[HatLoads], rows: int) -> HatLoads:
+def merged_loads(parts: list[NodeLoads], rows: int) -> NodeLoads:
     """Loads of several groups of facets on one grid as one, entries of the same node and function summed."""
     if len(parts) == 1:
         return parts[0]
@@ -330,11 +330,11 @@ class ContactFacets:
             found = nodal_plan(chart, name)
         return found or spaced_plan(chart, self.shape, name, chart.edge if spacing is None else spacing, nodes)
 
-    def loads(self, plan: GridPlan, basis: str, direction: Direction) -> HatLoads:
+    def loads(self, plan: GridPlan, basis: str, direction: Direction) -> NodeLoads:
         """Loads of the functions of `basis` on the nodes of `plan` on the nodes of all facets."""
         lines = plan.lines(basis)
         parts = [
-            hat_loads(kind, nodes, chart, self.shape, lines, basis=basis, direction=direction)
+            node_loads(kind, nodes, chart, self.shape, lines, basis=basis, direction=direction)
             for kind, nodes, chart in self.blocks
         ]
         return merged_loads(parts, len(lines.z))

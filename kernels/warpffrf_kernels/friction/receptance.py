@@ -14,10 +14,10 @@ from warpffrf_kernels.core.friction_scratch import FrictionSolve
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
-from warpffrf_kernels.core.scratch import OuterSystem
+from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.friction.cell_blocks import COUNT
 from warpffrf_kernels.friction.pressure_answer import RENEWED
-from warpffrf_kernels.linear.outer_solve import solve
+from warpffrf_kernels.linear.retained_solve import solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -38,42 +38,42 @@ def is_pushed(model: Model, c: int) -> bool:
 
 
 @kernel
-def invert_outer(
-    run: Run, tangential: FrictionSolve, normal: ContactSolve, system: OuterSystem, patterns: wp.array(dtype=Pattern)
+def invert_retained(
+    run: Run, tangential: FrictionSolve, normal: ContactSolve, system: RetainedSystem, patterns: wp.array(dtype=Pattern)
 ):
     """Per world: M, column by column with the factor of the last solution, if Y is new."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, RENEWED] == 0:
         return
-    N = model.outer.count
+    N = model.retained.count
     i = lane
     while i < N:
-        tangential.mobility_rhs[w * N + i] = real(0.0)
+        tangential.friction_receptance_rhs[w * N + i] = real(0.0)
         i += wp.block_dim()
     c = int(0)
     while c < N:
         sync()
         if is_pushed(model, c):
             if lane == 0:
-                tangential.mobility_rhs[w * N + c] = real(1.0)
+                tangential.friction_receptance_rhs[w * N + c] = real(1.0)
             sync()
             solve(
-                model, patterns[0], w, lane, 0, normal.bordered, tangential.mobility_rhs, system.hold, 0,
+                model, patterns[0], w, lane, 0, normal.bordered, tangential.friction_receptance_rhs, system.hold, 0,
                 system.scaling, system.pivots, system.sparse_factor, system.sparse_vector, system.sparse_lines,
-                system.fallback, system.elimination, system.inverse_transposed, tangential.mobility_column,
+                system.fallback, system.elimination, system.inverse_transposed, tangential.friction_receptance_column,
             )  # fmt: skip
             sync()
             i = lane
             while i < N:
-                tangential.mobility[(w * N + c) * N + i] = tangential.mobility_column[w * N + i]
+                tangential.friction_receptance[(w * N + c) * N + i] = tangential.friction_receptance_column[w * N + i]
                 i += wp.block_dim()
             if lane == 0:
-                tangential.mobility_rhs[w * N + c] = real(0.0)
+                tangential.friction_receptance_rhs[w * N + c] = real(0.0)
         else:
             i = lane
             while i < N:
-                tangential.mobility[(w * N + c) * N + i] = real(0.0)
+                tangential.friction_receptance[(w * N + c) * N + i] = real(0.0)
                 i += wp.block_dim()
         c += 1
 
@@ -81,7 +81,7 @@ def invert_outer(
 # V = L M over the coupled columns of a pair, and the 2 x 2 blocks D + V L^T of its cells; `own`: M between these
 # columns, scratch. Lanes over the columns.
 @wp.func_native("""
-    const int width = model.pairs.coupled_capacity, stride = 2 * model.capacity.cells, N = model.outer.count;
+    const int width = model.pairs.coupled_capacity, stride = 2 * model.capacity.cells, N = model.retained.count;
     const int count = model.pairs.coupled_count.data[pair], lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
     const int* column = model.pairs.coupled.data + (size_t)pair * width;
     const size_t here = (size_t)w * model.pairs.count + pair;
@@ -140,6 +140,6 @@ def diagonal_blocks(run: Run, tangential: FrictionSolve):
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, RENEWED] == 0 or lines == 0:
         return
     move_pair(
-        model, w, pair, lines, tangential.cell_D, tangential.cell_bordered, tangential.mobility,
-        tangential.mobility_own, tangential.cell_V, tangential.cell_diagonal,
+        model, w, pair, lines, tangential.cell_D, tangential.cell_bordered, tangential.friction_receptance,
+        tangential.friction_receptance_own, tangential.cell_V, tangential.cell_diagonal,
     )  # fmt: skip

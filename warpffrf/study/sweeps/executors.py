@@ -28,9 +28,9 @@ from typing import Any, Protocol
 from warpffrf import __version__
 from warpffrf.model.errors import InputError
 from warpffrf.model.messages.progress import deaf_children
-from warpffrf.study.sweeps.errand import answers
 from warpffrf.study.sweeps.job import Answer, Job, Numbered
-from warpffrf.study.sweeps.parcel import Parcel
+from warpffrf.study.sweeps.payload import Payload
+from warpffrf.study.sweeps.task import answers
 
 WORKER = "warpffrf sweep worker"  # name of the processes
 LEAST_OPEN = 64  # rows sent at once if the number of workers is unknown
@@ -58,7 +58,7 @@ def found_by(future: Answers) -> list[Answer]:
     return future.result()
 
 
-class Crew(Protocol):
+class Executor(Protocol):
     """Executor of rows. `capacity`: number of futures that may be open at once."""
 
     @property
@@ -168,8 +168,8 @@ def _begin(environment: dict[str, str]) -> None:
 class Processes:
     """A process of this machine for each of `devices`, None: the device of the run."""
 
-    def __init__(self, parcel: Parcel, devices: Sequence[str | None]) -> None:
-        self.parcel, self.capacity = parcel, len(devices)
+    def __init__(self, payload: Payload, devices: Sequence[str | None]) -> None:
+        self.payload, self.capacity = payload, len(devices)
         self.free: list[_Worker] = []
         self.busy: dict[Answers, _Worker] = {}
         try:
@@ -183,7 +183,7 @@ class Processes:
         """Submit rows to a free worker."""
         worker = self.free.pop(0)
         try:
-            future = worker.pool.submit(answers, self.parcel, rows, worker.device)
+            future = worker.pool.submit(answers, self.payload, rows, worker.device)
         except BrokenExecutor as error:  # it died while it was idle
             future = Future()
             future.set_exception(error)
@@ -231,8 +231,8 @@ def refuse_in_workers() -> None:
 class Elsewhere:
     """An executor provided by the user; it is not shut down."""
 
-    def __init__(self, parcel: Parcel, executor: Any) -> None:
-        self.parcel, self.executor = parcel, executor
+    def __init__(self, payload: Payload, executor: Any) -> None:
+        self.payload, self.executor = payload, executor
         self.open: set[Answers] = set()
 
     @property
@@ -242,7 +242,7 @@ class Elsewhere:
 
     def submit(self, rows: Numbered) -> Answers:
         """Submit rows to any worker."""
-        future = self.executor.submit(answers, self.parcel, rows, None)
+        future = self.executor.submit(answers, self.payload, rows, None)
         self.open.add(future)
         return future
 

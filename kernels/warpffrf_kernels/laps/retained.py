@@ -13,7 +13,7 @@ from warpffrf_kernels.core.lap_scratch import LapScratch
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
-from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.scratch import Residuals, RetainedSystem, Trial
 from warpffrf_kernels.laps.loops import add_columns, take
 from warpffrf_kernels.laps.motion import RIGID, WRENCH, axis_of, relative_motion, unit
 from warpffrf_kernels.laps.tableau import columns_of, lines_of, respond, slots_at, table_at, unknowns_of
@@ -71,7 +71,7 @@ def gradient_of(
 
 
 @kernel
-def stiffen_by_laps(run: Run, tableau: LapScratch, system: OuterSystem):
+def stiffen_by_laps(run: Run, tableau: LapScratch, system: RetainedSystem):
     """Per world, lanes over the retained columns of each group: -B^T T_zz B."""
     w, lane = wp.tid()
     model = run.models[w]
@@ -101,15 +101,15 @@ def stiffen_by_laps(run: Run, tableau: LapScratch, system: OuterSystem):
         first_lap = model.elements[0].laps[0].lap_start[group]
         last_lap = model.elements[0].laps[0].lap_start[group + 1]
         first_column = model.elements[0].laps[0].column_start[group]
-        start = model.elements[0].laps[0].outer_start[group]
-        count = model.elements[0].laps[0].outer_start[group + 1] - start
+        start = model.elements[0].laps[0].retained_start[group]
+        count = model.elements[0].laps[0].retained_start[group + 1] - start
         followed = w * model.elements[0].laps[0].followed_start[model.elements[0].laps[0].count]
         followed += model.elements[0].laps[0].followed_start[group]
         j = lane
         while j < count:
             at = followed + j * columns
-            column = model.elements[0].laps[0].outer[start + j]
-            own = model.elements[0].laps[0].outer_column[start + j]
+            column = model.elements[0].laps[0].retained[start + j]
+            own = model.elements[0].laps[0].retained_column[start + j]
             a = int(0)
             while a < columns:
                 tableau.lap_followed[at + a] = real(0.0)
@@ -135,8 +135,8 @@ def stiffen_by_laps(run: Run, tableau: LapScratch, system: OuterSystem):
                     lap += 1
             i = int(0)
             while i < count:
-                line = model.elements[0].laps[0].outer[start + i]
-                other = model.elements[0].laps[0].outer_column[start + i]
+                line = model.elements[0].laps[0].retained[start + i]
+                other = model.elements[0].laps[0].retained_column[start + i]
                 sum = real(0.0)
                 if other >= 0:
                     sum = tableau.lap_followed[at + other]
@@ -157,7 +157,7 @@ def stiffen_by_laps(run: Run, tableau: LapScratch, system: OuterSystem):
 
 
 @kernel
-def turn_laps(run: Run, trial: Trial, tableau: LapScratch, system: OuterSystem):
+def turn_laps(run: Run, trial: Trial, tableau: LapScratch, system: RetainedSystem):
     """Per world: forces of small-sliding contacts rotate with their first body, and their arms move."""
     w = wp.tid()
     model = run.models[w]

@@ -6,11 +6,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from warpffrf.study.sweeps.parcel import Parcel
+from warpffrf.study.sweeps.payload import Payload
 
 
-def answers(parcel: Parcel, rows: Sequence[tuple[int, dict[str, Any]]], device: str | None) -> list[Any]:
-    """Run the rows of a parcel in this process; a list of `Answer`."""
+def answers(payload: Payload, rows: Sequence[tuple[int, dict[str, Any]]], device: str | None) -> list[Any]:
+    """Run the rows of a payload in this process; a list of `Answer`."""
     from warpffrf.study.sweeps.packing import answers_of
 
-    return answers_of(parcel, rows, device)
+    return answers_of(payload, rows, device)

@@ -1,7 +1,7 @@
 r"""Intermediate states of a run, from which parts of it can be repeated with another step.
 
-A run of up to `WHOLE` steps stores `FEW` equidistant states, a longer one `MARKS`. They stay in memory with the
-`History` and are not written to files. `Marks.again` creates a new engine: without a repetition the only cost is that
+A run of up to `WHOLE` steps stores `FEW` equidistant states, a longer one `SAMPLES`. They stay in memory with the
+`History` and are not written to files. `Samples.again` creates a new engine: without a repetition the only cost is that
 of the copies.
 
 **Another step from a state in the middle of a run.** In a smooth motion x(t) the velocities and algorithmic
@@ -33,7 +33,7 @@ from warpffrf.online.history.history import History
 from warpffrf.online.history.record import history_from_rows
 
 WHOLE = 4000  # steps, up to which a run is repeated as a whole
-FEW, MARKS = 32, 100  # states of such a run, and of a longer one
+FEW, SAMPLES = 32, 100  # states of such a run, and of a longer one
 MOST_BYTES = 64e6  # of them
 COARSER, FINER = 2, 4  # times the step of the run, parts of it
 ROUGHER = float(COARSER**3)  # factor of the allowed error of a step: local errors grow with h^3
@@ -55,7 +55,7 @@ class Again:
     coarse: History
 
 
-class Marks:
+class Samples:
     """States of a run of user steps `first` to `last` of `step` [s]; `options`: what its `Engine` was made with;
     `static`: of a static run, which leaves none."""
 
@@ -66,7 +66,7 @@ class Marks:
         self.static = static
         self.options, self.step, self.first, self.last = dict(options), step, first, last
         size = sum(array.nbytes for array in engine.state.to_numpy().values())
-        count = int(np.clip(MOST_BYTES // size, 1, FEW if self.whole else MARKS))
+        count = int(np.clip(MOST_BYTES // size, 1, FEW if self.whole else SAMPLES))
         self.steps = np.unique(np.linspace(first, last, count + 1).astype(int))
         self.states: dict[int, State] = {}
 
@@ -86,7 +86,7 @@ class Marks:
             self.states[done] = engine.state.to_numpy()
 
     def windows(self, reached: int) -> list[tuple[int, int]]:
-        """Parts of a run up to user step `reached`, between marks."""
+        """Parts of a run up to user step `reached`, between samples."""
         ends = np.append(self.steps[(self.steps < reached)], reached)
         return [(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True) if int(a) in self.states]
 

@@ -15,9 +15,9 @@ Eliminating dq leaves, for z = (dx, dlam),
 
     opened - J sigma^-1 r_m + L z + G ds = 0,        G = G_local + J sigma^-1 J^T.
 
-Only the structurally nonzero entries are assembled (`outer_pattern`), at their positions in a dense matrix, to which
+Only the structurally nonzero entries are assembled (`retained_pattern`), at their positions in a dense matrix, to which
 `geometric_stiffness` and `inertia` add theirs. The contribution of contact is in `contact_solve`, the solution in
-`outer_solve`.
+`retained_solve`.
 """
 
 import warp as wp
@@ -28,7 +28,7 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, vec3
-from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.scratch import Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import LoadState
 from warpffrf_kernels.linear.sparse_factor import Pattern
 
@@ -95,7 +95,7 @@ def body_of(model: Model, column: int) -> int:
 
 @kernel
 def condense(
-    run: Run, residuals: Residuals, system: OuterSystem, patterns: wp.array(dtype=Pattern),
+    run: Run, residuals: Residuals, system: RetainedSystem, patterns: wp.array(dtype=Pattern),
     modal_residual: wp.array(dtype=real),
 ):  # fmt: skip
     """Lanes over retained unknowns: rows of the condensed matrix (the blocks of bodies are assembled before), entries
@@ -107,8 +107,8 @@ def condense(
         return
     rigid = 6 * model.bodies.count
     i = lane
-    while i < model.outer.count:
-        row = i - model.outer.row_offset
+    while i < model.retained.count:
+        row = i - model.retained.row_offset
         if i < rigid:
             system.rhs[w, i] = -residuals.residual[w, i]
         elif row < 0:
@@ -131,7 +131,7 @@ def condense(
             at = p.entry_start[i]
             while at < p.entry_start[i + 1]:
                 j = p.entry_column[at]
-                other = j - model.outer.row_offset
+                other = j - model.retained.row_offset
                 if row < 0 and other < 0:
                     if body_of(model, i) != body_of(model, j):  # geometric stiffness is added later
                         system.tangent[w, i, j] = real(0.0)
@@ -153,7 +153,7 @@ def condense(
 
 
 @kernel
-def advance_outer(run: Run, system: OuterSystem, trial: Trial):
+def advance_retained(run: Run, system: RetainedSystem, trial: Trial):
     """Per body: apply the Newton increments once the active set has converged."""
     w, lane = wp.tid()
     model = run.models[w]
@@ -161,7 +161,7 @@ def advance_outer(run: Run, system: OuterSystem, trial: Trial):
         return
     b = lane
     while b < model.bodies.count:
-        o = w * model.outer.count + 6 * b
+        o = w * model.retained.count + 6 * b
         trial.dx[w, b] = trial.dx[w, b] + vec3(system.z[o], system.z[o + 1], system.z[o + 2])
         trial.psi[w, b] = trial.psi[w, b] + trial.psi_inverse[w, b] * vec3(
             system.z[o + 3], system.z[o + 4], system.z[o + 5]
@@ -170,7 +170,7 @@ def advance_outer(run: Run, system: OuterSystem, trial: Trial):
 
 
 @kernel
-def advance_rest(run: Run, system: OuterSystem, loads: LoadState, trial: Trial):
+def advance_rest(run: Run, system: RetainedSystem, loads: LoadState, trial: Trial):
     """Lanes over rows and modes."""
     w, lane = wp.tid()
     model = run.models[w]
@@ -179,7 +179,7 @@ def advance_rest(run: Run, system: OuterSystem, loads: LoadState, trial: Trial):
     i = lane
     while i < model.rows.count + model.modes.count:
         if i < model.rows.count:
-            loads.lam[w, i] = loads.lam[w, i] + system.z[w * model.outer.count + model.outer.row_offset + i]
+            loads.lam[w, i] = loads.lam[w, i] + system.z[w * model.retained.count + model.retained.row_offset + i]
         else:
             n = i - model.rows.count
             trial.dq[w, n] = trial.dq[w, n] + system.modal_step[w * model.modes.count + n]

@@ -1,7 +1,7 @@
 """Solution of the retained system by a sparse factorisation with precomputed pattern and order.
 
 The matrix is factored by blocks, in an order found when the scene was compiled (`sparse_factor`;
-`warpffrf.online.compile.outer_pattern` explains why no pivot is sought outside a block).
+`warpffrf.online.compile.retained_pattern` explains why no pivot is sought outside a block).
 
 A new factor is verified: |A z - rhs| is measured in the equilibrated system and corrected once if it exceeds
 CORRECT_ABOVE of |z| + |rhs|. If a pivot is too small or the residual stays above REFUSE_ABOVE, the dense inverse is
@@ -18,7 +18,7 @@ from warpffrf_kernels.core.integration import is_static
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
-from warpffrf_kernels.core.scratch import OuterSystem
+from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.linear.sparse_factor import Pattern, factorise, residual_of, solve_factored
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -34,7 +34,7 @@ COUNT = wp.constant(1)  # number of its uses
 # place, with row pivoting; rows stay contiguous. Native for contiguous inner loops like `axpy`; not measured
 # separately. Returns 1 if a pivot is below `tolerance`.
 @wp.func_native("""
-    const int n = model.outer.count, rigid = model.outer.row_offset, moving = 6 * model.bodies.count;
+    const int n = model.retained.count, rigid = model.retained.row_offset, moving = 6 * model.bodies.count;
     const int L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
     double* a = work.data + (size_t)w * n * n;
     double* scale = scaling.data + (size_t)w * n;
@@ -131,7 +131,7 @@ def apply_inverse(
     z: wp.array(dtype=real),
 ):
     """z[w] = H rhs[w]; one block per world."""
-    N = model.outer.count
+    N = model.retained.count
     i = lane
     while i < N:
         z[w * N + i] = real(0.0)
@@ -173,7 +173,7 @@ def solve(
     z: wp.array(dtype=real),
 ) -> int:
     """z[w] = matrix^-1 right[w], with a new factor if `renew` is set; returns 1 if the matrix is singular."""
-    N = model.outer.count
+    N = model.retained.count
     i = lane
     while i < N:
         z[w * N + i] = real(0.0)
@@ -210,7 +210,7 @@ def solve(
 
 
 @kernel
-def solve_outer(run: Run, system: OuterSystem, patterns: wp.array(dtype=Pattern), rhs: wp.array(dtype=real)):
+def solve_retained(run: Run, system: RetainedSystem, patterns: wp.array(dtype=Pattern), rhs: wp.array(dtype=real)):
     """Per world: a new factor if the matrix is to be renewed, then z; for scenes without contact."""
     w, lane = wp.tid()
     model = run.models[w]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Parcel:
+class Payload:
     """A pickled job, or None if it is in the `folder` by its `digest`; and the versions of the sender."""
 
     content: bytes

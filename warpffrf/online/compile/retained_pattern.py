@@ -1,10 +1,10 @@
 r"""Sparsity of the matrix of retained coordinates of a scene, and the order of its elimination
-(`warpffrf_kernels.linear.outer_solve`).
+(`warpffrf_kernels.linear.retained_solve`).
 
-The retained matrix [[S, C^T], [C, -E]] (`warpffrf_kernels.linear.outer`) couples few of its unknowns: S has a block for
-each body (six rigid coordinates and the modes that carry inertia) and one for each two bodies that share a row; C has
-in a row the blocks of its two bodies; E couples rows that end on one flexible body; the nodes of a contact pair, which
-are eliminated first, couple its two bodies and the rows on their interfaces. With a good order the factors are
+The retained matrix [[S, C^T], [C, -E]] (`warpffrf_kernels.linear.retained`) couples few of its unknowns: S has a block
+for each body (six rigid coordinates and the modes that carry inertia) and one for each two bodies that share a row; C
+has in a row the blocks of its two bodies; E couples rows that end on one flexible body; the nodes of a contact pair,
+which are eliminated first, couple its two bodies and the rows on their interfaces. With a good order the factors are
 hardly larger: a chain or a tree of n bodies costs O(n).
 
 Unknowns are grouped in *nodes*, one for each body and one for all rows between the same two bodies; rows between two
@@ -54,7 +54,7 @@ class Node:
 
 
 @dataclass(frozen=True)
-class OuterPattern:
+class RetainedPattern:
     """Order and indices of a sparse factorisation of the retained matrix; all arrays of int32.
 
     Node e, in the order of elimination, has `size[e]` unknowns from place `first[e]` on (places: positions in that
@@ -64,8 +64,8 @@ class OuterPattern:
     width).
     """
 
-    outer_count: int
-    order: np.ndarray  # (outer_count,)
+    retained_count: int
+    order: np.ndarray  # (retained_count,)
     size: np.ndarray  # (nodes,)
     width: np.ndarray
     first: np.ndarray
@@ -77,7 +77,7 @@ class OuterPattern:
     # (factor_size,) line and column of the retained matrix of each number of the factor, -1: fill
     gather_line: np.ndarray
     gather_column: np.ndarray
-    entry_start: np.ndarray  # (outer_count + 1,) the same by lines: columns of the entries of each line
+    entry_start: np.ndarray  # (retained_count + 1,) the same by lines: columns of the entries of each line
     entry_column: np.ndarray
     row_start: np.ndarray  # (bodies + 1,) rows with entries on the columns of each body
     row: np.ndarray
@@ -104,7 +104,7 @@ def find_pattern(
     flexible: np.ndarray,
     pairs: np.ndarray = NO_COUPLES,
     couples: np.ndarray = NO_COUPLES,
-) -> OuterPattern:
+) -> RetainedPattern:
     """Pattern of a scene.
 
     dense (bodies,): retained modes of each body. rows (rows, 2): bodies of each row, -1 for the ground.
@@ -122,7 +122,7 @@ def find_pattern(
     return _places(nodes, near, sequence, later, body_count, np.asarray(rows).reshape(-1, 2), np.asarray(flexible))
 
 
-def pattern_of(compiled: CompiledScene) -> OuterPattern:
+def pattern_of(compiled: CompiledScene) -> RetainedPattern:
     """Pattern of a compiled scene."""
     return find_pattern(compiled.model.bodies.count, *couplings(compiled))
 
@@ -154,19 +154,19 @@ def _lapped(compiled: CompiledScene) -> np.ndarray:
     laps, m = compiled.laps, compiled.model
     found = [NO_COUPLES]
     for group in range(laps.count):
-        start, end = laps.outer_start.numpy()[group : group + 2]
-        outer = laps.outer.numpy()[start:end]
-        rigid = outer[outer < 6 * m.bodies.count] // 6
-        modal = m.dense.body.numpy()[outer[outer >= 6 * m.bodies.count] - 6 * m.bodies.count]
+        start, end = laps.retained_start.numpy()[group : group + 2]
+        retained = laps.retained.numpy()[start:end]
+        rigid = retained[retained < 6 * m.bodies.count] // 6
+        modal = m.dense.body.numpy()[retained[retained >= 6 * m.bodies.count] - 6 * m.bodies.count]
         bodies = np.unique(np.concatenate([rigid, modal]))
         found.append(np.array([(a, b) for a in bodies for b in bodies if a < b], dtype=int).reshape(-1, 2))
     return np.concatenate(found)
 
 
-def on_device(pattern: OuterPattern, device: str) -> tuple[Any, wp.array]:
+def on_device(pattern: RetainedPattern, device: str) -> tuple[Any, wp.array]:
     """The pattern on the device: the struct, which owns its arrays and must be kept, and an array of it."""
     p = Pattern()
-    p.node_count, p.outer_count = len(pattern.size), pattern.outer_count
+    p.node_count, p.retained_count = len(pattern.size), pattern.retained_count
     p.factor_size, p.widest = pattern.factor_size, pattern.widest
     for name in (
         "order", "size", "width", "first", "start", "panel_start", "panel", "target_start", "target", "gather_line",
@@ -308,7 +308,7 @@ def _places(
     body_count: int,
     rows: np.ndarray,
     flexible: np.ndarray,
-) -> OuterPattern:
+) -> RetainedPattern:
     rank = {e: i for i, e in enumerate(sequence)}
     size = np.array([len(nodes[e].unknowns) for e in sequence], dtype=int)
     first = np.concatenate([[0], np.cumsum(size)]).astype(int)
@@ -357,8 +357,8 @@ def _places(
     counts = np.bincount(gather_line[by_line], minlength=n)
     row_lists = [np.flatnonzero((rows == b).any(axis=1)) for b in range(body_count)]
     on_interface = [((rows[r] == b) & flexible[r]).any(axis=1) for b, r in enumerate(row_lists)]
-    return OuterPattern(
-        outer_count=n,
+    return RetainedPattern(
+        retained_count=n,
         order=order,
         size=size,
         width=width,

@@ -25,7 +25,7 @@ def replays_side_by_side(device: str) -> bool:
     return wp.get_device(device).is_cpu and wp.config.mode != "debug" and not wp.config.enable_cpu_blocks
 
 
-class Turn(ContextDecorator):
+class WarpLock(ContextDecorator):
     """A reentrant lock that a thread may release temporarily, however often it has acquired it."""
 
     def __init__(self) -> None:
@@ -74,6 +74,8 @@ class Turn(ContextDecorator):
         return self._owner == threading.get_ident()
 
 
-TURN = Turn()
+WARP_LOCK = WarpLock()
 if hasattr(os, "register_at_fork"):  # a child forked in the middle of a capture could never end it
-    os.register_at_fork(before=TURN.__enter__, after_in_parent=TURN.__exit__, after_in_child=TURN.__exit__)
+    os.register_at_fork(
+        before=WARP_LOCK.__enter__, after_in_parent=WARP_LOCK.__exit__, after_in_child=WARP_LOCK.__exit__
+    )
