@@ -2,55 +2,49 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
+import cuda_modules
 import numpy as np
 import pytest
 import warp as wp
 
-import warpffrf_kernels
 from warpffrf_kernels.core.scalars import BLOCK
 
-ARCH = 90  # compute capability 9.0
-FOLDER = Path(warpffrf_kernels.__file__).parent
-MODULES = [
-    ".".join(path.relative_to(FOLDER).with_suffix("").parts)
-    for path in sorted(FOLDER.rglob("*.py"))
-    if "\n@kernel" in path.read_text()
-]
-# what takes the compiler 8 to 70 s each, two thirds of the time of all; their functions are largely those of others
-LONG = {
-    "films.sampling", "films.system", "friction.stick_slip_solve", "impulsive.impulsive_means", "laps.retained",
-    "laps.solve", "kinematics.closest_point", "layers.weak_layer", "lumped.forces", "lumped.moments", "patch.fields",
-    "patch.place", "rolling.fields",
-}  # fmt: skip
 LANES = 1e-12  # relative: the lanes add in another order
 
 
 def test_kernel_modules_are_found() -> None:
-    some = {"bodies.motion", "constraints.rows", "linear.retained", "kinematics.line_of_centres", "step.commit"}
-    assert some | LONG <= set(MODULES)
+    some = {"bodies.motion", "constraints.rows", "films.system", "kinematics.line_of_centres", "step.commit"}
+    assert some <= set(cuda_modules.MODULES)
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in LONG)) for n in MODULES])
+def test_modules_that_changed_compile_for_sm_90(tmp_path: Path) -> None:
+    """Since all compiled last; see `cuda_modules`."""
+    for name in cuda_modules.changed():
+        folder = tmp_path / name
+        folder.mkdir()
+        assert "sm_90" in cuda_modules.compile_to_ptx(name, folder), name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", cuda_modules.MODULES)
 def test_module_compiles_for_sm_90(name: str, tmp_path: Path) -> None:
-    """NVRTC compiles to PTX; no device is needed."""
-    module = importlib.import_module(f"warpffrf_kernels.{name}")
-    warp_module = wp.get_module(module.__name__)
-    assert warp_module.kernels
-    before = warp_module.options["block_dim"]
-    warp_module.options["block_dim"] = BLOCK
-    try:
-        wp.compile_aot_module(module, arch=ARCH, module_dir=tmp_path, use_ptx=True)
-    finally:
-        warp_module.options["block_dim"] = before
-    (ptx,) = tmp_path.glob("*.ptx")
-    assert "sm_90" in ptx.read_text()
+    assert "sm_90" in cuda_modules.compile_to_ptx(name, tmp_path)
+
+
+def test_a_stamp_is_of_what_a_module_uses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Equal as long as nothing changes, another one for another version of Warp; each module has its own."""
+    stamps = [cuda_modules.stamp(name) for name in cuda_modules.MODULES]
+    assert len(set(stamps)) == len(stamps)
+    first = cuda_modules.MODULES[0]
+    assert cuda_modules.stamp(first) == stamps[0]
+    monkeypatch.setattr(wp.config, "version", "another")
+    assert cuda_modules.stamp(first) != stamps[0]
 
 
 # kernels need a source file, so this is run as one

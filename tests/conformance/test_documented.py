@@ -10,6 +10,7 @@ import ast
 import inspect
 import re
 import textwrap
+from enum import Enum
 from typing import Any
 
 import pytest
@@ -18,7 +19,9 @@ from public_names import Public, everything, members, own_text, top_level
 import warpffrf as wf
 
 EVERYTHING = everything()
-CLASSES = [one for one in EVERYTHING if inspect.isclass(one.thing) and one.owner is None]
+CLASSES = [
+    one for one in EVERYTHING if inspect.isclass(one.thing) and one.owner is None and not issubclass(one.thing, Enum)
+]
 CALLED = [one for one in EVERYTHING if one.function is not None]
 UNIT = re.compile(  # in brackets or in the text, or a word that says that there is none
     r"\[[^\]]+\]|\b(?:m|m2|m3|um|rad|s|Hz|N|Pa|J|W|kg|degrees|Celsius)\b|\b1/\w|%|\bdimensionless\b|\bbool\b|\bTrue\b|"

@@ -168,7 +168,7 @@ def test_the_kind_of_sliding_and_the_kind_of_surface_go_together() -> None:
 @pytest.mark.parametrize(
     ("option", "value"),
     [
-        ("evaluation", "hyper"), ("grid", "contact_fixed"), ("kinematics", "closest_point"), ("cell_error", 0.01),
+        ("quadrature", "reduced"), ("grid", "contact_fixed"), ("kinematics", "closest_point"), ("cell_error", 0.01),
         ("cells", (11, 21)), ("capacity", 100), ("overlap", 1e-4),
     ],
 )  # fmt: skip
