@@ -32,9 +32,9 @@ test: lint types
 
 # The lowest versions that pyproject.toml allows, in an environment of their own, with tests that use each of them.
 FLOOR := build/floor
-FLOOR_TESTS := tests/conformance/test_floor.py tests/model/test_mesh_reader.py tests/model/test_mesh_select.py \
-	tests/model/test_public.py tests/offline/test_reduction.py tests/online/test_threads.py tests/output/test_recorder.py \
-	tests/output/test_results_file.py tests/output/test_panels.py tests/test_cli.py tests/test_scene_file.py
+FLOOR_TESTS := tests/conformance/test_floor.py tests/model/mesh/test_mesh_reader.py tests/model/mesh/test_mesh_select.py \
+	tests/model/scene/test_public.py tests/offline/bodies/test_reduction.py tests/online/run/test_threads.py tests/output/recording/test_recorder.py \
+	tests/output/files/test_results_file.py tests/output/plots/test_panels.py tests/cli/test_cli.py tests/scene_file/test_scene_file.py
 test-floor:
 	$(PYTHON) -m venv --clear $(FLOOR)
 	$(FLOOR)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints-floor.txt \

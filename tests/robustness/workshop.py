@@ -2,8 +2,8 @@
 
 A mistake is a call that a user makes by mistake; the answer is the message of the error that it raises, or the warnings
 that it logs where the input is valid and only hardly meant. `words` are parts of it: the name of the thing and what to
-do. Mistakes that show only in a run are in `tests/online/test_forgotten_items.py` and
-`tests/online/test_unloaded_contacts.py`; those of result files in `tests/output/test_results_file.py`.
+do. Mistakes that show only in a run are in `tests/online/run/test_forgotten_items.py` and
+`tests/online/lumped/test_unloaded_contacts.py`; those of result files in `tests/output/files/test_results_file.py`.
 """
 
 from __future__ import annotations

@@ -10,11 +10,11 @@ attachment modes a, of frequencies f_a and shares s_a, in place of the modes k
 
     error = PART/2 sum_a s_a (f/f_a)^4,
 
-`PART` as measured (tests/output/test_frequency_errors.py: for beams with two to eight modes, free and with an end mass,
-nine of ten errors above 0.1 % are estimated to a factor of three; errors of bodies without vibration modes are up to
-ten times smaller). Local modes under pressures have no inertia, only g_k: e = r^2/(1 - r^2) at most, with r = f over
-the frequency up to which the bodies include their vibrations. Their share is at most the remaining energy if a contact
-is closed, including springs and joints. Mesh errors are not included.
+`PART` as measured (tests/output/results/test_frequency_errors.py: for beams with two to eight modes, free and with an
+end mass, nine of ten errors above 0.1 % are estimated to a factor of three; errors of bodies without vibration modes
+are up to ten times smaller). Local modes under pressures have no inertia, only g_k: e = r^2/(1 - r^2) at most, with r =
+f over the frequency up to which the bodies include their vibrations. Their share is at most the remaining energy if a
+contact is closed, including springs and joints. Mesh errors are not included.
 """
 
 from __future__ import annotations

@@ -148,7 +148,8 @@ def static(
     Loads and prescribed motions are those of the time of each step; friction keeps its history. Time is only a load
     parameter (`warpffrf.online.load_steps`). start: "initial", or the Result, or results file, of an earlier run or
     equilibrium of the same scene. options: local_modes, save_every and device of `RunOptions`. results, record,
-    overwrite, resume, check, progress: as of `simulate`. A path of loads with motion in between is a list of `Stage` for `simulate`.
+    overwrite, resume, check, progress: as of `simulate`. A path of loads with motion in between is a list of `Stage`
+    for `simulate`.
 
     A load step that finds no equilibrium does not raise, see `status` and `message` of the Result; with check it raises
     `RunError`. Wrong input, and films, which carry by sliding and squeezing, raise InputError before the run.

@@ -5,7 +5,7 @@ all points. The required error is divided equally between them. The spacing foll
 error <= c (s/b)^p. For the points, an error e of the integrals over training patches changes the gap of a patch by at
 most e of its depth; the force is a power of at most 3/2 of the approach (an ellipse; 1 for a line), so that
 e = share/(3/2) suffices. This is conservative: on rollers the force changed by a tenth of it
-(`tests/offline/test_contact_choice.py`, `bench/evaluations.py`).
+(`tests/offline/contact/test_contact_choice.py`, `bench/evaluations.py`).
 
 The mesh must be as fine as the grid; `reduce` refuses a finer grid.
 

@@ -33,7 +33,7 @@ which rotates with the body as D does: only the table of the compliance changes.
 a patch can be a noticeable part of the radius (`SOFT`); kappa follows from the partner
 (`warpffrf.model.reduced.local_modes`). Otherwise the even part of D^t is neglected. On a rigid plane kappa R = 1.
 Second order, G_i G_j D^tt and the cosines of G, is up to 0.7 (b/R*)^2 of the line load, b the half-width, R*
-the relative radius (tests/verification/test_rubber_cover.py).
+the relative radius (tests/verification/partners/test_rubber_cover.py).
 
 Independence. Whether the shape functions are independent on the surface mesh.
 

@@ -24,7 +24,8 @@ the whole pressure, joints that rub from the initial state. It is the path of a 
 pulls then, after Cattaneo and Mindlin, and not that of both growing together, of which a patch that is pulled by less
 than mu P does not slip at all. A body deforms under the pull while it is pressed, as if its inertia held it, and what
 its surface moves by in that is no slip; a static run in which the pull comes later has that as well, and there the
-patch gives a few per cent more (tests/online/test_surfaces_at_rest.py). Where one path is meant, run it with `static`.
+patch gives a few per cent more (tests/online/friction/test_surfaces_at_rest.py). Where one path is meant, run it with
+`static`.
 
 Laws that give no force without a velocity are refused.
 """

@@ -4,8 +4,8 @@ A participant names the launches that it adds to each phase; within a phase they
 The tests check the order of every program that they create (`tests/launch_order`), from what kernels read and write
 according to their source: a scratch array that a launch reads or changes must be set by an earlier launch, unless it is
 declared as `carried`, and within a phase nothing is read that is set anew later. They also run scenes with scratch
-filled with NaN between attempts (`tests/online/test_program.py`). Phase `commit` is for quantities with a history, to
-which not every accepted attempt adds (`warpffrf_kernels.step.proximal`).
+filled with NaN between attempts (`tests/online/run/test_program.py`). Phase `commit` is for quantities with a history,
+to which not every accepted attempt adds (`warpffrf_kernels.step.proximal`).
 """
 
 from __future__ import annotations

@@ -7,9 +7,9 @@ the von Mises stress and of the depth of its maximum are at most
 
 at any position in the mesh: the largest error of two rollers of linear and quadratic hexahedra, from the mesh to the
 result, with first layers as deep as the elements are long and up to twice as deep, n = 1.1 to 8, against the closed
-form (tests/verification/test_hertz_stress.py). The constant 1 % covers effects that do not depend on n, the round body
-and the fit of the curve. Stresses under point contacts, of tetrahedra and wedges, and away from contacts are not
-estimated.
+form (tests/verification/contact/test_hertz_stress.py). The constant 1 % covers effects that do not depend on n, the
+round body and the fit of the curve. Stresses under point contacts, of tetrahedra and wedges, and away from contacts are
+not estimated.
 """
 
 from __future__ import annotations

@@ -32,7 +32,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from references.monolithic.core.rotation import grid_node
+from references.monolithic.core.rotation import hat
 from references.monolithic.line_of_centres.frame import SLACK
 from references.monolithic.line_of_centres.sampling import cells_of
 from references.monolithic.nodal.surface import NodeSide, PartnerSide
@@ -142,9 +142,9 @@ def motion(a: NodeSide, b: PartnerSide, over: Opposite, at: np.ndarray, A_b: np.
     y, theta, z, d = over.y[at], over.theta[at], over.z[at], over.d[at]
     dy = np.zeros((k, 3, RIGID))
     dy[:, :, 0:3] = A_b.T
-    dy[:, :, 3:6] = -C @ grid_node(a.place[at])
+    dy[:, :, 3:6] = -C @ hat(a.place[at])
     dy[:, :, 6:9] = -A_b.T
-    dy[:, :, 9:12] = grid_node(y)
+    dy[:, :, 9:12] = hat(y)
     b_j = tangents_at(b, over, at)
     foot, normal = np.zeros_like(dy), np.zeros_like(dy)
     ways = []

@@ -19,7 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
-from references.monolithic.core.rotation import grid_node
+from references.monolithic.core.rotation import hat
 from references.monolithic.nodal.gap import RIGID, Motion, motion, nodes_at
 from references.monolithic.nodal.pair import NodePairState
 
@@ -82,22 +82,20 @@ class LinearisedPair(NodePairState):
         F = np.einsum("kc,ckx->kx", phi, lines)
         m = self.over.normal[at] @ C
         dm = np.einsum("xi,kic->kxc", C.T, moves.normal)
-        dm[:, :, 3:6] += grid_node(m)
-        dm[:, :, 9:] += -C.T @ grid_node(self.over.normal[at])
+        dm[:, :, 3:6] += hat(m)
+        dm[:, :, 9:] += -C.T @ hat(self.over.normal[at])
         dF = phi[:, 0, None, None] * dm
         world = np.einsum("xi,kic->kxc", A_a, dF)
-        world[:, :, 3:6] += -A_a @ grid_node(F)
+        world[:, :, 3:6] += -A_a @ hat(F)
         on_b = F @ C.T
         d_on_b = np.einsum("xi,kic->kxc", C, dF)
-        d_on_b[:, :, 3:6] += -C @ grid_node(F)
-        d_on_b[:, :, 9:] += grid_node(on_b)
+        d_on_b[:, :, 3:6] += -C @ hat(F)
+        d_on_b[:, :, 9:] += hat(on_b)
         out = np.zeros((RIGID, RIGID))
         out[:3] = world.sum(axis=0)
-        out[3:6] = np.einsum("kxi,kic->xc", grid_node(a.place[at]), dF)
+        out[3:6] = np.einsum("kxi,kic->xc", hat(a.place[at]), dF)
         out[6:9] = -out[:3]
-        out[9:] = np.einsum("kxi,kic->xc", grid_node(on_b), moves.y) - np.einsum(
-            "kxi,kic->xc", grid_node(self.over.y[at]), d_on_b
-        )
+        out[9:] = np.einsum("kxi,kic->xc", hat(on_b), moves.y) - np.einsum("kxi,kic->xc", hat(self.over.y[at]), d_on_b)
         rigid = self.data.rigid
         if self.extra is not None:
             out[:, :rigid] += self.extra.slope(self.poses, phi[:, 0], rigid)
@@ -166,6 +164,6 @@ class LinearisedPair(NodePairState):
 def _turned(t: np.ndarray, C: np.ndarray) -> np.ndarray:
     """d(C t) (k, 3, 12) of vectors t (k, 3) that are fixed in A, by the rigid coordinates."""
     out = np.zeros((len(t), 3, RIGID))
-    out[:, :, 3:6] = -C @ grid_node(t)
-    out[:, :, 9:] = grid_node(t @ C.T)
+    out[:, :, 3:6] = -C @ hat(t)
+    out[:, :, 9:] = hat(t @ C.T)
     return out

@@ -1,0 +1,73 @@
+"""Pages for newcomers: the blocks of docs/how_do_i.md run as they stand, docs/words.md explains words that are said."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from warpffrf.output.report.report import TOLD, WHERE_THERE
+
+ROOT = Path(__file__).resolve().parents[2]
+HOW = (ROOT / "docs" / "how_do_i.md").read_text(encoding="utf-8")
+WORDS = (ROOT / "docs" / "words.md").read_text(encoding="utf-8")
+BLOCK = re.compile(r"```py\n(.*?)```", re.DOTALL)
+LONGEST = 15  # lines of a block that one still reads at a glance
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """Names after all blocks."""
+    folder = tmp_path_factory.mktemp("pages")
+    names: dict[str, Any] = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        patch.setenv("WARPFFRF_CACHE", str(folder / "cache"))
+        for number, block in enumerate(BLOCK.findall(HOW)):
+            exec(compile(block, f"how_do_i.md, block {number}", "exec"), names)
+    return names
+
+
+def test_blocks_run_and_do_what_they_say(ran: dict[str, Any]) -> None:
+    """The half-width is that of Hertz at the load, the force rises from a tenth of it to all of it, less the spring."""
+    result, finer = ran["result"], ran["finer"]
+    assert result.status == finer.status == "completed"
+    force, gave = result.contact("pair").force_magnitude, result.joint("guide").coordinate
+    wanted = np.array([0.1, 1.0]) * ran["load"] + 1e6 * gave[[0, -1]]
+    assert np.allclose(force[[0, -1]], wanted, rtol=2e-2)  # it still moves a little at the end
+    found = result.contact("pair").hertz(-1)
+    assert found.half_width == pytest.approx(ran["half_width"] * np.sqrt(found.line_load * ran["width"] / ran["load"]))
+    assert len(ran["diagram"].critical_speeds()) == 1 and "negative damping" in ran["diagram"].notes[-1]
+    turns = [body.rotation for body in ran["tilted"].bodies]
+    assert np.allclose(turns, turns[0], atol=1e-12)
+    assert all(len(block.splitlines()) <= LONGEST for block in BLOCK.findall(HOW))
+
+
+def test_every_question_of_a_first_user_is_answered() -> None:
+    asked = ("mesh size", "step", "load softly", "cage", "halved", "CAD", "how long", "quaternion")
+    headings = re.findall(r"^## (.*)$", HOW, re.M)
+    assert all(any(question in heading for heading in headings) for question in asked)
+
+
+def test_words_of_reports_are_explained() -> None:
+    """Those in which reports count, and those that were asked for."""
+    said = {"active nodes", "traces", "window", "capacity", "attachment modes", "retained_columns", "grid defect"}
+    said |= {"creepage"}
+    said |= {TOLD["retained_columns"], *(WHERE_THERE[f"{kind}_steps"] for kind in ("coarse", "rejected", "impulsive"))}
+    assert all(re.search(rf"^\| [^|]*{re.escape(word)}", WORDS, re.M) for word in said), said
+    rows = re.findall(r"^\| ([^|]+) \| (.+) \|$", WORDS, re.M)
+    assert len(rows) > 50 and all(len(meaning.split()) >= 4 for word, meaning in rows if word not in ("word",))
+
+
+def test_the_readme_leads_there() -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert "(docs/words.md)" in readme and "(docs/how_do_i.md)" in readme and len(readme.encode()) <= 10_000
+
+
+def test_links_lead_somewhere() -> None:
+    for page in (HOW, WORDS):
+        for target in re.findall(r"\]\(([^)#]+)", page):
+            assert (ROOT / "docs" / target).exists(), target

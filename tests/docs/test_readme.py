@@ -1,0 +1,157 @@
+"""The README: its examples run as they stand, its commands are understood, and its links and pictures exist."""
+
+from __future__ import annotations
+
+import os
+import re
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import warpffrf as wf
+from printed import commands, python_blocks
+from warpffrf.cli import app
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", *(ROOT / "docs" / f"{name}.md" for name in ("examples", "running", "features"))]
+README = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)  # the front page and what it leads to
+HALF_WIDTH_TOLERANCE = 0.04  # four elements a half-width
+
+
+LONGEST = 25  # lines of an example that one still reads at a glance
+# largest von Mises stress under a line contact over the largest pressure, Poisson's ratio 0.3 (Johnson 1985, 4.2)
+SHORT_LINE_CONTACT = 0.632  # 0.558 of an infinite line; 0.638 and 0.626 on cells half as large, by nodes and patches
+FINER_CELLS = 0.012  # what is left between nodes and patches
+STRESS_TOLERANCE = 0.03  # what the cells add to peak and stress, and the mesh of 0.4 half-widths
+
+
+def blocks() -> list[str]:
+    """The examples that are tested here; those of other rooms are in the files beside this."""
+    return [c for c in python_blocks(README) if not any(word in c for word in ("friction=", "wf.Film("))]
+
+
+def run_example(number: int, folder: Path, changed: tuple[str, str] = ("", "")) -> str:
+    """What the example prints that stands as the given one in the README, one text in it `changed`."""
+    code = blocks()[number].replace(*changed)
+    path = os.pathsep.join([str(ROOT), str(ROOT / "kernels")])
+    environment = {**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"}
+    script = folder / "example.py"
+    script.write_text(code, encoding="utf-8")
+    done = subprocess.run([sys.executable, script], cwd=folder, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_examples_are_short() -> None:
+    assert len(blocks()) == 4
+    assert all(len([line for line in code.splitlines() if line]) <= LONGEST for code in blocks())
+
+
+def test_the_two_rollers_run(tmp_path: Path) -> None:
+    said = run_example(0, tmp_path)
+    assert said.startswith("status            completed"), said
+    quoted = quoted_after(0)
+    assert len(quoted) > 10 and [line for line in quoted if not said_in(line, said)] == []
+    width, hertz = (float(x) for x in said.strip().splitlines()[-1].split())
+    assert abs(width / hertz - 1.0) < HALF_WIDTH_TOLERANCE
+    assert {"rollers.h5", "rollers.rrd"} <= {p.name for p in tmp_path.iterdir()}
+
+
+def test_the_deck_of_ones_own_runs(tmp_path: Path) -> None:
+    wf.examples.copy("machine", tmp_path)
+    said = run_example(1, tmp_path)
+    assert "steel, E 2.1e+11 Pa" in said and "foot: average" in said and "contact grid  pad" in said, said
+    peak, stress = (float(x) for x in said.strip().splitlines()[-1].split())
+    assert abs(stress / peak / SHORT_LINE_CONTACT - 1.0) < STRESS_TOLERANCE
+    assert {"shoe.png", "mode_7.rrd"} <= {p.name for p in tmp_path.iterdir()}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("contact_fixed", [False, True])
+def test_the_stress_under_the_pad_is_that_of_finer_cells(tmp_path: Path, contact_fixed: bool) -> None:
+    """What `SHORT_LINE_CONTACT` is: cells half as large, by nodes and by patches."""
+    wf.examples.copy("machine", tmp_path)
+    make = runpy.run_path(str(tmp_path / "make_machine.py"))
+    (tmp_path / "machine.inp").write_text(make["deck"]((40, 40, 16)), encoding="utf-8")
+    said = run_example(1, tmp_path, ("max_frequency=50e3,", f"max_frequency=50e3, contact_fixed={contact_fixed},"))
+    peak, stress = (float(x) for x in said.strip().splitlines()[-1].split())
+    assert abs(stress / peak / SHORT_LINE_CONTACT - 1.0) < FINER_CELLS
+
+
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
+QUOTED = 0.03  # of a number: the report rounds to two digits
+
+
+def said_in(quoted: str, said: str) -> bool:
+    """Whether a line of `said` is the quoted one, numbers alike."""
+    words, numbers = NUMBER.sub("#", quoted).split(), [float(x) for x in NUMBER.findall(quoted)]
+    for line in said.splitlines():
+        found = [float(x) for x in NUMBER.findall(line)]
+        if NUMBER.sub("#", line).split() == words and np.allclose(found, numbers, rtol=QUOTED, atol=0.0):
+            return True
+    return False
+
+
+def quoted_after(number: int) -> list[str]:
+    """The lines of output that the README shows after an example, up to the next heading."""
+    text = README.split(blocks()[number])[1].split("```")[1].split("\n## ")[0]
+    lines = [line.strip() for line in text.splitlines() if line.startswith("    ") and line.strip()]
+    return [line for line in lines if not line.startswith("warpffrf ")]
+
+
+@pytest.mark.parametrize(("number", "lines"), [(2, 6), (3, 10)])
+def test_what_the_readme_quotes_is_what_the_example_prints(number: int, lines: int, tmp_path: Path) -> None:
+    quoted = quoted_after(number)
+    assert len(quoted) == lines
+    said = run_example(number, tmp_path)
+    assert [line for line in quoted if not said_in(line, said)] == [], said
+    assert number != 3 or all((tmp_path / name).stat().st_size > 0 for name in ("modes.png", "shapes.png"))
+
+
+def test_commands_have_the_options_that_the_readme_gives_them() -> None:
+    found = [command.words for command in commands(README)]
+    assert {words[1] for words in found} == {
+        "demo", "example", "run", "modes", "campbell", "info", "reduce", "plot", "compare", "spectrum", "picture",
+        "view",
+    }  # fmt: skip
+    for words in found:
+        names = words[1:3] if words[1] in ("demo", "example") else words[1:2]
+        known = CliRunner().invoke(app, [*names, "--help"], env={"COLUMNS": "200"}).output
+        for option in (word for word in words if word.startswith("-")):
+            assert re.search(rf"(?<!\S){option}\b", known), f"{' '.join(words)}: no option {option}"
+
+
+def test_extras_of_the_readme_exist() -> None:
+    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    extras = set(re.findall(r"^(\w+) = \[", text.split("[project.optional-dependencies]")[1].split("\n[")[0], re.M))
+    table = README.split("## Extras")[1].split("\n## ")[0]
+    said = {name for line in table.splitlines() if line.startswith("| `") for name in re.findall(r"`(\w+)`", line[:25])}
+    assert said == extras - {"dev"}
+
+
+def test_names_of_the_readme_exist() -> None:
+    for name in re.findall(r"wf\.([A-Za-z_]\w*)", README):
+        assert hasattr(wf, name), f"wf.{name}"
+    for name in re.findall(r"`(?:mesh\.)?((?:select|to_py)\w*)", README):
+        assert hasattr(wf.mesh.Mesh, name), f"mesh.{name}"
+
+
+def test_links_and_pictures_exist() -> None:
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    for page in pages:
+        for target in re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8")):
+            if "://" not in target:
+                assert (page.parent / target).exists(), f"{page.name} points to {target}, which does not exist"
+
+
+def test_files_named_by_the_method_page_exist() -> None:
+    text = "\n".join(page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs" / "method").glob("*.md")))
+    rooms = [ROOT, ROOT / "warpffrf", ROOT / "warpffrf" / "offline", ROOT / "kernels" / "warpffrf_kernels"]
+    for name in set(re.findall(r"`([\w/]+\.py)`", text)):
+        short = name.removeprefix("kernels/")
+        assert any((room / short).is_file() for room in rooms), f"method.md names {name}, which does not exist"

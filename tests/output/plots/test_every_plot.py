@@ -1,0 +1,194 @@
+"""Every kind of plot from a real run: something is drawn, all of it finite and in view, and axes say their units."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import drawn_runs
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import Collection, LineCollection, PathCollection, PolyCollection, QuadMesh, TriMesh
+from matplotlib.figure import Figure
+
+import warpffrf as wf
+from warpffrf.output.contact.hertz import largest_below, largest_of
+from warpffrf.output.plots.bearing import BEARING_PLOTS
+from warpffrf.output.plots.figure import PLOTS, about_kinds, drawable
+from warpffrf.output.plots.films import FILM_PLOTS
+from warpffrf.output.plots.friction import FRICTION_PLOTS
+from warpffrf.output.plots.panels import HISTORY_PLOTS
+from warpffrf.output.plots.small_sliding import SMALL_SLIDING_PLOTS
+from warpffrf.output.result import Result
+
+PAIR_KINDS = [*PLOTS, *FRICTION_PLOTS]
+CHANNEL, TURNS = "contact_force_z[lower-upper]", "lower"
+
+
+@pytest.fixture(scope="module")
+def loaded_bearing() -> Result:
+    return drawn_runs.loaded_bearing()
+
+
+@pytest.fixture(scope="module")
+def rolling() -> Result:
+    return drawn_runs.rolling()
+
+
+@pytest.fixture(scope="module")
+def oiled() -> Result:
+    return drawn_runs.oiled()
+
+
+@pytest.fixture(scope="module")
+def rubbing_contact() -> Result:
+    return drawn_runs.rubbing_contact()
+
+
+def axes() -> Any:
+    figure = Figure(figsize=(6.4, 4.8), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure.add_subplot()
+
+
+def drawn_values(ax: Any) -> list[np.ndarray]:
+    """Coordinates and coloured values of all that is on the axes."""
+    found = [np.asarray(line.get_xydata(), dtype=float) for line in ax.get_lines()]
+    found += [np.asarray(patch.get_path().vertices, dtype=float) for patch in ax.patches]
+    for collection in ax.collections:
+        assert isinstance(collection, Collection)
+        if isinstance(collection, QuadMesh | TriMesh | PolyCollection) and collection.get_array() is not None:
+            found.append(np.ma.filled(np.ma.asarray(collection.get_array(), dtype=float), 0.0))
+        if isinstance(collection, LineCollection | PathCollection | PolyCollection):
+            found += [np.asarray(path.vertices, dtype=float) for path in collection.get_paths()]
+    return [values for values in found if values.size]
+
+
+def check(drawn: Any, *, picture: bool = False, seen: bool = True) -> None:
+    """`drawn`, axes or a figure. picture: of shapes, whose axes have no scales; seen: look at its pixels, too."""
+    figure = getattr(drawn, "figure", None) or drawn
+    panels = [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
+    assert panels
+    for ax in panels:
+        values = drawn_values(ax)
+        assert values, ax.get_title()
+        # cells that are open or have not slipped have no value, and nothing is drawn there; all else is finite
+        finite = np.concatenate([np.isfinite(v).ravel() for v in values])
+        assert np.mean(finite) > 0.9, ax.get_title()
+        assert np.all(np.isfinite([*ax.get_xlim(), *ax.get_ylim()]))
+        if not picture:
+            twin = any(other is not ax and other.bbox.bounds == ax.bbox.bounds for other in panels)
+            assert "[" in ax.get_ylabel() and (twin or "[" in ax.get_xlabel()), ax.get_title()
+    for ax in figure.axes:
+        if ax.get_label() == "<colorbar>":
+            label = ax.get_ylabel()
+            assert "[" in label or any(":" in tick.get_text() for tick in ax.get_yticklabels())
+    if not seen:
+        return
+    figure.canvas.draw()
+    pixels = np.asarray(figure.canvas.buffer_rgba())[..., :3]
+    assert np.mean(np.any(pixels != 255, axis=-1)) > 0.01
+
+
+def all_finite(drawn: Any) -> None:
+    assert all(np.all(np.isfinite(v)) for ax in drawn.figure.axes for v in drawn_values(ax))
+
+
+def test_every_kind_is_here() -> None:
+    made = {*PAIR_KINDS, *FILM_PLOTS, *SMALL_SLIDING_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS, "summary"}
+    assert made == set(about_kinds())
+
+
+def test_the_runs_have_something_to_draw(rolling: Result, oiled: Result, rubbing_contact: Result) -> None:
+    assert {result.status for result in (rolling, oiled, rubbing_contact)} == {"completed"}
+    assert set(drawable(rolling)) == set(PAIR_KINDS)
+    assert set(drawable(oiled)) == {"force", "energy", *FILM_PLOTS}
+    assert set(drawable(rubbing_contact)) == {"force", "energy", *SMALL_SLIDING_PLOTS}
+
+
+@pytest.mark.parametrize("kind", PAIR_KINDS)
+def test_kinds_of_pairs(rolling: Result, kind: str) -> None:
+    drawn = rolling.plot(kind, axes())
+    check(drawn)
+    if kind not in ("creepage", "spin", "t_gamma", "power"):  # rows before anything rolls have none
+        all_finite(drawn)
+
+
+@pytest.mark.parametrize("kind", BEARING_PLOTS)
+def test_kinds_of_bearings(loaded_bearing: Result, kind: str) -> None:
+    drawn = loaded_bearing.plot(kind)
+    all_finite(drawn)
+    assert len(drawn_values(drawn)) >= 2 and "[kN]" in drawn.get_title() + drawn.get_ylabel()
+
+
+@pytest.mark.parametrize("kind", [*FILM_PLOTS, "force", "energy"])
+def test_kinds_of_films(oiled: Result, kind: str) -> None:
+    drawn = oiled.plot(kind, axes())
+    check(drawn)
+    all_finite(drawn)
+
+
+@pytest.mark.parametrize("kind", [*SMALL_SLIDING_PLOTS, "force", "energy"])
+def test_kinds_of_laps(rubbing_contact: Result, kind: str) -> None:
+    drawn = rubbing_contact.plot(kind, axes())
+    check(drawn)
+    all_finite(drawn)
+
+
+@pytest.mark.parametrize("kind", list(HISTORY_PLOTS))
+@pytest.mark.parametrize("speed", [None, TURNS])
+def test_kinds_of_histories(rolling: Result, kind: str, speed: str | None) -> None:
+    if kind == "spectrum" and speed is not None:
+        with pytest.raises(wf.InputError, match="turns 0.0382 times about the axis"):  # 200 rad/s in 2.4 ms, from rest
+            rolling.plot(kind, axes(), channel=CHANNEL, speed=speed)
+        return
+    drawn = rolling.plot(kind, axes(), channel=CHANNEL, speed=speed)
+    check(drawn)
+    all_finite(drawn)
+
+
+@pytest.mark.parametrize("run", ["rolling", "oiled", "rubbing_contact"])
+def test_summaries(run: str, request: pytest.FixtureRequest) -> None:
+    """Their panels are those of the kinds, whose pixels are looked at one by one."""
+    check(request.getfixturevalue(run).summary(), seen=False)
+
+
+def test_pages_of_laps_and_loops(rubbing_contact: Result) -> None:
+    check(rubbing_contact.small_sliding_page(), seen=False)
+    loop = rubbing_contact.hysteresis(("push", "x"), ("tip", "x"))
+    ax = axes()
+    loop.draw(ax)
+    check(ax)
+    all_finite(ax)
+
+
+def test_two_runs_overlaid(rolling: Result) -> None:
+    found = wf.compare(rolling, rolling)
+    check(found.figure(["contact_force[lower-upper]", "energy[kinetic]"]))
+
+
+def test_modes_and_bodies(rolling: Result) -> None:
+    modes = wf.eigenmodes(rolling.scene, 4, progress=False)
+    bars = modes.plot()
+    assert len(bars.patches) >= 4 and "[%]" in bars.get_xlabel()
+    assert all("Hz" in tick.get_text() for tick in bars.get_yticklabels())
+    check(modes.plot_shape(0), picture=True)
+    check(modes.plot_shapes(4), picture=True)
+    body = rolling.scene.body("lower").flexible
+    check(body.plot_modes(2), picture=True)
+
+
+def test_the_run_is_hertz_s_under_the_surface(rolling: Result) -> None:
+    """Cells finer than the mesh: the largest von Mises stress and its depth are Hertz's to 1 %."""
+    contact = rolling.contact("lower-upper")
+    (below,) = rolling.stress_below()
+    exact = largest_below(contact.hertz(len(rolling.time) - 1), 0.3)[0]
+    assert largest_of(below.depth, below.von_mises) == pytest.approx(exact, rel=0.01)
+
+
+def test_the_docs_list_every_kind() -> None:
+    text = (Path(__file__).resolve().parents[3] / "docs" / "plots.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"^\| `(\w+)` \| [^|]+ \| (.+) \|$", text, flags=re.MULTILINE))
+    assert rows == about_kinds()
