@@ -218,7 +218,11 @@ CONTACTS = (
         lambda w: untyped(w.scene).close_gap(w.lower, w.slider),
         ("positional arguments", "along=..."),
     ),
-    Mistake("a body for a contact", lambda w: untyped(w.scene).close_gap(w.lower), ("a contact pair is needed",)),
+    Mistake(
+        "a body for a contact",
+        lambda w: untyped(w.scene).close_gap(w.lower),
+        ("a contact with finite sliding is needed",),
+    ),
 )
 
 RUNS = (
@@ -228,7 +232,9 @@ RUNS = (
     Mistake("step by place", lambda w: simulate(w.scene, 1.0, 1e-3), ("step=...",)),
     Mistake("a negative step", lambda w: w.run(step=-1e-3), ("step must be greater than zero",)),
     Mistake("start='equilibirum'", lambda w: w.run(start="equilibirum"), ("'equilibrium'",)),
-    Mistake("integrator='hht'", lambda w: w.run(options=wf.RunOptions(integrator="hht")), ("integrators.HHT()",)),
+    Mistake(
+        "integrator='hht'", lambda w: w.run(options=untyped(wf).RunOptions(integrator="hht")), ("integrators.HHT()",)
+    ),
     Mistake("rho_inf=2", lambda w: wf.integrators.GeneralizedAlpha(rho_inf=2.0), ("rho_inf",)),
     Mistake("results as text", lambda w: w.run(results=w.folder / "x.txt"), (".h5",)),
     Mistake("a foreign file", lambda w: w.run(results=w.file("x.h5", "my notes")), ("x.h5", "another")),

@@ -91,7 +91,7 @@ class Layout:
         return self.modes + self.local
 
     @property
-    def outer(self) -> int:
+    def retained(self) -> int:
         """Rigid coordinates and global modes."""
         return 6 * self.bodies + self.modes
 
