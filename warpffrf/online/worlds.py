@@ -283,7 +283,7 @@ class Meeting:
                 self._hold()
 
     def end(self, how: type[BaseException]) -> None:
-        """From now on whoever comes, or waits and is met, raises `how`, once for each thread and meeting."""
+        """From now on each thread that arrives, or that waits and is met, raises `how`, once for each meeting."""
         with self._changed:
             self._ends = how
 

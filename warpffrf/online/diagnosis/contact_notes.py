@@ -222,7 +222,7 @@ def energy_notes(energy: dict[str, np.ndarray], nothing: float) -> list[str]:
 
 
 SAMPLED = 8  # saved steps checked, evenly distributed: a patch changes slowly compared with a step
-MARGIN = 1  # columns beside the active ones
+MARGIN = 1  # columns next to the active ones
 NOTED = 0.01  # a larger difference of the force is noted with a cure
 
 

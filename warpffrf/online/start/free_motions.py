@@ -363,8 +363,8 @@ class FreeMotions:
 
 
 def _motions_of(part: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
-    """Motions of a body, from its part (n, 6) of the free motions: directions (k, 6) with a clause, where it slides or
-    rotates by itself in more than one; each other one with "".
+    """Motions of a body, from its part (n, 6) of the free motions: directions (k, 6) with a clause where it slides
+    without rotation, or rotates without sliding, in more than one; each other direction with "".
     """
     projector = part.T @ part
     for at, folds in ((slice(0, 3), SLIDES_FOLDED), (slice(3, 6), TURNS_FOLDED)):

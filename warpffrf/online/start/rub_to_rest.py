@@ -17,15 +17,15 @@ largest depth of halving, and so continues with shorter proximal steps at once.
 
 The energy ledger starts at the state found: earlier work is not included.
 
-**Contact of surfaces.** Tractions are found from pressures near those of the state before, and from none at all the
-iteration rarely gets there. So the scene is pressed together first, without friction and with all that friction will
-resist held where it began (`start.pressed`), and the load step goes on from there: surfaces slip from the state under
-the whole pressure, joints that rub from the initial state. It is the path of a load that presses first and one that
-pulls then, after Cattaneo and Mindlin, and not that of both growing together, of which a patch that is pulled by less
-than mu P does not slip at all. A body deforms under the pull while it is pressed, as if its inertia held it, and what
-its surface moves by in that is no slip; a static run in which the pull comes later has that as well, and there the
-patch gives a few per cent more (tests/online/friction/test_surfaces_at_rest.py). Where one path is meant, run it with
-`static`.
+**Contact of surfaces.** The iteration finds tractions from pressures near those of the previous state, and rarely
+converges without pressures. So the scene is pressed together first, without friction and with all motions that friction
+will resist constrained at their initial state (`start.settle.PressedMotions`). The load step continues from there:
+surfaces slip from the state under the whole pressure, joints with friction from the initial state. This is the path of
+a normal load followed by a tangential one, after Cattaneo and Mindlin. It is not the path of both growing in
+proportion, in which a patch with a tangential load below mu P does not slip at all. While it is pressed, a body deforms
+under the tangential load as if constrained by its inertia, and this motion of its surface is not slip. In a static run
+in which the tangential load is applied later it is slip, and the patch displaces a few per cent more
+(tests/online/friction/test_surfaces_at_rest.py). If the path matters, run it with `static`.
 
 Laws that give no force without a velocity are refused.
 """

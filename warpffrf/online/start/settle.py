@@ -131,7 +131,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
         engine.static_step(tau)
         status = engine.word("status")
         if np.any(status):
-            if still:  # what is left of forces and energies is round-off, and may well rise
+            if still:  # the remaining forces and energies are round-off, and may increase
                 engine.state.ctl.assign(words)
                 return _at_rest(engine, free, creeping=False)
             if rubs and tau < FIRST * length and np.all((status == 0) | (status == int(k.ENERGY))):
