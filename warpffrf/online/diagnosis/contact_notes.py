@@ -196,7 +196,7 @@ def overlap_notes(scene: Scene) -> list[str]:
 def energy_notes(energy: dict[str, np.ndarray], nothing: float) -> list[str]:
     """Notes where the ledger shows energy that nothing supplied, or that the integrator took: numerical and
     contact-grid lines together rose by more than `GAINED` of the largest of the other lines, the numerical one fell by
-    more than `TAKEN` of it. `nothing` [J] is no more than round-off."""
+    more than `TAKEN` of it. Changes up to `nothing` [J] are round-off."""
     if not len(energy["kinetic"]):
         return []
     left_out = ("potential", "numerical", "contact_grid")  # the zero of the potential is arbitrary

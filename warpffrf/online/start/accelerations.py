@@ -191,7 +191,7 @@ class _World:
         self._store(("v", "omega", "qd"), V)
         self._store(names, -a)
         self._put(self.engine.state, "lam", lam)
-        self._evaluate(still)  # what is recorded and booked belongs to this state
+        self._evaluate(still)  # recorded quantities and the ledger belong to this state
         self._store(names, a)
         self._store(("v_alg", "omega_alg", "qd_alg"), a)
         self._put(self.engine.state, "lam0", lam)

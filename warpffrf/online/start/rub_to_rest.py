@@ -43,9 +43,9 @@ from warpffrf.online.start.loading import begin_loading, not_at_rest, slides
 from warpffrf.online.start.settle import LEAST, PressedMotions, press
 from warpffrf_kernels.core import control as k
 
-TAKES = 1.0  # s, for what asks for a rate
-ATTEMPTS = 8  # more than a load step is taken with shorter proximal steps
-CAREFUL = 2  # proximal steps begin 1e-4 times as long as they get
+TAKES = 1.0  # s, the step for laws that depend on a rate
+ATTEMPTS = 8  # exceeds the number of repetitions of a load step with shorter proximal steps
+CAREFUL = 2  # proximal steps begin at 1e-4 of their final length
 WORKS = ("force_work", "drive_work", "damping", "contact_grid", "numerical", "friction")
 
 
@@ -112,7 +112,7 @@ def _rubbed(engine: Engine, careful: int) -> bool:
     begin_loading(engine, whole)
     engine.clock(start_time=time - whole)
     engine.control(level=deep, sub=2**deep - 1, proximal_level=careful, target=1, every=2)  # one step records no row
-    # grids of contact make more of energies than a load step changes them by, where it closes or opens
+    # where contact closes or opens, energy errors of its grids exceed the changes in a load step
     engine.control(energy_bounded=int(engine.compiled.model.pairs.count == 0))
     engine.replay(ATTEMPTS)
     if np.any(engine.word("status")):

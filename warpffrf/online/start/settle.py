@@ -88,9 +88,10 @@ LONGER = 1e6
 TOLERANCE = 1e-11  # of the scene's length, movement of the last proximal step: round-off of positions times 1e5
 ROUND_OFF = 1e-16  # of it: less is no movement in a step that is not short
 VOIDS_STAY = 1e-9  # of the clearance
-CREEP = 0.5  # of the movement of the step before: what tends to rest moves less from one long step to the next
-LEVEL = 1e-3, 1e-2  # of it: energies differ by no more than what grids of contact make of them; the same of cells that
-# travel, which are as wide as the pressures of the step before asked for
+CREEP = 0.5  # of the movement of the previous step: motion towards rest decreases from one long step to the next
+# of the largest force: energy differences are then within the errors of contact grids; second, of travelling cells,
+# whose width follows from the pressures of the previous step
+LEVEL = 1e-3, 1e-2
 
 
 def settle(engine: Engine, free: FreeMotions | None = None) -> bool:
@@ -297,11 +298,11 @@ class PressedMotions(FreeMotions):
         return all(self._presses(world) for world in range(self.engine.worlds))
 
     def notes(self) -> list[str]:
-        """None: the state is on the way to another one."""
+        """None: the state is an intermediate one."""
         return []
 
 
-AT_REST = 1e-9  # of the fastest surface that rubs and 1 m/s: what round-off leaves of velocities that are zero
+AT_REST = 1e-9  # of the fastest sliding surface and 1 m/s: round-off of velocities that are zero
 
 
 class Friction:
