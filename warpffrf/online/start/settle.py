@@ -294,7 +294,7 @@ class PressedMotions(FreeMotions):
 
     @property
     def presses(self) -> bool:
-        """Whether surfaces that rub are under pressure in every world."""
+        """Whether surfaces with friction are under pressure in every world."""
         return all(self._presses(world) for world in range(self.engine.worlds))
 
     def notes(self) -> list[str]:
