@@ -97,7 +97,7 @@ def restore(engine: Engine, checkpoint: Mapping[str, np.ndarray], step: float, l
     check_checkpoint(engine.state.to_numpy(), checkpoint, label)
     engine.resume(checkpoint)
     engine.drained = engine.word("saved")
-    if np.any(engine.word("status") & int(k.GAIN)):  # what was made up to there is no reason to end again
+    if np.any(engine.word("status") & int(k.GAIN)):  # the energy created until there does not end the run again
         engine.clock(least=engine.state.made.numpy().sum(axis=1))
     engine.control(
         status=0, reason=0, again=0, gaining_steps=0

@@ -78,7 +78,7 @@ def snap_through(engine: Engine) -> Jump | None:
     engine.start_notes[:] = notes
     engine.control(status=0)
     if settled:
-        scratch = engine.scratch  # not that of before: where an attempt was short of room, there are other arrays now
+        scratch = engine.scratch  # not the previous one: it is reallocated if an attempt exceeded the capacity
         scratch.dx.assign(after["r"] - kept["r"])
         scratch.psi.assign(_turns(kept["p"], after["p"]))
         scratch.dq.assign(after["q"] - kept["q"])

@@ -28,10 +28,10 @@ def quiet() -> Iterator[None]:
 
 
 def start_warp() -> bool:
-    """Initialise Warp; False where it is already. Its native part prints on a machine without a GPU that it finds no
-    CUDA driver, so what the process writes as errors meanwhile, a fraction of a second, is lost.
+    """Initialise Warp; False where it is already. On a machine without a GPU its native part prints that there is
+    no CUDA driver, so standard error is discarded meanwhile, for a fraction of a second.
 
-    A device that is asked for and not there is reported by `Engine`.
+    A requested device that does not exist is reported by `Engine`.
     """
     global _started
     if _started:
@@ -44,7 +44,7 @@ def start_warp() -> bool:
 
 @contextmanager
 def _native_errors_away() -> Iterator[None]:
-    """The process's standard error goes nowhere; as it is where there is none, as in daemons."""
+    """Discard the process's standard error; unchanged where there is none, as in daemons."""
     try:
         kept = os.dup(STDERR)
     except OSError:

@@ -138,14 +138,14 @@ class Place(Engine):
         return found
 
     def after_others(self) -> None:
-        """Take up what the shared engine has done for all worlds."""
+        """Adopt the changes that the shared engine has made for all worlds."""
         if self._rooms != self.shared.rooms:
             self._sit_down()
         if self.world in self.shared.no_room:
             self.no_room = {0: self.shared.no_room[self.world]}
 
     def _relieve(self) -> np.ndarray:
-        """The shared engine has done it."""
+        """Done by the shared engine."""
         return np.zeros(1, dtype=bool)
 
     def attempt(self, budget: int) -> float:
@@ -170,8 +170,8 @@ class _Together(Parts):
 
 
 class Company:
-    """What the runs of `count` scenes, each in a thread of its own, make together. `meeting`: of these threads;
-    progress: show that kernels are compiled, once for all."""
+    """State shared by the runs of `count` scenes, each in its own thread. `meeting`: the barrier of these threads;
+    progress: report the compilation of kernels, once for all."""
 
     def __init__(self, count: int, progress: bool) -> None:
         self.meeting = Meeting(count)
@@ -241,11 +241,11 @@ Together = Callable[[dict[int, Any]], None]
 
 
 class Ended(BaseException):
-    """Raised in a run whose result is not needed any more, as another one has raised an error."""
+    """Raised in a run whose result is no longer needed, because another one has raised an error."""
 
 
 class Meeting:
-    """A meeting of `count` threads, numbered from 0."""
+    """A barrier of `count` threads, numbered from 0."""
 
     def __init__(self, count: int) -> None:
         self._changed = threading.Condition()
@@ -274,7 +274,7 @@ class Meeting:
             raise self.error
 
     def leave(self, number: int) -> None:
-        """This thread arrives no more; if all others wait for it, they proceed now. Called without the lock."""
+        """This thread no longer arrives; if all others wait for it, they proceed now. Called without the lock."""
         with WARP_LOCK:
             with self._changed:
                 self._coming.discard(number)
@@ -283,7 +283,7 @@ class Meeting:
                 self._hold()
 
     def end(self, how: type[BaseException]) -> None:
-        """From now on whoever comes, or waits and is met, raises `how`, once for each thread and meeting."""
+        """From now on each thread that arrives at the barrier or is released from it raises `how`, once per barrier."""
         with self._changed:
             self._ends = how
 
@@ -292,7 +292,7 @@ class Meeting:
             raise self._ends
 
     def _hold(self) -> None:
-        """Take part in the meeting, with the lock."""
+        """Call `together` and release all threads; the caller has the lock."""
         together, brought = self._together, self._brought
         self._brought, self.error = {}, None
         try:

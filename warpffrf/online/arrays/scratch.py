@@ -1,4 +1,4 @@
-"""Scratch arrays, computed anew in each step. Those that are `carried` keep values of an earlier attempt or of the
+"""Scratch arrays, recomputed in each step. Those that are `carried` keep values of an earlier attempt or of the
 set-up of the run."""
 
 from __future__ import annotations

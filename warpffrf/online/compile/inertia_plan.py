@@ -15,9 +15,9 @@ states (initial angular velocities, drives), frequencies omega_i and |J0| = tr J
     size deformed      omega^2 norm(|J2_ij|/(omega_i omega_j))                 centrifugal against elastic force
     gyroscopic    2 omega max_ij |G_ij|/max(omega_i, omega_j)             Coriolis against elastic force
 
-The last two are ratios of forces that both grow with the deformation. The first is a load; the other loads on the body
-are not known before the run, so that it is judged by itself: modes have the mass norm, hence |q|/root(|J0|) is the root
-mean square of the displacement over the radius of gyration.
+The last two are ratios of forces that both grow with the deformation. The first is a load. The other loads on the body
+are not known before the run, so the deformation by this load is compared with the size of the body: modes have the mass
+norm, hence |q|/root(|J0|) is the root mean square of the displacement over the radius of gyration.
 
 Rotation caused by torques, contacts and springs is not stated. The estimates give the speed up to which a level
 is valid; a run in which a body rotates faster is restarted, with all terms of that body (`online.run`): a change of

@@ -162,7 +162,7 @@ def _gather_surfaces(collector: Collector) -> None:
             if place not in known:
                 known[place] = len(collector.surfaces)
                 surface = collector.local.surface(port)
-                if surface is port.surface:  # dynamic modes keep the compliance that they were made of
+                if surface is port.surface:  # dynamic modes keep the compliance from which they were computed
                     surface = leant(surface, lean.get(place, 0.0))
                 collector.surfaces.append(OnBody(port.body, port.name, surface))
             if sides is collector.sides and number in patched:
@@ -195,7 +195,7 @@ def _modes(collector: Collector, m: Model) -> None:
         omega.append(local.omega(body.index))
         ratios += [body.damping, np.full(n, local.options.ratio)]
         kinds += [np.full(body.mode_count, FOLLOWS), np.full(n, local.options.kind)]
-        reach.append(np.zeros(n))  # the accuracy asked for is that of the motion, not of the stiff modes
+        reach.append(np.zeros(n))  # the required accuracy is that of the motion, not of the stiff modes
     w = np.concatenate(omega)
     own = np.concatenate(kinds) != FOLLOWS
     collector.fill(

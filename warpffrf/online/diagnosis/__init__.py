@@ -1,1 +1,1 @@
-"""What a run says about itself: why it failed, and what its results are worth."""
+"""Diagnosis of a run: why it failed, and how accurate its results are."""

@@ -196,7 +196,7 @@ def overlap_notes(scene: Scene) -> list[str]:
 def energy_notes(energy: dict[str, np.ndarray], nothing: float) -> list[str]:
     """Notes where the ledger shows energy that nothing supplied, or that the integrator took: numerical and
     contact-grid lines together rose by more than `GAINED` of the largest of the other lines, the numerical one fell by
-    more than `TAKEN` of it. `nothing` [J] is no more than round-off."""
+    more than `TAKEN` of it. Changes up to `nothing` [J] are round-off."""
     if not len(energy["kinetic"]):
         return []
     left_out = ("potential", "numerical", "contact_grid")  # the zero of the potential is arbitrary
@@ -222,7 +222,7 @@ def energy_notes(energy: dict[str, np.ndarray], nothing: float) -> list[str]:
 
 
 SAMPLED = 8  # saved steps checked, evenly distributed: a patch changes slowly compared with a step
-MARGIN = 1  # columns beside the active ones
+MARGIN = 1  # columns next to the active ones
 NOTED = 0.01  # a larger difference of the force is noted with a cure
 
 

@@ -177,7 +177,7 @@ def _tractions(engine: Engine, world: int) -> list[Residual]:
 
 
 def _at_pair(engine: Engine, bits: int, world: int) -> str:
-    """The pair that failed by itself: the fullest, where room was short, or else with the largest residual."""
+    """The contact that failed: `_fullest` if the capacity did not suffice, else the one with the largest residual."""
     contacts = engine.scene.finite_sliding
     if len(contacts) == 1:
         return f"at contact {contacts[0].name!r}"

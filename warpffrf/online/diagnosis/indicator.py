@@ -24,8 +24,8 @@ These are estimates of first order: the effect of a neglected term is estimated 
 the modes of the body. The part of the static response to rotation outside these modes is known from the reduction, a
 displacement of at most |w|^2 left_out of the size (`offline.inertia.centrifugal`); the report states it where it is
 above NOTICEABLE and above FLAG of the deformation. Geometric stiffening by rotation is of the order of the deformed
-inertia, w^2/omega^2, and of the opposite sign: where the one counts the other must not be omitted, and the report says
-so. For one mode and a constant rotation about an axis they are
+inertia, w^2/omega^2, and of the opposite sign: where the one counts the other must not be omitted, and the report
+states this. For one mode and a constant rotation about an axis they are
 
     w^2 |J1|/(2 omega^2 |q|),   w^2 J2/omega^2,   2 w G/omega (in the modes that G couples): of order 2, 2, and 1 in w.
 

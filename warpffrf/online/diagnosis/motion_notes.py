@@ -94,7 +94,7 @@ def steep_notes(scene: Scene, steep: np.ndarray) -> list[str]:
 
 
 OFF = 0.01  # of the largest energy of the ledger
-IDLE = 1e-14  # of mass times (length over the longest proximal step)^2: where nothing acts, round-off works less
+IDLE = 1e-14  # of mass times (length over the longest proximal step)^2: without loads, the work of round-off is less
 
 
 def is_static(engine: Engine) -> bool:
@@ -103,7 +103,7 @@ def is_static(engine: Engine) -> bool:
 
 
 def load_notes(engine: Engine, energy: dict[str, np.ndarray]) -> list[str]:
-    """A note where the numerical and contact-grid lines together leave more than `OFF` of the energies open."""
+    """A note where the numerical and contact-grid lines together exceed `OFF` of the largest energy."""
     if not len(energy["kinetic"]):
         return []
     left_out = ("potential", "numerical", "contact_grid")

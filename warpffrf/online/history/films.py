@@ -45,7 +45,7 @@ def _history(film: Film, saved: Array, fields: dict[str, Array], bodies: dict[st
     T, force = len(saved), saved[:, FORCE].copy()
     numbers = {name: saved[:, n].copy() for name, n in NUMBERS.items()}
     shape = T, film.grid.columns, film.grid.rows
-    if film.quadrature == "reduced":  # balances oil in means along, not place by place, at points far from the ends
+    if film.quadrature == "reduced":  # balances oil in axial means, not pointwise, at points far from the ends
         numbers |= {"feed_flow": np.full(T, np.nan), "end_flow": np.full(T, np.nan)}
         numbers["smallest_gap"] = narrowest(fields["gap"].reshape(shape), periodic=film.grid.periodic)
     return FilmHistory(

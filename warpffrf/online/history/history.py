@@ -284,7 +284,7 @@ class History(reprs.Shown):
     options: dict[str, str] = field(default_factory=dict)  # of `simulate`, name -> value as text
     samples: Any = None  # intermediate states, `online.samples.Samples`, only for a run in this process
     cell_checks: dict[int, Any] = field(default_factory=dict)  # by contact, `online.diagnosis.cell_check`, as samples
-    film_checks: dict[str, Any] = field(default_factory=dict)  # by film, `online.diagnosis.film_check`, likewise
+    film_checks: dict[str, Any] = field(default_factory=dict)  # by film, `online.diagnosis.film_notes`, likewise
     film_grids: dict[str, Any] = field(default_factory=dict)  # by film, `online.diagnosis.film_grid`, likewise
     budget: list[BudgetLine] = field(default_factory=list)  # the errors of the run, once evaluated
     stopping: bool = False  # True if Ctrl-C was pressed while the run finished: nothing further may start

@@ -53,7 +53,7 @@ def refine(engine: Engine, given: Mapping[str, np.ndarray]) -> bool:
     """
     refined = [_World(engine, w).refine(given) for w in range(engine.worlds)]
     engine.graph.open_books()
-    if engine.compiled.model.pairs.count:  # START left gaps and forces of the end of its tiny step, turned by omega h
+    if engine.compiled.model.pairs.count:  # START left gaps and forces of the end of its tiny step, rotated by omega h
         engine.control(run=1, moved=1, iteration=0)
         engine.graph.contact()
     engine.control(run=0, moved=0)
@@ -61,7 +61,7 @@ def refine(engine: Engine, given: Mapping[str, np.ndarray]) -> bool:
 
 
 class _World:
-    """One world of an engine as arrays over its retained coordinates (6 a body), then modes."""
+    """One world of an engine as arrays over its retained coordinates (6 per body), then modes."""
 
     def __init__(self, engine: Engine, w: int) -> None:
         self.engine, self.w = engine, w
@@ -191,7 +191,7 @@ class _World:
         self._store(("v", "omega", "qd"), V)
         self._store(names, -a)
         self._put(self.engine.state, "lam", lam)
-        self._evaluate(still)  # what is recorded and booked belongs to this state
+        self._evaluate(still)  # recorded quantities and the ledger belong to this state
         self._store(names, a)
         self._store(("v_alg", "omega_alg", "qd_alg"), a)
         self._put(self.engine.state, "lam0", lam)

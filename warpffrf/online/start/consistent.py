@@ -7,7 +7,7 @@ by their size, so that round-off of the positions appears as errors of the accel
 them, with the joints' equations differentiated instead, and opens the ledger with the energies of the resulting state.
 
 From the last equilibrium of a static run (`start_from_loads`) a run begins at rest, at the time of this equilibrium.
-Tractions of surfaces with friction would be lost in the small steps, in which these do not rub; so where there are any
+Tractions of surfaces with friction would be lost in the small steps, which exclude friction; so where there are any
 and no drive moves there, the accelerations are zero, as in an equilibrium whose loads continue without a jump.
 """
 

@@ -3,9 +3,9 @@ static state.
 
 Let C be the gradients, by the rigid coordinates z, of all active rows (joints, drives, springs) and L those of the weak
 gaps of active nodes, of the gaps of closed lumped contacts and of cells of small-sliding contacts under pressure, with
-their slips where they rub. A motion is free where C z = 0 and L z = 0: a roller about its axle, whatever it is pressed
-on, a ball about any line, a body that slides along a plane. Free motions are the right singular vectors of (C, L), of
-unit length in mass-weighted coordinates, with singular values below FREE. With lumped contacts only, L has a
+their slips if they have friction. A motion is free where C z = 0 and L z = 0: a roller about its axle, regardless of
+its contacts, a ball about any line, a body that slides along a plane. Free motions are the right singular vectors of
+(C, L), of unit length in mass-weighted coordinates, with singular values below FREE. With lumped contacts only, L has a
 second order as well (`bent_gaps`): a ball that climbs its groove is constrained.
 
 Load steps with friction (`rubs`) start from a state under pressure, and loaded contacts also resist slip, up to the
@@ -120,7 +120,7 @@ class FreeMotions:
     def told(self) -> bool:
         """Whether there is something to report. In scenes of lumped contacts alone, and of floating bodies, the
         proximal step leaves free motions where they are, as nothing acts along them, to round-off; they are reported
-        all the same.
+        nevertheless.
         """
         lumped = len(self.engine.scene.lumped_contacts) > 0 and len(self.engine.scene.bodies) > 0
         return self.possible or lumped or len(self.floating) > 0
@@ -363,8 +363,8 @@ class FreeMotions:
 
 
 def _motions_of(part: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
-    """Motions of a body, from its part (n, 6) of the free motions: directions (k, 6) with a clause, where it slides or
-    rotates by itself in more than one; each other one with "".
+    """Motions of a body, from its part (n, 6) of the free motions: directions (k, 6) with a clause where it slides
+    without rotation, or rotates without sliding, in more than one; each other direction with "".
     """
     projector = part.T @ part
     for at, folds in ((slice(0, 3), SLIDES_FOLDED), (slice(3, 6), TURNS_FOLDED)):

@@ -15,8 +15,8 @@ the stiffness: F/(r - R) of a ball of radius R in a groove of radius r, zero for
 Floating. Groups of bodies without a path to the ground: the external loads on a group either balance, and it stays
 where it is, or it has no equilibrium.
 
-Forces between bodies of a group have no resultant, so that the resultant is that of loads and weights. A force that
-does not balance never will; a torque may, as the group rotates.
+Forces between bodies of a group have no resultant, so that the resultant is that of loads and weights. An unbalanced
+force remains unbalanced; a torque may become balanced as the group rotates.
 
 Slow films. Time for films to become steady, for equilibria: cavity fractions travel around with half of the sliding
 speed.
@@ -54,7 +54,7 @@ class LapGroup:
     friction: Array  # (cells,)
 
     def closed(self, pressed: Array) -> Array:
-        """Components (s,) that the cells `pressed` (cells,) constrain: gaps, and slips where they rub."""
+        """Components (s,) that the cells `pressed` (cells,) constrain: gaps, and slips of those with friction."""
         closed = np.repeat(pressed[:, None], self.components, axis=1)
         if self.components == 3:
             closed[:, 1:] &= (self.friction > 0.0)[:, None]
@@ -112,8 +112,8 @@ def gradients(engine: Engine, coordinates: int, world: int = 0) -> Array:
 
 
 def held_by_laps(engine: Engine, world: int, size: int) -> tuple[Array, Array]:
-    """Gradients, by the rigid coordinates (n, size), of the gaps of cells under pressure, and of their slips where they
-    rub, and the forces [N] along them (n,); at the last evaluated state.
+    """Gradients, by the rigid coordinates (n, size), of the gaps of cells under pressure, and of their slips if they
+    have friction, and the forces [N] along them (n,); at the last evaluated state.
     """
     lines, pulls = [np.zeros((0, size))], [np.zeros(0)]
     if engine.compiled.laps.count:

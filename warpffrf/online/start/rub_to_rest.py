@@ -17,15 +17,15 @@ largest depth of halving, and so continues with shorter proximal steps at once.
 
 The energy ledger starts at the state found: earlier work is not included.
 
-**Contact of surfaces.** Tractions are found from pressures near those of the state before, and from none at all the
-iteration rarely gets there. So the scene is pressed together first, without friction and with all that friction will
-resist held where it began (`start.pressed`), and the load step goes on from there: surfaces slip from the state under
-the whole pressure, joints that rub from the initial state. It is the path of a load that presses first and one that
-pulls then, after Cattaneo and Mindlin, and not that of both growing together, of which a patch that is pulled by less
-than mu P does not slip at all. A body deforms under the pull while it is pressed, as if its inertia held it, and what
-its surface moves by in that is no slip; a static run in which the pull comes later has that as well, and there the
-patch gives a few per cent more (tests/online/friction/test_surfaces_at_rest.py). Where one path is meant, run it with
-`static`.
+**Contact of surfaces.** The iteration finds tractions from pressures near those of the previous state, and rarely
+converges without pressures. So the scene is pressed together first, without friction and with all motions that friction
+will resist constrained at their initial state (`start.settle.PressedMotions`). The load step continues from there:
+surfaces slip from the state under the whole pressure, joints with friction from the initial state. This is the path of
+a normal load followed by a tangential one, after Cattaneo and Mindlin. It is not the path of both growing in
+proportion, in which a patch with a tangential load below mu P does not slip at all. While it is pressed, a body deforms
+under the tangential load as if constrained by its inertia, and this motion of its surface is not slip. In a static run
+in which the tangential load is applied later it is slip, and the patch displaces a few per cent more
+(tests/online/friction/test_surfaces_at_rest.py). If the path matters, run it with `static`.
 
 Laws that give no force without a velocity are refused.
 """
@@ -43,9 +43,9 @@ from warpffrf.online.start.loading import begin_loading, not_at_rest, slides
 from warpffrf.online.start.settle import LEAST, PressedMotions, press
 from warpffrf_kernels.core import control as k
 
-TAKES = 1.0  # s, for what asks for a rate
-ATTEMPTS = 8  # more than a load step is taken with shorter proximal steps
-CAREFUL = 2  # proximal steps begin 1e-4 times as long as they get
+TAKES = 1.0  # s, the step for laws that depend on a rate
+ATTEMPTS = 8  # exceeds the number of repetitions of a load step with shorter proximal steps
+CAREFUL = 2  # proximal steps begin at 1e-4 of their final length
 WORKS = ("force_work", "drive_work", "damping", "contact_grid", "numerical", "friction")
 
 
@@ -112,7 +112,7 @@ def _rubbed(engine: Engine, careful: int) -> bool:
     begin_loading(engine, whole)
     engine.clock(start_time=time - whole)
     engine.control(level=deep, sub=2**deep - 1, proximal_level=careful, target=1, every=2)  # one step records no row
-    # grids of contact make more of energies than a load step changes them by, where it closes or opens
+    # where contact closes or opens, energy errors of its grids exceed the changes in a load step
     engine.control(energy_bounded=int(engine.compiled.model.pairs.count == 0))
     engine.replay(ATTEMPTS)
     if np.any(engine.word("status")):

@@ -88,9 +88,10 @@ LONGER = 1e6
 TOLERANCE = 1e-11  # of the scene's length, movement of the last proximal step: round-off of positions times 1e5
 ROUND_OFF = 1e-16  # of it: less is no movement in a step that is not short
 VOIDS_STAY = 1e-9  # of the clearance
-CREEP = 0.5  # of the movement of the step before: what tends to rest moves less from one long step to the next
-LEVEL = 1e-3, 1e-2  # of it: energies differ by no more than what grids of contact make of them; the same of cells that
-# travel, which are as wide as the pressures of the step before asked for
+CREEP = 0.5  # of the movement of the previous step: motion towards rest decreases from one long step to the next
+# of the largest force: energy differences are then within the errors of contact grids; second, of travelling cells,
+# whose width follows from the pressures of the previous step
+LEVEL = 1e-3, 1e-2
 
 
 def settle(engine: Engine, free: FreeMotions | None = None) -> bool:
@@ -131,7 +132,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
         engine.static_step(tau)
         status = engine.word("status")
         if np.any(status):
-            if still:  # what is left of forces and energies is round-off, and may well rise
+            if still:  # the remaining forces and energies are round-off, and may increase
                 engine.state.ctl.assign(words)
                 return _at_rest(engine, free, creeping=False)
             if rubs and tau < FIRST * length and np.all((status == 0) | (status == int(k.ENERGY))):
@@ -293,15 +294,15 @@ class PressedMotions(FreeMotions):
 
     @property
     def presses(self) -> bool:
-        """Whether surfaces that rub are under pressure in every world."""
+        """Whether surfaces with friction are under pressure in every world."""
         return all(self._presses(world) for world in range(self.engine.worlds))
 
     def notes(self) -> list[str]:
-        """None: the state is on the way to another one."""
+        """None: the state is an intermediate one."""
         return []
 
 
-AT_REST = 1e-9  # of the fastest surface that rubs and 1 m/s: what round-off leaves of velocities that are zero
+AT_REST = 1e-9  # of the fastest sliding surface and 1 m/s: round-off of velocities that are zero
 
 
 class Friction:

@@ -3,9 +3,9 @@
 A participant names the launches that it adds to each phase; within a phase they follow the order of the participants.
 The tests check the order of every program that they create (`tests/launch_order`), from what kernels read and write
 according to their source: a scratch array that a launch reads or changes must be set by an earlier launch, unless it is
-declared as `carried`, and within a phase nothing is read that is set anew later. They also run scenes with scratch
-filled with NaN between attempts (`tests/online/run/test_program.py`). Phase `commit` is for quantities with a history,
-to which not every accepted attempt adds (`warpffrf_kernels.step.proximal`).
+declared as `carried`, and within a phase nothing is read that a later launch overwrites. They also run scenes with
+scratch filled with NaN between attempts (`tests/online/run/test_program.py`). Phase `commit` is for quantities with a
+history, to which not every accepted attempt adds (`warpffrf_kernels.step.proximal`).
 """
 
 from __future__ import annotations

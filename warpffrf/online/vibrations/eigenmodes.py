@@ -48,7 +48,7 @@ from warpffrf_kernels.core.control import LOADING, STATIC
 
 Array = np.ndarray
 RANK = 1e-10  # of the largest singular value: rows that constrain nothing; the compiler has removed dependent rows
-ZERO = 2.0 * np.pi * 1e-4  # rad/s: a period of three hours; differences of kernels see no stiffness below it
+ZERO = 2.0 * np.pi * 1e-4  # rad/s: a period of three hours; differences of kernels do not resolve a lower stiffness
 SHIFT = 1.0  # 1/s2: makes k + sigma m definite for unconstrained bodies
 MORE_SHIFT = 10.0  # factor, where an unstable state needs a larger one
 MOST_SHIFTS = 30

@@ -58,7 +58,7 @@ from warpffrf.online.vibrations.film_modes import GAP_STEP, FilmSystem, film_sys
 from warpffrf_kernels.core import control as k
 
 Array = np.ndarray
-LENGTH_STEP = 1e-5  # m, rad: fourth-order error 1e-12 at lengths of 10 mm, round-off 1e-11 of the forces in play per m
+LENGTH_STEP = 1e-5  # m, rad: fourth-order error 1e-12 at lengths of 10 mm, round-off 1e-11 of the forces per m
 RATE_STEP = 1.0  # m/s, rad/s and their rates: exact for quadratic terms, whatever its size
 # where lumped contacts are closed, whose force is a power of an approach of micrometres: of the smallest approach, with
 # a fourth-order error of 1e-12; and a rate at which damping is far from its cut-off
@@ -68,7 +68,7 @@ FAR_ITERATION = 10**6  # beyond the most iterations: the kernels evaluate, and l
 RIGID_TANGENT = 1e30  # 1/s2: an inertia so large that modes do not move, which leaves the local compliance alone
 ROUND_OFF = 1e-13  # of a sum of forces: machine precision times the few hundred operations of a force
 KINK = 1e-9  # of the scene's length [m, rad, m/s or rad/s]: a kink this near counts as at the state
-TURNING = 1e-3  # rad/s: one revolution in two hours; a start leaves less on bodies at rest
+TURNING = 1e-3  # rad/s: one revolution in two hours; bodies at rest rotate more slowly after a start
 SYMMETRIC = 1e-6  # relative difference of the two moments of a body of revolution
 PATCHED = (
     "active", "pressure", "patch_offset", "ctl", "clk", "modal_load", "lam", "film_pressure", "film_void", "film_full",

@@ -66,8 +66,8 @@ def speed_error(
     to fine; None: see `choices`. reference: other values for the reference. points {body: (n, 3)} [m, user frame]:
     where displacement is compared. measures: which quantities are compared, None for
     all.
-    progress: what is being done, on stderr. out: a folder, in which an interrupted study goes on; overwrite: replace
-    it. Raises `InputError`.
+    progress: what is being done, on stderr. out: a folder, from which an interrupted study is continued; overwrite:
+    replace it. Raises `InputError`.
     """
     source = source_of(scene, parameters or {})
     machines = Machines(source, parameters or {})

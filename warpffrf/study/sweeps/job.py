@@ -118,8 +118,8 @@ class Job:
     error_budget: bool = False
 
     def call_of(self, built: Built) -> Run:
-        """Which call is made of a scene, and its arguments but those about files. Raises `NoCall` where nothing says
-        it, and where the arguments that come with the scene have one that a sweep sets itself."""
+        """The call that is run on a scene, and its arguments except those about files. Raises `NoCall` where no call is
+        specified, and where the arguments of the scene include one that a sweep sets itself."""
         call, arguments = self._call_of(built)
         if OWN in arguments:
             raise NoCall(

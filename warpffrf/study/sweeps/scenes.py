@@ -35,7 +35,7 @@ from warpffrf.study.sweeps.functions import word_of
 @dataclass(frozen=True)
 class Built:
     """The scene of a row, and `runs`, the arguments of calls that come with it, by the name of the call. running: a
-    context for the call, which says where in a file a refused argument stands."""
+    context for the call, which states the position of a refused argument in a file."""
 
     scene: Any
     runs: Mapping[str, Mapping[str, Any]]

@@ -82,8 +82,8 @@ def sweep(
     workers: number of processes of this machine; or the device of each, ["cuda:0", "cuda:1"]; or a
     `distributed.Client`, the address of its scheduler "tcp://HOST:8786", or another executor with the `submit` of
     concurrent.futures. worlds: run so many rows at once as worlds of one graph, where their scenes differ in
-    numbers only: less set-up for short runs, and what a GPU is for.
-    Numbers are the same bit for bit whoever runs a row, and on a CPU in whatever number of worlds.
+    numbers only: less set-up for short runs, and the purpose of a GPU.
+    Numbers are the same bit for bit for all kinds of workers, and on a CPU for any number of worlds.
 
     A row that cannot be run is stored with its message. Ctrl-C and SIGTERM keep completed runs; resume: continue a
     sweep in the store; completed rows, including failed ones, are not repeated. overwrite: replace the sweep. progress:
