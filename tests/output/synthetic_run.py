@@ -24,7 +24,7 @@ PEAK = 100e6  # Pa, in the first row
 POISSON = 0.3
 # a = 2 R_eff p0 / E* with R_eff = R/2 and E* = E / (2 (1 - nu^2)): the modulus that makes the first row Hertz's
 E_MODULUS = 2.0 * (1.0 - POISSON**2) * R * PEAK / HALF_WIDTH
-STEPS, DURATION, WARP_LOCK = 9, 0.02, 0.3  # rows, s, rad turned by the first roller
+STEPS, DURATION, TURN = 9, 0.02, 0.3  # rows, s, rad turned by the first roller
 MODES = 2
 
 
@@ -99,10 +99,10 @@ def quaternion_y(angle: np.ndarray) -> np.ndarray:
 
 
 def make_history(body: ReducedBody, *, name: str = "lower-upper") -> History:
-    """Lower roller at the origin turning by +WARP_LOCK about y, upper one above it turning back; contact at the top of
+    """Lower roller at the origin turning by +TURN about y, upper one above it turning back; contact at the top of
     the lower."""
     time = np.linspace(0.0, DURATION, STEPS)
-    angle = WARP_LOCK * time / DURATION
+    angle = TURN * time / DURATION
     peak = PEAK * (1.0 + time / DURATION)
     # the top of the lower roller is +z; e_1 = e_a x e_0 = y x x = -z, so the contact starts at theta = -90 degrees; a
     # turn by +angle about y carries +z towards +x, material angles under the fixed contact point decrease with it
@@ -124,7 +124,7 @@ def make_history(body: ReducedBody, *, name: str = "lower-upper") -> History:
 
     def motion(height: float, sign: float) -> BodyHistory:
         position = np.tile([0.0, 0.0, height], (STEPS, 1))
-        spin = np.tile([0.0, sign * WARP_LOCK / DURATION, 0.0], (STEPS, 1))
+        spin = np.tile([0.0, sign * TURN / DURATION, 0.0], (STEPS, 1))
         return BodyHistory(position, quaternion_y(sign * angle), zero.copy(), spin, modal.copy())
 
     bodies = {"lower": motion(0.0, 1.0), "upper": motion(2.0 * R, -1.0)}

@@ -461,7 +461,7 @@ def finish(
         "retained_columns": engine.compiled.model.retained.count + engine.compiled.model.modes.count,
     }
     if engine.compiled.slips.laws or engine.compiled.tensions.laws:
-        history.counters["forgetful_steps"] = int(engine.word("restarted_steps")[0])
+        history.counters["restarted_steps"] = int(engine.word("restarted_steps")[0])
     if engine.graph.pattern is not None:
         factors = engine.scratch.fallback, engine.scratch.cell_fallback  # of pressures and tractions
         history.counters["dense_fallbacks"] = sum(int(factor.numpy()[0, 1]) for factor in factors)

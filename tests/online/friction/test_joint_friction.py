@@ -152,7 +152,7 @@ def test_the_reaction_presses_the_pin(integrator: Any, known_swings: list[float]
         history = settled(pendulum(1.0, **PIN), 2.5, step, integrator=integrator)
         found = turning_points(angle(history, 1.0))
         errors.append(np.abs(np.array(found[1:4]) - known_swings[1:]).max())
-        assert history.counters["forgetful_steps"] <= 4 * len(known_swings)
+        assert history.counters["restarted_steps"] <= 4 * len(known_swings)
     assert errors[1] < AGREE and errors[1] < errors[0] / 8.0  # 16 but for where in a step they turn
 
 

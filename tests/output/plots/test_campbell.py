@@ -24,7 +24,7 @@ M, J_T, J_P = 10.0, 0.08, 0.12  # kg, kg m2
 BEARINGS = ((-0.2, 2e6), (0.25, 2.5e6))  # m, N/m
 SPEEDS = np.array([0.0, 500.0, 1000.0])  # rad/s
 FAR = 1e3  # m: springs so long keep their direction to 1e-7
-WARP_LOCK = 2.0 * np.pi
+TURN = 2.0 * np.pi
 
 
 def rotor(speed: float) -> wf.Scene:
@@ -61,14 +61,14 @@ def test_frequencies_and_senses_are_those_of_the_rotor(diagram: Campbell) -> Non
     for s, speed in enumerate(SPEEDS):
         there = np.isfinite(diagram.frequencies[s])
         found, whirl = diagram.frequencies[s, there], diagram.whirl[s, there]
-        exact = signed_frequencies(speed) / WARP_LOCK
+        exact = signed_frequencies(speed) / TURN
         if speed == 0.0:
             assert np.sort(found) == pytest.approx(np.sort(np.abs(exact)), rel=1e-6) and np.all(whirl == 0.0)
         else:
             assert np.sort(found * np.sign(whirl)) == pytest.approx(exact, rel=1e-6)
             assert np.abs(whirl) == pytest.approx(1.0, abs=1e-6)  # circles, as the springs are alike
             seen = np.sort(diagram.rotating_frequencies[s, there])
-            assert seen == pytest.approx(np.sort(np.abs(exact - speed / WARP_LOCK)), rel=1e-6)
+            assert seen == pytest.approx(np.sort(np.abs(exact - speed / TURN)), rel=1e-6)
 
 
 def test_curves_go_on_from_speed_to_speed(diagram: Campbell) -> None:
@@ -87,7 +87,7 @@ def test_critical_speeds_are_those_of_unbalance(diagram: Campbell) -> None:
     exact = np.sqrt(squares[squares > 0.0])
     (only,) = diagram.critical_speeds()
     assert isinstance(only, Crossing) and only.whirl > 0.9
-    assert only.frequency == pytest.approx(only.speed / WARP_LOCK)
+    assert only.frequency == pytest.approx(only.speed / TURN)
     assert only.speed == pytest.approx(exact[0], rel=0.01)
     assert f"(unbalance): curve {only.branch} at {only.speed:.5g} rad/s" in diagram.report()
 
@@ -119,7 +119,7 @@ def test_results_are_taken_at_their_end_and_axes_that_turn_are_said() -> None:
     """Euler: lambda^2 = -W^2 (J_3 - J_1)(J_3 - J_2)/(J_1 J_2) in axes that turn, a straight line through the origin."""
     speeds = np.array([20.0, 40.0])
     found = wf.campbell(wobbling, speeds, count=3)
-    exact = speeds / WARP_LOCK * np.sqrt(1.7 * 0.7 / 2.0)
+    exact = speeds / TURN * np.sqrt(1.7 * 0.7 / 2.0)
     nearest = np.nanmin(np.abs(found.rotating_frequencies - exact[:, None]), axis=1)
     assert np.all(nearest < 1e-4 * exact)
     assert "axes that turn" in found.report() and "fixed frame" in found.report()
@@ -148,10 +148,10 @@ def test_a_flexible_shaft_bends_at_its_frequency_less_and_plus_the_speed() -> No
     found = wf.campbell(shaft, speeds, count=2)
     assert found.frequencies.shape == (2, 2)
     order = np.argsort(-found.whirl[1])
-    shift = WARP_LOCK * (found.rotating_frequencies[1] - found.rotating_frequencies[0])[order]
+    shift = TURN * (found.rotating_frequencies[1] - found.rotating_frequencies[0])[order]
     assert shift == pytest.approx([-200.0, 200.0], rel=3e-3)
     assert found.frequencies[1] == pytest.approx(
-        found.frequencies[0], rel=3e-3 * 200.0 / (WARP_LOCK * found.frequencies[0, 0])
+        found.frequencies[0], rel=3e-3 * 200.0 / (TURN * found.frequencies[0, 0])
     )
 
     assert found.whirl[1, order] == pytest.approx([1.0, -1.0], abs=0.01)  # sections also lean, along the axis
@@ -200,14 +200,12 @@ def test_a_disc_on_a_light_shaft_in_both_frames() -> None:
     assert np.sum(bends) == 4 and np.all(found.waves[1:, ~bends] == 0)  # the other one twists
     assert np.array_equal(found.frequencies[1:, ~bends], found.rotating_frequencies[1:, ~bends])
     for s, speed in enumerate(speeds):
-        exact = overhung_frequencies(speed) / WARP_LOCK
+        exact = overhung_frequencies(speed) / TURN
         signed = (np.where(found.whirl[s] < 0.0, -1.0, 1.0) * found.frequencies[s])[bends]
         if speed:
             assert np.sort(signed) == pytest.approx(exact, rel=SHEAR)
             turning = np.sort(found.rotating_frequencies[s, bends])
-            assert turning == pytest.approx(
-                np.sort(np.abs(exact - speed / WARP_LOCK)), rel=SHEAR, abs=SHEAR * speed / WARP_LOCK
-            )
+            assert turning == pytest.approx(np.sort(np.abs(exact - speed / TURN)), rel=SHEAR, abs=SHEAR * speed / TURN)
     assert np.all(np.sign(found.whirl[1:]) == np.sign(found.whirl[1]))
     passing = int(np.argmin(found.rotating_frequencies[1]))
     away = overhung_frequencies(60.0)[2] - 60.0, overhung_frequencies(80.0)[2] - 80.0
@@ -275,7 +273,7 @@ def test_waves_of_a_ring_go_round_in_the_world() -> None:
         at = found.frequencies[0, two]
         signs = np.sign(found.whirl[0, two])
         forward, backward = (float(at[signs == sign].min()) for sign in (1.0, -1.0))  # in the plane, below those aside
-        shift = n * speed / WARP_LOCK * (n * n - 1) / (n * n + 1)
+        shift = n * speed / TURN * (n * n - 1) / (n * n + 1)
         assert 0.5 * (forward - backward) == pytest.approx(shift, rel=0.01)
         assert np.min(np.abs(own - 0.5 * (forward + backward))) < 0.01 * shift
     assert not found.critical_speeds()

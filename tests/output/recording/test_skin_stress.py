@@ -33,7 +33,7 @@ LARGEST = PULL / AREA + MOMENT * 0.5 * HEIGHT / INERTIA  # Pa
 STEEL = Material(210e9, 0.0, 7850.0)  # without Poisson's ratio rigid ends do not disturb the beam's stress
 EXACT = 1e-5  # of the largest stress: quadratic cells have the beam's field, kept in single precision
 LEVEL = 4  # of 255: neighbours in a table of colours, between which single precision decides
-WARP_LOCK = (0.0, 0.0, np.sin(0.3), np.cos(0.3))
+TURN = (0.0, 0.0, np.sin(0.3), np.cos(0.3))
 
 
 @pytest.fixture(scope="module")
@@ -49,8 +49,8 @@ def bar():
 def bent(bar) -> Result:
     """The bar turned about z, pulled along its axis and bent about its width."""
     scene = Scene(gravity=(0.0, 0.0, 0.0))
-    body = scene.add_body(bar, name="bar", rotation=WARP_LOCK)
-    axis, across = rotate(np.array(WARP_LOCK), np.eye(3)[:2])
+    body = scene.add_body(bar, name="bar", rotation=TURN)
+    axis, across = rotate(np.array(TURN), np.eye(3)[:2])
     scene.add(joints.Fixed(scene.ground, body["x_min"], name="root"))
     scene.add(PointForce(body["x_max"], tuple(PULL * axis), name="pull"))
     scene.add(PointTorque(body["x_max"], tuple(MOMENT * across), name="bend"))
@@ -72,7 +72,7 @@ def test_a_bar_that_is_pulled_and_bent_in_vtk_files(bent, tmp_path: Path) -> Non
     (block,) = pyvista.read(str(bent.to_vtu(tmp_path / "bar.pvd", progress=False)))
     skin = bent.skins()["bar"]
     expected = PULL / AREA + MOMENT * skin.points[:, 2] / INERTIA
-    axis = rotate(np.array(WARP_LOCK), np.eye(3)[:1])[0]
+    axis = rotate(np.array(TURN), np.eye(3)[:1])[0]
     tensor = to_tensor(np.asarray(block["stress"]))
     assert np.abs(tensor - expected[:, None, None] * np.outer(axis, axis)).max() < EXACT * LARGEST
     assert np.abs(np.asarray(block["von_mises"]) - np.abs(expected)).max() < EXACT * LARGEST

@@ -100,7 +100,7 @@ def spun(axis: Any, angle: float) -> np.ndarray:
     return np.append(np.sin(0.5 * angle) * axis, np.cos(0.5 * angle))
 
 
-WARP_LOCK = spun((0.3, 1.0, -0.2), 0.8)
+TURN = spun((0.3, 1.0, -0.2), 0.8)
 PLACE = np.array([0.4, -0.1, 0.2])
 
 
@@ -144,10 +144,10 @@ def compiled(found: list[Film]) -> Any:
 
 def made_history() -> History:
     scene = bearing()
-    first = motion(PLACE, WARP_LOCK)
+    first = motion(PLACE, TURN)
     off = 0.7 * CLEARANCE * np.stack([np.cos(0.9 * np.arange(STEPS)), np.sin(0.9 * np.arange(STEPS))], axis=1)
     second = shaft_at(np.zeros(2), spun(AXIS, 0.0), first=first)
-    second.position += off @ BORE.frame[:2] @ rot.matrix(WARP_LOCK).T
+    second.position += off @ BORE.frame[:2] @ rot.matrix(TURN).T
     bodies = {"sleeve": first, "shaft": second}
     time = np.linspace(0.0, 0.05, STEPS)
     return History(
@@ -175,7 +175,7 @@ def test_numbers_and_fields_have_their_places() -> None:
     mine, other = bearing().films[0], bearing().films[0]
     other.name = "other"
     rows = {name: np.concatenate([-7.0 * values, values], axis=1) for name, values in made_rows().items()}
-    bodies = {"sleeve": motion(PLACE, WARP_LOCK), "shaft": motion(PLACE, WARP_LOCK)}
+    bodies = {"sleeve": motion(PLACE, TURN), "shaft": motion(PLACE, TURN)}
     both = film_histories(compiled([other, mine]), rows, bodies)
     found = both["bearing"]
     assert list(both) == ["other", "bearing"] and found.pressure.shape == (STEPS, COLUMNS, ROWS)
@@ -205,13 +205,13 @@ def test_torques_are_about_user_origins(second: str) -> None:
     """Of a force at a place; saved are moments about centres of mass, of the ground about the world's origin."""
     film = (bearing() if second == "shaft" else around_the_ground()).films[0]
     at, force = np.array([0.3, -0.2, 0.7]), made_rows()["saved_film"][:, 0, :3]
-    bodies = {"sleeve": motion(PLACE, WARP_LOCK)} | (
-        {"shaft": motion(-2.0 * PLACE, WARP_LOCK[::-1])} if second == "shaft" else {}
+    bodies = {"sleeve": motion(PLACE, TURN)} | (
+        {"shaft": motion(-2.0 * PLACE, TURN[::-1])} if second == "shaft" else {}
     )
     origin = -2.0 * PLACE if second == "shaft" else np.zeros(3)
-    center = origin + rot.matrix(WARP_LOCK[::-1]) @ SHAFT_CENTER if second == "shaft" else origin
+    center = origin + rot.matrix(TURN[::-1]) @ SHAFT_CENTER if second == "shaft" else origin
     rows = made_rows()
-    rows["saved_film"][:, 0, 3:6] = np.cross(at - PLACE - rot.matrix(WARP_LOCK) @ MASS_CENTER, force)
+    rows["saved_film"][:, 0, 3:6] = np.cross(at - PLACE - rot.matrix(TURN) @ MASS_CENTER, force)
     rows["saved_film"][:, 0, 6:9] = np.cross(at - center, -force)
     found = film_histories(compiled([film]), rows, bodies)["bearing"]
     np.testing.assert_allclose(found.torque, np.cross(at - PLACE, force), rtol=1e-12)
@@ -225,7 +225,7 @@ TILT = spun((1.0, 0.0, 0.3), 2e-4)
 
 
 def test_a_shaft_stands_where_it_was_put_as_the_first_body_sees_it() -> None:
-    for rotation in (np.array([0.0, 0.0, 0.0, 1.0]), WARP_LOCK):
+    for rotation in (np.array([0.0, 0.0, 0.0, 1.0]), TURN):
         for tilt in (spun(AXIS, 0.4), TILT):  # about the middle of the grid
             first = motion(PLACE, rotation)
             bodies = {"sleeve": first, "shaft": shaft_at(OFF, tilt, first=first)}
@@ -239,7 +239,7 @@ def test_of_a_flexible_shaft_the_inner_surface_is_the_first() -> None:
     journal = scene.add_body(sleeve(shaft, "journal"), name="sleeve")["journal"]
     bore = scene.add_rigid_body(1.0, (1e-3,) * 3, name="shaft", surfaces={"bore": BORE})["bore"]
     film = Film(journal, bore, oil=oils.Newtonian(0.04), ambient_pressure=1e5)
-    first = motion(PLACE, WARP_LOCK)
+    first = motion(PLACE, TURN)
     bodies = {"sleeve": first, "shaft": shaft_at(OFF, TILT, first=first, shape=shaft, second=BORE)}
     np.testing.assert_allclose(eccentricity(film, bodies, STEPS), np.tile(-OFF, (STEPS, 1)), atol=1e-12)
 
@@ -285,7 +285,7 @@ def pad() -> Scene:
 
 
 def test_planes_have_none() -> None:
-    assert np.all(np.isnan(eccentricity(pad().films[0], {"pad": motion(PLACE, WARP_LOCK)}, STEPS)))
+    assert np.all(np.isnan(eccentricity(pad().films[0], {"pad": motion(PLACE, TURN)}, STEPS)))
 
 
 # --- results, files, arrays

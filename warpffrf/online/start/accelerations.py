@@ -9,8 +9,8 @@ drives, their gradient C and their signals s(t), a state satisfies
 
 R is evaluated on the device, with everything that a step includes; springs and dampers enter by their laws. gamma is a
 central difference of the device's own gradients, `(8 (g(d) - g(-d)) - (g(2d) - g(-2d)))/(12 d)` with `g(e) = C(x(e))
-V`. With d such that nothing rotates by more than `WARP_LOCK`, its error is (WARP_LOCK^4)/30 of gamma, and round-off is
-divided by WARP_LOCK only once. A step of size h in positions divides by its square instead, which for h = 1e-7 s makes
+V`. With d such that nothing rotates by more than `TURN`, its error is (TURN^4)/30 of gamma, and round-off is
+divided by TURN only once. A step of size h in positions divides by its square instead, which for h = 1e-7 s makes
 1e-16 m to 1e-2 m/s2.
 
 The equations are linear in a and lam. They are solved with the mass matrix of the undeformed bodies, and corrected by R
@@ -32,7 +32,7 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.start.settle import Friction
 from warpffrf_kernels.core import control as k
 
-WARP_LOCK = 2e-3  # rad, or of the shortest length: see the module; truncation and round-off are then both near 1e-13
+TURN = 2e-3  # rad, or of the shortest length: see the module; truncation and round-off are then both near 1e-13
 CORRECTIONS = 12  # an inertia that deformation changes by a tenth converges to 1e-12
 RUBBING_CORRECTIONS = 60  # friction that is half of its effect on reactions converges to 1e-13 in about as many
 SETTLED = 1e-13  # of the largest acceleration and multiplier
@@ -261,7 +261,7 @@ class _World:
 
     def _curvature(self, V: np.ndarray) -> np.ndarray:
         """gamma (rows,), see the module."""
-        d = WARP_LOCK / max(self._pace(V), SLOWEST)
+        d = TURN / max(self._pace(V), SLOWEST)
         gamma = np.zeros(self.rows)
         for factor, weight in STENCIL:
             self._evaluate(factor * d * V)

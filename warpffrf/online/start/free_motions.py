@@ -76,9 +76,9 @@ TAKES_PART = 0.1  # of a body's share in a motion, its square between 0 and 1
 MOST_NAMED = 4
 SLIDES = 0.5  # of a body's share: whether it slides or rotates
 SLIDE = "slide along"
-WARP_LOCK = "turn about"
+TURN = "turn about"
 SLIDES_FOLDED = {2: f"{SLIDE} a plane", 3: f"{SLIDE} any line"}
-TURNS_FOLDED = {2: f"{WARP_LOCK} any line of a plane", 3: f"{WARP_LOCK} any line"}
+TURNS_FOLDED = {2: f"{TURN} any line of a plane", 3: f"{TURN} any line"}
 BY_ITSELF = 1e-6  # of a body's share, the remainder where the body moves without others
 LOOK_AHEAD = 1e-3  # of a radius: a small motion that shows whether a gap closes
 WHOLE = 0.5  # of a motion of unit length: whether it is among those that are constrained
@@ -325,7 +325,7 @@ class FreeMotions:
         direction = (y / weight)[:3] if slides else axes @ (y / weight)[3:]
         direction = direction / np.linalg.norm(direction)
         direction = np.round(direction * np.sign(direction[np.argmax(np.abs(direction))]), 2) + 0.0
-        return f"{SLIDE if slides else WARP_LOCK} ({', '.join(f'{c:g}' for c in direction)})"
+        return f"{SLIDE if slides else TURN} ({', '.join(f'{c:g}' for c in direction)})"
 
     def _presses(self, world: int) -> bool:
         """Whether surfaces with friction are under pressure."""

@@ -313,7 +313,7 @@ WHERE_THERE = {  # listed if not zero
     "coarse_steps": "coarse steps",
     "repeated_steps": "repeated steps",
     "impulsive_steps": "impulsive steps",
-    "forgetful_steps": "implicit steps",
+    "restarted_steps": "implicit steps",
     "dense_fallbacks": "dense solves",
 }
 MEANINGS = {
@@ -321,7 +321,7 @@ MEANINGS = {
     "coarse_steps": "less accurate than required, at the smallest step",
     "repeated_steps": "repeated as impacts",
     "impulsive_steps": "with an impact",
-    "forgetful_steps": "by implicit Euler, at transitions of friction or pretension",
+    "restarted_steps": "by implicit Euler, at transitions of friction or pretension",
     "dense_fallbacks": "after a small pivot of the sparse solver",
 }
 IN_NEWTON = {"max_iterations", "mean_iterations"}
