@@ -13,7 +13,7 @@ The traction on the first body points along +x, so that its slip goes along -x.
 from __future__ import annotations
 
 import numpy as np
-from synthetic_run import DURATION, HALF_WIDTH, PEAK, PITCH, ROWS, STEPS, WARP_LOCK, WIDTH, WINDOW, R, make_history
+from synthetic_run import DURATION, HALF_WIDTH, PEAK, PITCH, ROWS, STEPS, TURN, WIDTH, WINDOW, R, make_history
 
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online.history.history import FrictionHistory, History
@@ -23,7 +23,7 @@ MU = 0.3
 STICK = 0.6 * HALF_WIDTH  # c
 SHIFT = HALF_WIDTH - STICK  # d
 RELATIVE = 0.5 * R
-SPEED = R * WARP_LOCK / DURATION  # m/s through the patch
+SPEED = R * TURN / DURATION  # m/s through the patch
 CREEPAGE = -MU * SHIFT / RELATIVE
 COLUMNS_PER_STEP = 0.25
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from synthetic_run import COLUMNS, PITCH, ROWS, WARP_LOCK, WIDTH, R
+from synthetic_run import COLUMNS, PITCH, ROWS, TURN, WIDTH, R
 
 from warpffrf.output.bodies.normal_loads import node_areas, node_forces
 from warpffrf.output.geometry.places import rotate, spread
@@ -73,5 +73,5 @@ def test_patches_of_both_bodies_meet_in_the_world(result: Result) -> None:
 
 
 def test_rotate_matches_a_right_handed_turn() -> None:
-    q = np.array([0.0, 0.0, np.sin(WARP_LOCK / 2), np.cos(WARP_LOCK / 2)])
-    assert rotate(q, np.eye(3)[:1])[0] == pytest.approx([np.cos(WARP_LOCK), np.sin(WARP_LOCK), 0.0])
+    q = np.array([0.0, 0.0, np.sin(TURN / 2), np.cos(TURN / 2)])
+    assert rotate(q, np.eye(3)[:1])[0] == pytest.approx([np.cos(TURN), np.sin(TURN), 0.0])
