@@ -24,15 +24,7 @@ ROWS = [
 LARGE = [
     {"name": "hex27, large", "sectors": 480, "layers": 10, "axial": 6, "order": 2, "general": False},
     {"name": "hex8, medium", "sectors": 120, "layers": 8, "axial": 6, "order": 1, "general": True},
-    {
-        "name": "hex8, 100,000 dofs",
-        "sectors": 120,
-        "layers": 16,
-        "axial": 15,
-        "order": 1,
-        "general": True,
-        "modes": 50,
-    },
+    {"name": "hex8, 100,000 dofs", "sectors": 120, "layers": 16, "axial": 15, "order": 1, "general": True, "modes": 50},
 ]
 BLOCK_NODES = 33  # along each edge: 107,811 dofs
 SMALL_BLOCK_NODES = 18

@@ -63,18 +63,7 @@ def coarse(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize(
     "command",
-    [
-        [],
-        ["demo"],
-        ["reduce"],
-        ["info"],
-        ["run"],
-        ["modes"],
-        ["campbell"],
-        ["compare"],
-        ["plot"],
-        ["spectrum"],
-    ],
+    [[], ["demo"], ["reduce"], ["info"], ["run"], ["modes"], ["campbell"], ["compare"], ["plot"], ["spectrum"]],
     ids=lambda c: "-".join(c) or "main",
 )
 def test_help_explains_every_option(command: list[str], capsys: pytest.CaptureFixture) -> None:
@@ -117,10 +106,7 @@ def test_wrong_input_is_one_line_and_exit_1(coarse: Path, tmp_path: Path, capsys
         (["info", str(DATA / "assembly.inp"), *mm], "say --part one of 'Brick-1', 'Brick-2', 'Peg-1'"),
         (["info", str(DATA / "flat.inp"), *mm, "--part", "2"], "part 2 does not exist, it has 1 connected part(s)"),
         (["reduce", str(coarse), *mm, *STEEL, "-o", str(tmp_path / "x.txt")], "must end in .h5 or .hdf5"),
-        (
-            ["reduce", str(coarse), *mm, *STEEL, "-o", str(other)],
-            "or replace it with --overwrite\n",
-        ),
+        (["reduce", str(coarse), *mm, *STEEL, "-o", str(other)], "or replace it with --overwrite\n"),
         (["reduce", str(coarse), *mm, *STEEL, "--half-width", "-1", *target], "--half-width must be greater"),
         (["demo", "three-rollers"], "did you mean 'two-rollers'"),
         (["demo", "two-rollers", "--out", str(blocked / "x")], "choose another folder with --out"),

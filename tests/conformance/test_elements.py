@@ -120,8 +120,7 @@ def test_frequencies_converge_with_mixed_kinds() -> None:
     number[order[1]] = order[0]
     half = len(hexes.cells["hex8"]) // 2
     mixed = Mesh(
-        hexes.points,
-        {"hex8": hexes.cells["hex8"][:half], "wedge6": number[wedges.cells["wedge6"][2 * half :]]},
+        hexes.points, {"hex8": hexes.cells["hex8"][:half], "wedge6": number[wedges.cells["wedge6"][2 * half :]]}
     ).check()
     lowest = []
     for mesh in (hexes, mixed, wedges):

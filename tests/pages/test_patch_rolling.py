@@ -8,14 +8,7 @@ import pytest
 from references.closed_forms import CarterRolling
 from references.closed_forms import rolling_tables as published
 from references.half_space.influence import influence_2d, influence_3d
-from references.half_space.patch_rolling import (
-    HalfPlanes,
-    HalfSpaces,
-    PatchRolling,
-    lagrange,
-    settle,
-    to_edge,
-)
+from references.half_space.patch_rolling import HalfPlanes, HalfSpaces, PatchRolling, lagrange, settle, to_edge
 from studies.rolling.carter import FRICTION, LINE, SHARES
 from studies.rolling.patch_rolling import (
     ADVANCES,

@@ -19,7 +19,7 @@ PARTS = {  # modules of pages that are written by several
         "studies.rolling.rolling_steady",
         "studies.rolling.rolling_bodies",
         "studies.rolling.rolling_changes",
-    ],
+    ]
 }
 WRITERS = {"page", "_page", "section", "figures_section", "engine_table"}  # functions that return text of a page
 SHORT = 25  # characters; shorter texts are units and words between figures

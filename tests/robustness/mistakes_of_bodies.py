@@ -103,11 +103,7 @@ REDUCTIONS = (
         ("must be True, False or a kind of functions",),
     ),
     Mistake("basis='craig'", lambda w: reduce_roller(basis="craig"), ("'craig'", "craig_bampton")),
-    Mistake(
-        "two spacings",
-        lambda w: wf.ContactGrid(spacing=1e-4, expected_half_width=1e-3),
-        ("leave spacing out",),
-    ),
+    Mistake("two spacings", lambda w: wf.ContactGrid(spacing=1e-4, expected_half_width=1e-3), ("leave spacing out",)),
     Mistake(
         "20 for 20 GiB",
         lambda w: reduce_roller(modes=0, options=wf.ReductionOptions(periodic=False, memory_limit=20)),

@@ -130,9 +130,7 @@ FORCES = (
         ("(signal, direction)", "(10.0, (0, 0, 1))"),
     ),
     Mistake(
-        "one number",
-        lambda w: forces.PointForce(w.slider.at(ORIGIN), 5),
-        ("three components", "(signal, direction)"),
+        "one number", lambda w: forces.PointForce(w.slider.at(ORIGIN), 5), ("three components", "(signal, direction)")
     ),
     Mistake(
         "a force on the ground",

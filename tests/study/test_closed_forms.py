@@ -97,10 +97,7 @@ def test_mindlin_point_has_the_values_of_c4_and_c5() -> None:
 
 @pytest.mark.parametrize("share", [0.2, 0.6, 1.0])
 def test_mindlin_cycles_lose_the_area_they_enclose(share: float) -> None:
-    for m in (
-        MindlinPoint(POINT, 0.3, tangential_compliance(STEEL)),
-        MindlinLine(LINE, 0.3, 10.0 * LINE.half_width),
-    ):
+    for m in (MindlinPoint(POINT, 0.3, tangential_compliance(STEEL)), MindlinLine(LINE, 0.3, 10.0 * LINE.half_width)):
         peak = share * m.limit
         x, w = np.polynomial.legendre.leggauss(400)
         turn = 0.25 * np.pi * (x + 1.0) * 2.0  # Q = -peak cos(turn): smooth at both ends

@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 
 from references.closed_forms import LineContact, contact_modulus
-from references.finite_elements.free_end import (
-    LINE_LOAD,
-    STEEL_ROLLER,
-    EndPressure,
-    press_pair,
-    press_roller,
-)
+from references.finite_elements.free_end import LINE_LOAD, STEEL_ROLLER, EndPressure, press_pair, press_roller
 from warpffrf.model.errors import InputError
 
 LINE = LineContact(LINE_LOAD, STEEL_ROLLER.outer_radius, contact_modulus(STEEL_ROLLER.material))

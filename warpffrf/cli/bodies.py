@@ -15,8 +15,7 @@ from warpffrf.cli.info import part_of
 
 def reduce_mesh(
     mesh_file: Annotated[
-        Path,
-        typer.Argument(metavar="MESH", help="Volume mesh: .msh, .vtu, .inp (Abaqus, CalculiX), .bdf (Nastran)."),
+        Path, typer.Argument(metavar="MESH", help="Volume mesh: .msh, .vtu, .inp (Abaqus, CalculiX), .bdf (Nastran).")
     ],
     length_unit: Annotated[
         str, typer.Option(metavar="UNIT", help="Unit of the lengths in the mesh file: m, cm, mm, um, in or ft.")

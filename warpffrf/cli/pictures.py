@@ -36,8 +36,7 @@ def add_picture_commands(app: typer.Typer) -> None:
             bool, typer.Option("--serve", help="Serve it to a browser, on a machine without a screen.")
         ] = False,
         bind: Annotated[
-            str,
-            typer.Option(metavar="ADDRESS", help="Of --serve: address to listen on; 0.0.0.0: the whole network."),
+            str, typer.Option(metavar="ADDRESS", help="Of --serve: address to listen on; 0.0.0.0: the whole network.")
         ] = "127.0.0.1",
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:
@@ -73,8 +72,7 @@ def add_picture_commands(app: typer.Typer) -> None:
     def picture_of_results(
         file: Annotated[Path, typer.Argument(metavar="FILE", help="Results (.h5) or recording (.rrd).")],
         out: Annotated[
-            Path,
-            typer.Argument(metavar="OUT", help="Of results .png, .pdf, .svg, .gif or .mp4; of a recording .png."),
+            Path, typer.Argument(metavar="OUT", help="Of results .png, .pdf, .svg, .gif or .mp4; of a recording .png.")
         ],
         field: Annotated[str, FIELD] = "displacement",
         time: Annotated[
@@ -82,8 +80,7 @@ def add_picture_commands(app: typer.Typer) -> None:
             typer.Option(metavar="SECONDS", help="Draw the saved step nearest to this time; default: the last."),
         ] = None,
         every: Annotated[
-            int | None,
-            typer.Option(help="Of a .gif or .mp4: a frame for every n-th saved step; default: at most 100."),
+            int | None, typer.Option(help="Of a .gif or .mp4: a frame for every n-th saved step; default: at most 100.")
         ] = None,
         fps: Annotated[float, typer.Option(help="Of a .gif or .mp4: frames per second.")] = 15.0,
         deformation_factor: Annotated[

@@ -82,11 +82,7 @@ def options(
     context: typer.Context,
     verbose: Annotated[
         bool,
-        typer.Option(
-            "--verbose",
-            "-v",
-            help="Print more: the scene, times, tracebacks, every contact of a group.",
-        ),
+        typer.Option("--verbose", "-v", help="Print more: the scene, times, tracebacks, every contact of a group."),
     ] = False,
     quiet: Annotated[
         bool, typer.Option("--quiet", "-q", help="Print neither progress nor reports, only warnings and errors.")

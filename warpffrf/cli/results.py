@@ -20,8 +20,7 @@ def add_result_commands(app: typer.Typer) -> None:
         first: Annotated[Path, typer.Argument(metavar="A", help="Results file (.h5) to compare with.")],
         second: Annotated[Path, typer.Argument(metavar="B", help="Results file (.h5) that is compared.")],
         out: Annotated[
-            Path | None,
-            typer.Option("--out", metavar="PNG", help="Also draw both runs here: .png, .pdf or .svg."),
+            Path | None, typer.Option("--out", metavar="PNG", help="Also draw both runs here: .png, .pdf or .svg.")
         ] = None,
         drawn: Annotated[
             list[str] | None,
@@ -81,8 +80,7 @@ def add_result_commands(app: typer.Typer) -> None:
             ),
         ] = None,
         speed: Annotated[
-            str | None,
-            typer.Option(metavar="BODY", help="Of spectrum and waterfall: over the rotation of this body."),
+            str | None, typer.Option(metavar="BODY", help="Of spectrum and waterfall: over the rotation of this body.")
         ] = None,
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:

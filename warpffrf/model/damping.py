@@ -18,13 +18,7 @@ from warpffrf.model.arguments import Vector
 from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
 from warpffrf.model.messages.named_arguments import named_arguments
 
-__all__ = [
-    "DAMPINGS",
-    "NAMED",
-    "DampingBands",
-    "Rayleigh",
-    "default_damping",
-]
+__all__ = ["DAMPINGS", "NAMED", "DampingBands", "Rayleigh", "default_damping"]
 
 
 def __dir__() -> list[str]:

@@ -18,13 +18,7 @@ from warpffrf.model.laws.lumped import Approach, LumpedLaw, as_lumped_law
 from warpffrf.model.laws.lumped.base import Meeting
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
-from warpffrf.model.moments import (
-    NO_RESISTANCE,
-    Resistance,
-    RollingResistance,
-    as_rolling_resistance,
-    spin_resistance,
-)
+from warpffrf.model.moments import NO_RESISTANCE, Resistance, RollingResistance, as_rolling_resistance, spin_resistance
 from warpffrf.model.placement.nearest import Nearest, curvatures_on, lamina_gap, nearest
 
 OVERLAP_FRACTION = 1e-2  # of the smallest radius of curvature, as `warpffrf.model.checks.contacts` has it

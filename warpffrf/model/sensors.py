@@ -19,15 +19,7 @@ from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.reduced.stress_field import von_mises
 
-__all__ = [
-    "Acceleration",
-    "InterfaceForce",
-    "JointReaction",
-    "Position",
-    "Sensor",
-    "Stress",
-    "Velocity",
-]
+__all__ = ["Acceleration", "InterfaceForce", "JointReaction", "Position", "Sensor", "Stress", "Velocity"]
 
 
 def __dir__() -> list[str]:

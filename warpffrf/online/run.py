@@ -82,10 +82,7 @@ RUNS_AWAY = int(
 )  # failure bits of an unconstrained body
 MESSAGES = {
     k.NOT_CONVERGED: (Status.NOT_CONVERGED, "the Newton iteration did not converge; reduce step"),
-    k.CYCLING: (
-        Status.CYCLING,
-        "the active set of contact cycles; reduce step, or {coarsen}",
-    ),
+    k.CYCLING: (Status.CYCLING, "the active set of contact cycles; reduce step, or {coarsen}"),
     k.CAPACITY: (Status.CAPACITY, "window overflow, raise capacity of the contact to >= {capacity}"),
     k.ROOM: (
         Status.MEMORY,
@@ -100,10 +97,7 @@ MESSAGES = {
         Status.SINGULAR,
         "the joint equations are singular: redundant constraints, or a mechanism with no load path",
     ),
-    k.INDEFINITE: (
-        Status.INDEFINITE,
-        "the contact compliance is not positive definite; {coarsen}",
-    ),
+    k.INDEFINITE: (Status.INDEFINITE, "the contact compliance is not positive definite; {coarsen}"),
     k.STENCIL: (
         Status.STENCIL,
         "a node of the first contact surface overlaps more of the second grid than its stencil allows (the bodies are "

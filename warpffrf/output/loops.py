@@ -204,10 +204,7 @@ def piece(time: np.ndarray, values: np.ndarray, begin: float, end: float, label:
     """Times and `values` (T, ...) from `begin` to `end` [s], both included, with the saved steps in between."""
     ends = value_at(time, values, np.array([begin, end]), label)
     inside = (time > begin) & (time < end)
-    return (
-        np.concatenate([[begin], time[inside], [end]]),
-        np.concatenate([ends[:1], values[inside], ends[1:]]),
-    )
+    return (np.concatenate([[begin], time[inside], [end]]), np.concatenate([ends[:1], values[inside], ends[1:]]))
 
 
 STANDS = 1e-9  # of the range of displacements: smaller steps have no tangent stiffness

@@ -25,13 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from references.closed_forms import (
-    HertzImpact,
-    LineContact,
-    PointContact,
-    contact_modulus,
-    cylinder_approach,
-)
+from references.closed_forms import HertzImpact, LineContact, PointContact, contact_modulus, cylinder_approach
 from references.closed_forms.elastic_sphere import approach_correction
 from scenes.user_meshes import cut_into_tets, straight
 from warpffrf.model import joints, surfaces

@@ -17,13 +17,7 @@ import numpy as np
 
 from references.closed_forms import LineContact, contact_modulus
 from references.closed_forms.elliptic import EllipticContact
-from references.finite_elements.free_end import (
-    STEEL_ROLLER,
-    EndPressure,
-    press_crowned,
-    press_pair,
-    press_roller,
-)
+from references.finite_elements.free_end import STEEL_ROLLER, EndPressure, press_crowned, press_pair, press_roller
 from scenes.flat_settings import reduce_flat
 from scenes.user_meshes import cut_into_tets, gmsh_roller, serendipity, straight
 from warpffrf.model import joints, signals, surfaces

@@ -22,15 +22,7 @@ from references.closed_forms import (
 )
 from references.closed_forms import rolling_tables as published
 from references.closed_forms.elliptic import EllipticContact
-from references.half_space.patch_rolling import (
-    RINGS,
-    SPAN,
-    HalfPlanes,
-    HalfSpaces,
-    PatchRolling,
-    settle,
-    to_edge,
-)
+from references.half_space.patch_rolling import RINGS, SPAN, HalfPlanes, HalfSpaces, PatchRolling, settle, to_edge
 from studies.rolling.carter import FRICTION, LINE, SHARES
 from warpffrf.model.material import Material
 from warpffrf.study.markdown import table

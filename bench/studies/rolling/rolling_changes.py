@@ -25,13 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from references.closed_forms import (
-    MindlinLine,
-    MindlinPoint,
-    PointContact,
-    contact_modulus,
-    tangential_compliance,
-)
+from references.closed_forms import MindlinLine, MindlinPoint, PointContact, contact_modulus, tangential_compliance
 from scenes.rolling_pairs import (
     BORE,
     FRICTION,
@@ -49,14 +43,7 @@ from scenes.rolling_pairs import (
     roller,
     run,
 )
-from studies.rolling.rolling_steady import (
-    APPROACH,
-    CROWN,
-    HALF_WIDTH,
-    SIZE,
-    crowned,
-    straight,
-)
+from studies.rolling.rolling_steady import APPROACH, CROWN, HALF_WIDTH, SIZE, crowned, straight
 from warpffrf.model import surfaces
 from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced.body import ReducedBody

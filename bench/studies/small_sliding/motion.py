@@ -15,16 +15,7 @@ from functools import cache
 
 import numpy as np
 
-from studies.small_sliding.cases import (
-    BAR,
-    BLOCK,
-    CLAMPED,
-    HIGH,
-    WEIGHTLESS,
-    bar,
-    block,
-    pulled,
-)
+from studies.small_sliding.cases import BAR, BLOCK, CLAMPED, HIGH, WEIGHTLESS, bar, block, pulled
 from studies.small_sliding.rows import Row, completed, cycle, loads, static
 from warpffrf.model import forces, joints, rotation, sensors, signals
 from warpffrf.model.contact import Contact

@@ -86,14 +86,7 @@ def mode_slope(model: Model, slope: wp.array(dtype=real), w: int, interface: int
 
 @wp.func
 def change_by(
-    model: Model,
-    slope: wp.array(dtype=real),
-    w: int,
-    interface: int,
-    A: mat33,
-    d: vec3,
-    lever: vec3,
-    coordinate: int,
+    model: Model, slope: wp.array(dtype=real), w: int, interface: int, A: mat33, d: vec3, lever: vec3, coordinate: int
 ) -> Change:
     """By coordinate 0 to 2 (translation), 3 to 5 (rotation about the body's axes) or 6 + i (mode i) of the marker's
     body."""

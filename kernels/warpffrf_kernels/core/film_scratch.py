@@ -1,11 +1,6 @@
 """Scratch arrays of oil films."""
 
-from warpffrf_kernels.core.declaration import (
-    DeviceArray,
-    integers,
-    reals,
-    topic,
-)
+from warpffrf_kernels.core.declaration import DeviceArray, integers, reals, topic
 from warpffrf_kernels.core.films import LINE as FILM_LINE
 from warpffrf_kernels.core.films import NODE_LINE, PULL
 from warpffrf_kernels.core.scratch import MODAL

@@ -3,14 +3,7 @@
 Frames are those of the state: centres of mass, body axes.
 """
 
-from warpffrf_kernels.core.declaration import (
-    DeviceArray,
-    integers,
-    quaternions,
-    reals,
-    topic,
-    vectors,
-)
+from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions, reals, topic, vectors
 from warpffrf_kernels.core.films import NUMBERS as FILM_NUMBERS
 from warpffrf_kernels.core.laps import NUMBERS as LAP_NUMBERS
 from warpffrf_kernels.core.lumped import NUMBERS

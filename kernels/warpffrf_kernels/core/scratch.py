@@ -51,11 +51,7 @@ class Trial:
     membrane_amplitude0: DeviceArray = reals("world", "square", unit="J^1/2", note="there", carried=True)
     interface_motion: DeviceArray = reals("world", "interface", 6, unit="m, rad")
     slope: DeviceArray = reals(
-        "world",
-        "interface_shape",
-        note="modes of interfaces, as loads shorten them",
-        run=True,
-        carried=True,
+        "world", "interface_shape", note="modes of interfaces, as loads shorten them", run=True, carried=True
     )
     slope0: DeviceArray = reals("world", "stiffened_shape", note="where the attempt begins", run=True, carried=True)
     pull_change: DeviceArray = reals("world", "stiffened_interface", 6, unit=FORCE, note="of rows, in the attempt")

@@ -1,15 +1,7 @@
 """Input and output of a step, by topic: the accepted state of every world, see `warpffrf.online.arrays.state`."""
 
 from warpffrf_kernels.core.control import Clock, Control
-from warpffrf_kernels.core.declaration import (
-    DeviceArray,
-    integers,
-    quaternions,
-    reals,
-    structs,
-    topic,
-    vectors,
-)
+from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions, reals, structs, topic, vectors
 
 
 @topic
@@ -47,11 +39,7 @@ class LoadState:
     )
     load_on_modes: DeviceArray = reals("world", 2, "mode", unit="N/kg^1/2")
     lag: DeviceArray = reals(
-        "world",
-        2,
-        "mean_mode",
-        unit="N/kg^1/2",
-        note="y and Y that give forces their mean, see `mean_work`",
+        "world", 2, "mean_mode", unit="N/kg^1/2", note="y and Y that give forces their mean, see `mean_work`"
     )
     interface_pull: DeviceArray = reals(
         "world", "stiffened_interface", 6, unit="N, N m", note="of rows, body axes, where it was accepted"

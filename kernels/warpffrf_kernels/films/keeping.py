@@ -15,13 +15,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.core.state import FilmState
 from warpffrf_kernels.films.flow import TAKEN
-from warpffrf_kernels.films.sampling import (
-    BY_ASPERITIES,
-    FORCE,
-    FORCE_MOMENT,
-    GAP,
-    SECOND_FORCE_MOMENT,
-)
+from warpffrf_kernels.films.sampling import BY_ASPERITIES, FORCE, FORCE_MOMENT, GAP, SECOND_FORCE_MOMENT
 from warpffrf_kernels.films.sides import opened_with_second, sides_of
 from warpffrf_kernels.surfaces.surface import axes_of
 

@@ -48,14 +48,7 @@ from warpffrf_kernels.core.state import FilmState, MotionState
 from warpffrf_kernels.films.asperities import asperities_at
 from warpffrf_kernels.films.oil import oil_at
 from warpffrf_kernels.films.roughness import factors_at
-from warpffrf_kernels.films.sides import (
-    carried_at,
-    opened_by_motion,
-    opened_with_second,
-    posed,
-    sides_of,
-    sliding_at,
-)
+from warpffrf_kernels.films.sides import carried_at, opened_by_motion, opened_with_second, posed, sides_of, sliding_at
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -22,12 +22,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.core.state import FilmState
-from warpffrf_kernels.films.sampling import (
-    ALONG_BY_GAP,
-    AROUND_BY_GAP,
-    FILLING_BY_GAP,
-    HALF,
-)
+from warpffrf_kernels.films.sampling import ALONG_BY_GAP, AROUND_BY_GAP, FILLING_BY_GAP, HALF
 from warpffrf_kernels.films.seats import seat_node, seat_on, seat_part
 from warpffrf_kernels.films.sides import on_second, sides_of
 from warpffrf_kernels.films.unknowns import RIGID, add_scaled, lines_of

@@ -12,12 +12,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Trial
 from warpffrf_kernels.core.state import ContactState, FrictionState
-from warpffrf_kernels.impulsive.impulsive_contact import (
-    kappa_of,
-    mode_share,
-    retained_share,
-    slip_of,
-)
+from warpffrf_kernels.impulsive.impulsive_contact import kappa_of, mode_share, retained_share, slip_of
 from warpffrf_kernels.normal.pair_forces import is_closed, mean_of, modal_place, surface_of, whole
 
 wp.set_module_options(MODULE_OPTIONS)

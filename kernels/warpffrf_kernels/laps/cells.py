@@ -74,11 +74,7 @@ def aim_of(form: Form, u: vec3, v: vec3, largest: real, own: real) -> Aim:
 
 @wp.func
 def form_of(
-    w: int,
-    cell: int,
-    mu: real,
-    lap_mode: wp.array2d(dtype=int),
-    lap_target_form: wp.array3d(dtype=real),
+    w: int, cell: int, mu: real, lap_mode: wp.array2d(dtype=int), lap_target_form: wp.array3d(dtype=real)
 ) -> Form:
     out = Form()
     out.state = lap_mode[w, cell]

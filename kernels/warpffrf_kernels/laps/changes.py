@@ -13,16 +13,7 @@ from warpffrf_kernels.laps.cells import form_of, put_triple, set_form, triple
 from warpffrf_kernels.laps.forms import OPEN, Form, after, first_of, from_form, second_of, to_form
 from warpffrf_kernels.laps.loops import add_product, mapped_lines, substitute_lines, take_columns
 from warpffrf_kernels.laps.passes import pressed_state, requested
-from warpffrf_kernels.laps.tableau import (
-    cells_of,
-    factor_at,
-    factorise,
-    line_at,
-    lines_of,
-    most_of,
-    slots_at,
-    table_at,
-)
+from warpffrf_kernels.laps.tableau import cells_of, factor_at, factorise, line_at, lines_of, most_of, slots_at, table_at
 from warpffrf_kernels.laps.words import (
     CLOSES,
     DIFFERING,

@@ -8,18 +8,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.laps.cells import NO_PRESSURE, aim_of, form_of, put_triple, triple
 from warpffrf_kernels.laps.forms import OPEN, SLIP, SMOOTH, STICK, Form
 from warpffrf_kernels.laps.tableau import cells_of, line_at, own_block, unknowns_of
-from warpffrf_kernels.laps.words import (
-    CLOSES,
-    COUNT,
-    KNOWN,
-    NORMAL,
-    OPENS,
-    RUBS,
-    STAYS,
-    TANGENTIAL,
-    TURNING,
-    TURNS,
-)
+from warpffrf_kernels.laps.words import CLOSES, COUNT, KNOWN, NORMAL, OPENS, RUBS, STAYS, TANGENTIAL, TURNING, TURNS
 
 wp.set_module_options(MODULE_OPTIONS)
 

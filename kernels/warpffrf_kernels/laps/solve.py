@@ -28,14 +28,7 @@ from warpffrf_kernels.laps.changes import change_cells, press_cells
 from warpffrf_kernels.laps.evaluation import begin_table, book, displaced, look_at_motion, own_forces, put_right
 from warpffrf_kernels.laps.loops import weigh_lines
 from warpffrf_kernels.laps.passes import aim_cells, judge_cells, largest_force
-from warpffrf_kernels.laps.tableau import (
-    cells_of,
-    columns_of,
-    factorise,
-    go_ahead,
-    line_at,
-    unknowns_of,
-)
+from warpffrf_kernels.laps.tableau import cells_of, columns_of, factorise, go_ahead, line_at, unknowns_of
 from warpffrf_kernels.laps.words import (
     AHEAD,
     COUNT,

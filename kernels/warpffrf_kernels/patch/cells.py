@@ -87,12 +87,7 @@ def hold_rows(run: Run, trial: Trial, patch: PatchScratch, patch_row: wp.array3d
 
 @wp.func
 def place_splines(
-    around: Taps,
-    along: Taps,
-    area: real,
-    at: int,
-    far_at: wp.array(dtype=int),
-    far_weight: wp.array(dtype=real),
+    around: Taps, along: Taps, area: real, at: int, far_at: wp.array(dtype=int), far_weight: wp.array(dtype=real)
 ):
     """Loads on the splines of a surface due to a unit pressure on a cell; entry `at` of all pairs and sides."""
     far_at[2 * at] = around.first

@@ -32,14 +32,7 @@ from warpffrf_kernels.normal.pair_forces import modal_line
 from warpffrf_kernels.patch.fields import add_splines, half_of, rows_of, sum_lines
 from warpffrf_kernels.patch.spline_tables import line_of, real_side
 from warpffrf_kernels.rolling.shear import STRIPS_AROUND, near_along, open_near, shear_line
-from warpffrf_kernels.rolling.spline_tables import (
-    half_along,
-    load_side,
-    read_side,
-    sum_along,
-    table_along,
-    trace_along,
-)
+from warpffrf_kernels.rolling.spline_tables import half_along, load_side, read_side, sum_along, table_along, trace_along
 from warpffrf_kernels.surfaces.fields import clear_field
 from warpffrf_kernels.surfaces.surface import radius_of
 

@@ -11,17 +11,7 @@ from checks import Check, both_sizes, left_behind, missed
 
 import warpffrf as wf
 from demos import rolling_friction as demo
-from demos.rolling_friction import (
-    FRICTION,
-    LOAD,
-    PAIR,
-    RELATIVE_RADIUS,
-    STEEL,
-    WIDTH,
-    Size,
-    schedule,
-    shares,
-)
+from demos.rolling_friction import FRICTION, LOAD, PAIR, RELATIVE_RADIUS, STEEL, WIDTH, Size, schedule, shares
 from references.closed_forms import CarterRolling, LineContact, contact_modulus
 
 HERTZ = LineContact(LOAD / WIDTH, RELATIVE_RADIUS, contact_modulus(STEEL, STEEL))

@@ -149,8 +149,7 @@ CELL_DATA 2
 
 
 @pytest.mark.parametrize(
-    "data",
-    ["SCALARS grp int 1\nLOOKUP_TABLE default\n1\n2", "SCALARS grp long\n1 2", "FIELD f 1\ngrp 1 2 int\n1 2"],
+    "data", ["SCALARS grp int 1\nLOOKUP_TABLE default\n1\n2", "SCALARS grp long\n1 2", "FIELD f 1\ngrp 1 2 int\n1 2"]
 )
 def test_sets_of_legacy_files(tmp_path: Path, data: str) -> None:
     (tmp_path / "m.vtk").write_text(LEGACY.format(types="10\n10", data="VECTORS v float\n1 2 3 4 5 6\n" + data))

@@ -32,10 +32,7 @@ BODIES = {
     "block": (lambda o: block((0.02, 0.03, 0.01), patch_half_width=(4e-4, 6e-4), cell=2e-4, order=o), 6e-6),
     "ball": (lambda o: ball(0.01, patch_half_width=4e-4, cell=1e-4, order=o), 4.0 / 3.0 * np.pi * 1e-6),
     "sleeve": (lambda o: sleeve(0.02, 0.04, 0.01, sectors=48, axial=2, order=o), np.pi * 1.2e-3 * 0.01),
-    "arc": (
-        lambda o: sleeve(0.02, 0.04, 0.01, sectors=160, axial=2, fine_arc=0.3, order=o),
-        np.pi * 1.2e-3 * 0.01,
-    ),
+    "arc": (lambda o: sleeve(0.02, 0.04, 0.01, sectors=160, axial=2, fine_arc=0.3, order=o), np.pi * 1.2e-3 * 0.01),
     "ring": (
         lambda o: ring(0.02, 0.03, 0.014, sectors=48, axial=8, lands=2, order=o, **GROOVED),
         grooved_volume(0.02, 0.03, 0.014, 0.0052, 0.002),

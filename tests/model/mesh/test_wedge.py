@@ -78,11 +78,7 @@ def test_a_roller_between_planes(body_maker, shift: float) -> None:
     assert wedge.depth == pytest.approx(2e-3, rel=LINEAR)
     with pytest.raises(InputError, match="contacts 'floor', 'ceiling': body 'roller' is wedged between") as caught:
         refuse_overlap(scene)
-    for said in (
-        " ground['floor'] and ground['ceiling'], an overlap of 0.002 m",
-        "move the bodies apart",
-        "0.0005 m",
-    ):
+    for said in (" ground['floor'] and ground['ceiling'], an overlap of 0.002 m", "move the bodies apart", "0.0005 m"):
         assert said in str(caught.value)
     assert "'roller' is wedged" in str(scene.check())
 

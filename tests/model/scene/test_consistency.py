@@ -9,12 +9,7 @@ import pytest
 
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
-from warpffrf.model.checks.redundancy import (
-    refuse_positions,
-    refuse_singular_mass,
-    refuse_velocities,
-    velocity_defects,
-)
+from warpffrf.model.checks.redundancy import refuse_positions, refuse_singular_mass, refuse_velocities, velocity_defects
 from warpffrf.model.checks.scene import refuse_short_signals
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene

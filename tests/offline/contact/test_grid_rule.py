@@ -8,14 +8,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import nnls
 
-from references.half_space.compliances import (
-    EllipsePatch,
-    LinePatch,
-    facing,
-    plane_table,
-    space_table,
-    toeplitz,
-)
+from references.half_space.compliances import EllipsePatch, LinePatch, facing, plane_table, space_table, toeplitz
 from studies.contact.contact_grid import DEPTH
 from studies.contact.grid_errors import contact_pressures, grid_errors
 from studies.contact.grid_on_roller import approach_for, press, pressed_roller

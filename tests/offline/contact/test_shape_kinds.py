@@ -158,10 +158,7 @@ CASES = {
         lambda: squeezed(shaft(), parabola),
         "rim",
         ProfiledCylinder(
-            radius=0.02,
-            axis_point=(0, 0, 0),
-            axis_direction=(0, 1, 0),
-            table=(TABLE, TABLE**2, 2.0 * TABLE),
+            radius=0.02, axis_point=(0, 0, 0), axis_direction=(0, 1, 0), table=(TABLE, TABLE**2, 2.0 * TABLE)
         ),
         zone(lambda z: 0.02 - z**2, lambda z: -2.0 * z),
         (0.0, 0.0, 0.0),

@@ -79,8 +79,4 @@ def test_a_turned_grid_needs_longer_stencils() -> None:
     assert columns >= 2.0 * A.spacing / pitch + 1.0
     assert turned[1] >= A.reach / pitch + 1.0
     flat = RigidSurface("flat", surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)))
-    assert second_reach(flat, A, B, 0.0, 10) == (
-        1,
-        1,
-        1,
-    )
+    assert second_reach(flat, A, B, 0.0, 10) == (1, 1, 1)

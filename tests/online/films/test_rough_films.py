@@ -6,18 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from film_scenes import (
-    CLEARANCE,
-    LENGTH,
-    RADIUS,
-    SHEAR,
-    SPEED,
-    VISCOSITY,
-    bearing,
-    place,
-    reference,
-    turning_load,
-)
+from film_scenes import CLEARANCE, LENGTH, RADIUS, SHEAR, SPEED, VISCOSITY, bearing, place, reference, turning_load
 
 from references.films.rough_walls import RoughWalls
 from warpffrf.model.films import MixedLubrication, Roughness

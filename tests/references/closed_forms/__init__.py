@@ -7,21 +7,10 @@ None of these files imports the engine, the kernels or the reduction.
 from __future__ import annotations
 
 from references.closed_forms.carter import CarterRolling
-from references.closed_forms.conformal import (
-    ConformalPin,
-    conformal_by_half_angle,
-    conformal_by_load,
-    persson,
-)
+from references.closed_forms.conformal import ConformalPin, conformal_by_half_angle, conformal_by_load, persson
 from references.closed_forms.hertz import LineContact, PointContact, contact_modulus, cylinder_approach
 from references.closed_forms.impact import BarImpact, HertzImpact
-from references.closed_forms.joints import (
-    BarOnBase,
-    BoltedJoint,
-    PressFit,
-    TwoLeaves,
-    equivalent_damping,
-)
+from references.closed_forms.joints import BarOnBase, BoltedJoint, PressFit, TwoLeaves, equivalent_damping
 from references.closed_forms.large_deflections import (
     CLAMPED_SQUARE,
     LEVY_CLAMPED_SQUARE,

@@ -38,11 +38,7 @@ from scipy.optimize import brentq
 from references.closed_forms import LineContact, contact_modulus
 from references.closed_forms.elliptic import EllipticContact
 from references.half_space.friction_program import project, solve
-from references.half_space.influence import (
-    rectangle_approach,
-    rectangle_displacement,
-    strip_displacement,
-)
+from references.half_space.influence import rectangle_approach, rectangle_displacement, strip_displacement
 from references.half_space.rolling import STICK
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.material import Material
@@ -442,11 +438,7 @@ def _along_x(advance: float | tuple[float, float]) -> tuple[float, float]:
 
 
 def settle(
-    rolling: PatchRolling,
-    cells: float,
-    creepage: tuple[float, float, float],
-    still: float = STILL,
-    most: float = MOST,
+    rolling: PatchRolling, cells: float, creepage: tuple[float, float, float], still: float = STILL, most: float = MOST
 ) -> Array:
     """Rolls along x by `cells` per step until the share changes by less than `still` per half-width, `most` half-widths
     at most; returns the shares (steps, d)."""

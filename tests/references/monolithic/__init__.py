@@ -20,8 +20,4 @@ from references.monolithic.core.integrator import coefficients_of
 from references.monolithic.history import MonolithicHistory
 from references.monolithic.run import run
 
-__all__ = [
-    "MonolithicHistory",
-    "coefficients_of",
-    "run",
-]
+__all__ = ["MonolithicHistory", "coefficients_of", "run"]

@@ -42,11 +42,7 @@ def journal(length: float, columns: int, rows: int, **options) -> JournalFilm:
 
 @pytest.mark.parametrize(
     ("eccentricity", "long", "short", "attitude"),
-    [
-        (0.2, 3.772205, 0.1725467, 75.4312),
-        (0.5, 9.673597, 0.7503811, 53.6802),
-        (0.8, 19.039955, 5.731328, 30.5002),
-    ],
+    [(0.2, 3.772205, 0.1725467, 75.4312), (0.5, 9.673597, 0.7503811, 53.6802), (0.8, 19.039955, 5.731328, 30.5002)],
 )
 def test_closed_forms_are_those_of_the_tables(eccentricity, long, short, attitude) -> None:
     unit = JournalBearing(1.0, 1.0, 1.0, 1.0, 1.0)

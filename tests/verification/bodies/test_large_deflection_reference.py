@@ -7,12 +7,7 @@ import pytest
 from scipy.sparse.linalg import eigsh
 from scipy.spatial.transform import Rotation
 
-from references.closed_forms import (
-    LEVY_CLAMPED_SQUARE,
-    Elastica,
-    bar_force,
-    pinned_beam_frequency,
-)
+from references.closed_forms import LEVY_CLAMPED_SQUARE, Elastica, bar_force, pinned_beam_frequency
 from references.closed_forms.large_deflections import LEVY_POISSON, LIMIT_STRETCH
 from references.large_deflections import statics
 from references.large_deflections.body import StVenantKirchhoffBody

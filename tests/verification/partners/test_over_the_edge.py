@@ -5,13 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scenes.over_the_edge import (
-    DURATION,
-    ball_over_slab,
-    long_roller_body,
-    roller_off_its_end,
-    slab_body,
-)
+from scenes.over_the_edge import DURATION, ball_over_slab, long_roller_body, roller_off_its_end, slab_body
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate

@@ -188,12 +188,7 @@ def test_one_body_with_a_common_root_is_the_sheets() -> None:
     found = []
     for model, lower, upper, at in (
         (two(), (0, "z_max"), (1, "z_min"), (1, "x_max")),
-        (
-            FullModel([Part(body, STEEL, (ROOT,))]),
-            (0, "sheet0_z_max"),
-            (0, "sheet1_z_min"),
-            (0, "sheet1_x_max"),
-        ),
+        (FullModel([Part(body, STEEL, (ROOT,))]), (0, "sheet0_z_max"), (0, "sheet1_z_min"), (0, "sheet1_x_max")),
     ):
         tip = model.spread(*at, (0.0, 0.0, -1.0))[:, None]
         lap = StaticSmallSliding(model, facet_cells(model, lower, upper), 0.2)

@@ -64,10 +64,7 @@ def test_the_interior_path_ends_where_newtons_method_does() -> None:
 
 def test_one_cell_by_hand() -> None:
     G = np.diag([2.0, 4.0, 4.0])
-    for solver in (
-        lambda b: contact_program.solve(G, b, 0.5).force[0],
-        lambda b: solve_increment(G, b, 0.5).force,
-    ):
+    for solver in (lambda b: contact_program.solve(G, b, 0.5).force[0], lambda b: solve_increment(G, b, 0.5).force):
         assert solver(np.array([[1.0, 3.0, 0.0]])) == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)  # apart
         assert solver(np.array([[-2.0, 0.6, -0.8]])) == pytest.approx([1.0, -0.15, 0.2], rel=1e-12)  # sticks
         assert solver(np.array([[-2.0, 3.0, -4.0]])) == pytest.approx([1.0, -0.3, 0.4], rel=1e-12)  # slips against it

@@ -95,12 +95,7 @@ class FlexibleElements(Elements):
 
 
 def checked_elements(
-    label: str,
-    given: Any,
-    rigid: RigidElements,
-    geometry: Geometry,
-    kinds: tuple[str, ...],
-    tilt: float = 0.0,
+    label: str, given: Any, rigid: RigidElements, geometry: Geometry, kinds: tuple[str, ...], tilt: float = 0.0
 ) -> Elements:
     """`rigid` where `given`, the reduced body of all elements, is None. kinds: of the surfaces that go; tilt
     [rad]: of a flexible one's axis. Raises `InputError` for what is no element of this bearing."""

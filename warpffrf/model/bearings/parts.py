@@ -132,11 +132,7 @@ def ring_mass(geometry: Geometry, side: str, material: Material, axis: np.ndarra
 
 
 def ring_surface(
-    scene: Scene,
-    side: str,
-    given: Any,
-    shape_of: Any,
-    bearing: Bearing,
+    scene: Scene, side: str, given: Any, shape_of: Any, bearing: Bearing
 ) -> tuple[Body | Ground, SurfacePort]:
     """The body of a ring and its raceway.
 

@@ -112,12 +112,7 @@ class PointForce(_Concentrated):
     what = "force"
 
     def __init__(
-        self,
-        port: PortLike,
-        force: Components,
-        *,
-        frame: Literal["world", "body"] = "world",
-        name: str | None = None,
+        self, port: PortLike, force: Components, *, frame: Literal["world", "body"] = "world", name: str | None = None
     ) -> None:
         super().__init__(port, force, frame, name)
 
@@ -136,12 +131,7 @@ class PointTorque(_Concentrated):
     what = "torque"
 
     def __init__(
-        self,
-        port: PortLike,
-        torque: Components,
-        *,
-        frame: Literal["world", "body"] = "world",
-        name: str | None = None,
+        self, port: PortLike, torque: Components, *, frame: Literal["world", "body"] = "world", name: str | None = None
     ) -> None:
         super().__init__(port, torque, frame, name)
 
@@ -181,12 +171,7 @@ class NodalLoad(Force):
     kind = "nodal_load"
 
     def __init__(
-        self,
-        port: PortLike,
-        forces: Vector | Matrix,
-        *,
-        signal: SignalLike = 1.0,
-        name: str | None = None,
+        self, port: PortLike, forces: Vector | Matrix, *, signal: SignalLike = 1.0, name: str | None = None
     ) -> None:
         label = f"nodal load {name!r}" if name else "nodal load"
         self.name = name

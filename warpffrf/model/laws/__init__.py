@@ -21,14 +21,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from warpffrf.model.errors import InputError, no_attribute
-from warpffrf.model.friction import (
-    Coulomb,
-    FrictionLaw,
-    RegularisedCoulomb,
-    Stribeck,
-    TabulatedFriction,
-    TractionCurve,
-)
+from warpffrf.model.friction import Coulomb, FrictionLaw, RegularisedCoulomb, Stribeck, TabulatedFriction, TractionCurve
 from warpffrf.model.laws import curves
 from warpffrf.model.laws.greenwood_tripp import GreenwoodTripp
 from warpffrf.model.laws.hunt_crossley import HuntCrossley

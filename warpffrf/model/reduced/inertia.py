@@ -198,14 +198,7 @@ def kinetic_energy(terms: InertiaTerms, J0: Array, q: Array, qd: Array, w: Array
 
 
 def body_torque(
-    terms: InertiaTerms,
-    J0: Array,
-    q: Array,
-    qd: Array,
-    qdd: Array,
-    w: Array,
-    wdot: Array,
-    level: str = "full",
+    terms: InertiaTerms, J0: Array, q: Array, qd: Array, qdd: Array, w: Array, wdot: Array, level: str = "full"
 ) -> Array:
     """dL/dt + w x L (3,) [N m]: the torque about the centre of mass required for this motion, body axes."""
     J1, J2, G = terms.kept(level)

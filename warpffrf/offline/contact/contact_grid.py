@@ -290,12 +290,7 @@ COARSEST = 1.0  # spacing in half-widths: beyond it a patch has one or two nodes
 
 @named_arguments
 def contact_spacing(
-    half_width: float,
-    *,
-    error: float = 0.01,
-    quantity: str = "force",
-    patch: str = "line",
-    traction: str = "nodes",
+    half_width: float, *, error: float = 0.01, quantity: str = "force", patch: str = "line", traction: str = "nodes"
 ) -> float:
     """Spacing [m] of a contact grid, for `ContactGrid(spacing=)`, that keeps the error of the grid below
     `error` for any position of the patch on the grid.

@@ -89,11 +89,7 @@ ROUNDS_PER_COLUMN = 5  # a column enters and leaves a few times at most; more is
 
 
 def nonnegative_least_squares(
-    A: np.ndarray,
-    b: np.ndarray,
-    *,
-    seed: Iterable[int] = (),
-    enough: Callable[[np.ndarray], bool] | None = None,
+    A: np.ndarray, b: np.ndarray, *, seed: Iterable[int] = (), enough: Callable[[np.ndarray], bool] | None = None
 ) -> np.ndarray:
     """c (n,) >= 0 that minimises |A c - b|, A (m, n); or the first iterate for which `enough(c)` is true.
     Columns `seed` are tried first. Raises `ArithmeticError` if the method does not end."""

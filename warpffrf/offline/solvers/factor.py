@@ -95,10 +95,7 @@ class Cholmod(Factor):
 
     def __init__(self, K: Any, coordinates: Array | None, memory_limit: int | None = None) -> None:
         try:
-            from sksparse.cholmod import (  # pyright: ignore[reportMissingImports]
-                CholmodNotPositiveDefiniteError,
-                cholesky,
-            )
+            from sksparse.cholmod import CholmodNotPositiveDefiniteError, cholesky  # pyright: ignore[reportMissingImports]
         except ImportError:
             raise missing_extra("cholmod", "scikit-sparse") from None
         K = sp.csc_matrix(K)

@@ -218,13 +218,7 @@ NAMES = {
 
 
 def sizes_of(
-    compiled: CompiledScene,
-    worlds: int,
-    ring_rows: int,
-    pattern: RetainedPattern,
-    *,
-    projected: bool,
-    adaptive: bool,
+    compiled: CompiledScene, worlds: int, ring_rows: int, pattern: RetainedPattern, *, projected: bool, adaptive: bool
 ) -> dict[str, int]:
     """Length of each axis in `NAMES`; `pattern`: of the retained matrix."""
     m: Model = compiled.model

@@ -151,11 +151,7 @@ def _terms(terms: InertiaTerms, q: Array, qd: Array, w: Array, w_rate: Array) ->
         np.einsum("tia,ta->ti", J2qw, w),
         -2.0 * np.einsum("tja,ta->tj", g1, w) - np.einsum("tja,ta->tj", g, w_rate),
     ]
-    parts = [
-        np.einsum("ti,tia->ta", q, J1w),
-        np.einsum("ti,tia->ta", q, J2qw),
-        np.einsum("tj,tja->ta", qd, g),
-    ]
+    parts = [np.einsum("ti,tia->ta", q, J1w), np.einsum("ti,tia->ta", q, J2qw), np.einsum("tj,tja->ta", qd, g)]
     return forces, parts
 
 

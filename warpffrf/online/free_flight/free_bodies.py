@@ -405,10 +405,7 @@ def _solve(body: FreeBody, state: Motion, w_1: Array, qd_1: Array, h: float) -> 
         D = 0.5 * (P_w0 @ w_1 + G_w0 @ qd_1 + G_w1 @ qd_0)
         sum_pi = pi_0 + pi_1
         residual = np.concatenate(
-            [
-                pi_1 - pi_0 + 0.5 * h * np.cross(wbar, sum_pi),
-                qd_1 + H_1 @ w_1 - p_0 - h * (D - k * qbar - c * qdbar),
-            ]
+            [pi_1 - pi_0 + 0.5 * h * np.cross(wbar, sum_pi), qd_1 + H_1 @ w_1 - p_0 - h * (D - k * qbar - c * qdbar)]
         )
         # d pi_1/d qd_1 (3, k): of q_1 = ... + h/2 qd_1, and of H_1 qd_1
         pi_qd = H_1.T + 0.5 * h * (P_1 @ w_1 + np.tensordot(G, qd_1, (1, 0))).T

@@ -129,8 +129,5 @@ CONTACT = Participant(
         threads(fields.sum_patches_second, "pair", when=PATCH),
         threads(fields.measure_patches, "pair", when=PATCH),
     ],
-    record=[
-        blocks(contact_record.record_pairs, "pair"),
-        threads(fields.record_patches, "pair", when=PATCH),
-    ],
+    record=[blocks(contact_record.record_pairs, "pair"), threads(fields.record_patches, "pair", when=PATCH)],
 )

@@ -18,11 +18,7 @@ FILM = Participant(
     "films",
     when="film",
     predict=[blocks(sampling.open_film, "film"), blocks(sampling.guard_prediction)],
-    load=[
-        blocks(sampling.sample_film, "film"),
-        blocks(flow.balance_film, "film"),
-        threads(flow.push_films),
-    ],
+    load=[blocks(sampling.sample_film, "film"), blocks(flow.balance_film, "film"), threads(flow.push_films)],
     assemble=[blocks(system.assemble_film, "film"), threads(system.stiffen_by_films)],
     recover=[blocks(increments.limit_films)],
     advance=[blocks(increments.take_film, "film")],

@@ -82,10 +82,7 @@ FRICTION = Participant(
         blocks(tangential_fields.push_gaps, "pair", when=GRID),
         blocks(fields.load_along, "pair", when=ROLLING),
     ],
-    displace=[
-        blocks(tangential_fields.add_push, "pair", when=GRID),
-        blocks(fields.open_gaps, "pair", when=ROLLING),
-    ],
+    displace=[blocks(tangential_fields.add_push, "pair", when=GRID), blocks(fields.open_gaps, "pair", when=ROLLING)],
     slide=[
         press("base", "second_load", of_state=1),
         blocks(tangential_fields.rub_cells, "pair", when=GRID),

@@ -124,10 +124,7 @@ class _Probe:
                             ("round", -1)):  # fmt: skip
             ctl[word] = value
         ctl["mode"][ctl["mode"] == int(k.LOADING)] = int(k.STATIC)  # load steps have no accelerations of the motion
-        self.rates = (
-            self._joined("v_rate", "omega_rate", "qd_rate"),
-            self._joined("v", "omega", "qd"),
-        )
+        self.rates = (self._joined("v_rate", "omega_rate", "qd_rate"), self._joined("v", "omega", "qd"))
         self.spring = self._springs()
         self.tangents: dict[int, tuple[float, float]] = {}  # row with characteristics -> tangent stiffness and damping
         self.length_step, self.rate_step = LENGTH_STEP, RATE_STEP

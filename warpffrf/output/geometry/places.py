@@ -124,10 +124,7 @@ class CellPlaces:
         z, weight = self._rule
         shape = self.surface.shape
         R, slope = shape.radius_at(z), shape.slope_at(z)
-        return np.stack(
-            [(weight * f).sum(axis=-1) for f in (R, R * slope, (z + R * slope) * R)],
-            axis=1,
-        )
+        return np.stack([(weight * f).sum(axis=-1) for f in (R, R * slope, (z + R * slope) * R)], axis=1)
 
     @cached_property
     def areas(self) -> np.ndarray:

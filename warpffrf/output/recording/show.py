@@ -125,13 +125,7 @@ class _Animation:
     """One recording of modes in sequence on the timeline "time"."""
 
     def __init__(
-        self,
-        body: ReducedBody,
-        skin: ModeSkin,
-        labels: list[str],
-        shapes: list[np.ndarray],
-        frames: int,
-        scale: float,
+        self, body: ReducedBody, skin: ModeSkin, labels: list[str], shapes: list[np.ndarray], frames: int, scale: float
     ) -> None:
         import rerun as rr
 

@@ -12,14 +12,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.output.contact.friction import STATES
-from warpffrf.output.plots.colors import (
-    PRESSURE_STOPS,
-    STATE_COLORS,
-    WEAR_STOPS,
-    ColorClasses,
-    ColorScale,
-    largest,
-)
+from warpffrf.output.plots.colors import PRESSURE_STOPS, STATE_COLORS, WEAR_STOPS, ColorClasses, ColorScale, largest
 from warpffrf.output.small_sliding import CellsOnSkin, SmallSlidingResult
 
 TITLES = {"pressure": "Pressure", "state": "Stick and slip", "loss": "Loss by friction"}

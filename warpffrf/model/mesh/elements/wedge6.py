@@ -13,9 +13,6 @@ CELL = CellKind(
     WEDGE_CORNERS,
     _ALL[_ALL[:, :2].sum(axis=1) <= 1],
     6,
-    {
-        "tri3": np.array(WEDGE_TRIANGLES),
-        "quad4": complete_faces(WEDGE_CORNERS, WEDGE_QUADS, edges=False, center=False),
-    },
+    {"tri3": np.array(WEDGE_TRIANGLES), "quad4": complete_faces(WEDGE_CORNERS, WEDGE_QUADS, edges=False, center=False)},
     *wedge_rule(2),
 )

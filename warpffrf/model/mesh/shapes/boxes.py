@@ -113,13 +113,7 @@ def _increasing(values: Any, label: str) -> np.ndarray:
 
 @named_arguments
 def block(
-    size: Any,
-    *,
-    patch_half_width: Any,
-    cell: float,
-    depth: float | None = None,
-    growth: float = 1.5,
-    order: int = 2,
+    size: Any, *, patch_half_width: Any, cell: float, depth: float | None = None, growth: float = 1.5, order: int = 2
 ) -> Mesh:
     """A block below z = 0 with facet sets `patch`, `top` (all of it), `bottom` and `sides`.
 

@@ -205,11 +205,9 @@ def _head(file: Path, text: bytes) -> _Head:
 
 
 def _array_entries(symmetry: str, rows: int, columns: int) -> int:
-    return {
-        "general": rows * columns,
-        "symmetric": rows * (rows + 1) // 2,
-        "skew-symmetric": rows * (rows - 1) // 2,
-    }[symmetry]
+    return {"general": rows * columns, "symmetric": rows * (rows + 1) // 2, "skew-symmetric": rows * (rows - 1) // 2}[
+        symmetry
+    ]
 
 
 def _numbers(file: Path, text: bytes, head: _Head) -> np.ndarray:
