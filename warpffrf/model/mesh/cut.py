@@ -45,11 +45,11 @@ def cut(
     """A new mesh that is cut along the plane through `point` (3,) [m] with `normal` (3,), which points to the high
     side, with facet sets NAME_low and NAME_high that face each other.
 
-    cells: a cell set; only faces between its cells are cut. radius [m]: extent of the cut about `point`. `tolerance` [m] is
-    the largest distance of nodes from the plane, 1e-5 of the diagonal of the bounding box where None. Cell numbers
-    are kept; new nodes follow the others. Raises `InputError` for a used name, an unknown cell set, a body of matrices, a
-    plane that intersects cells or contains no faces, with its distance from the nearest node, and where the two sides
-    are not connected elsewhere.
+    cells: a cell set; only faces between its cells are cut. radius [m]: extent of the cut about `point`. `tolerance`
+    [m] is the largest distance of nodes from the plane, 1e-5 of the diagonal of the bounding box where None. Cell
+    numbers are kept; new nodes follow the others. Raises `InputError` for a used name, an unknown cell set, a body of
+    matrices, a plane that intersects cells or contains no faces, with its distance from the nearest node, and where the
+    two sides are not connected elsewhere.
     """
     label = f"cut {name!r}"
     if not mesh.cells:
@@ -80,8 +80,8 @@ def cut(
 
 
 class _Plane:
-    """Position of nodes and cells relative to a plane: distance `d` of nodes (n,) [m], and of cells (N,) whether they are
-    high, whether the plane intersects them (`through`), and their centre."""
+    """Position of nodes and cells relative to a plane: distance `d` of nodes (n,) [m], and of cells (N,) whether they
+    are high, whether the plane intersects them (`through`), and their centre."""
 
     def __init__(self, mesh: Mesh, point: Array, normal: Array, limit: float, reach: float) -> None:
         self.mesh, self.point, self.normal, self.limit, self.reach = mesh, point, normal, limit, reach

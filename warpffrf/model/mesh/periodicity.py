@@ -54,8 +54,8 @@ from warpffrf.model.surfaces.fit import reference_direction, signed_axis
 if TYPE_CHECKING:
     from warpffrf.model.mesh.data import Mesh
 
-# Of the radius: how far a node may move onto its place. Coordinates with 6 digits stay below it, and a contact surface is
-# accepted as round to the same fraction (surfaces.DEFAULT_FIT_FRACTION).
+# Of the radius: how far a node may move onto its place. Coordinates with 6 digits stay below it, and a contact surface
+# is accepted as round to the same fraction (surfaces.DEFAULT_FIT_FRACTION).
 LARGEST_MOVE = 1e-5
 SAME_PLACE = 4.0  # in LARGEST_MOVE: two nodes off by that much each, about an axis found from such nodes
 SAME_MOMENT = 1e-5  # of the largest second moment: what coordinates off by LARGEST_MOVE change it by, at most
@@ -289,9 +289,9 @@ class NotPeriodic(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Orbits:
-    """`nodes` (N, nn): node s of orbit o is the orbit's first node rotated by s phi. `base` (nn, 3) [m]: position of the
-    first node, the mean of all nodes rotated back, in axes whose third is the axis of rotation; `largest_move` [m] of a
-    node to its exact position."""
+    """`nodes` (N, nn): node s of orbit o is the orbit's first node rotated by s phi. `base` (nn, 3) [m]: position of
+    the first node, the mean of all nodes rotated back, in axes whose third is the axis of rotation; `largest_move` [m]
+    of a node to its exact position."""
 
     nodes: Array
     base: Array
@@ -340,8 +340,8 @@ def numbered(mesh: Mesh, orbits: Orbits, origin: Array, frame: Array) -> tuple[M
     """`mesh` numbered by sectors about the third row of `frame` through `origin`, and each node's old number (n,).
 
     Sector 0 begins nearest to the first row of `frame`. Within a sector nodes are numbered by angle, radius and height.
-    Cells, and facet sets that are mapped onto themselves, follow; other facet sets keep their order. Raises `NotPeriodic`
-    where a cell needs more than two sectors.
+    Cells, and facet sets that are mapped onto themselves, follow; other facet sets keep their order. Raises
+    `NotPeriodic` where a cell needs more than two sectors.
     """
     N, nn = orbits.nodes.shape
     angle = np.arctan2(orbits.base[:, 1], orbits.base[:, 0]) * N / (2.0 * np.pi)

@@ -60,8 +60,8 @@ SKIPPED = {"$Comments", "$Periodic", "$GhostElements", "$Parametrizations", "$In
 
 @dataclass
 class _Found:
-    """Data of the sections. `elements` {(type, dimension, entity): rows (m, 1 + nodes)}, and for files that list them per
-    element the physical group (m,) of each row; `groups` {(dimension, entity): tags}."""
+    """Data of the sections. `elements` {(type, dimension, entity): rows (m, 1 + nodes)}, and for files that list them
+    per element the physical group (m,) of each row; `groups` {(dimension, entity): tags}."""
 
     names: dict[tuple[int, int], str] = field(default_factory=dict)
     numbers: Array | None = None
