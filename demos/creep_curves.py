@@ -55,7 +55,7 @@ Stair = tuple[float, float, float]  # longitudinal and lateral creepage [-], spi
 
 @dataclass(frozen=True)
 class Size:
-    """Cells across the patch in both directions, and which stairs (every third, say)."""
+    """Cells across the patch in both directions, and which stairs (for example every third)."""
 
     cells: int
     every: int

@@ -109,7 +109,7 @@ def piston_mesh() -> wf.mesh.Mesh:
         lattices.append(_standing_piston(section, rows))
 
     add(core, CROWN, "crown", axis=2, end=1)
-    for quarter in range(4):  # of the turn, from z over y
+    for quarter in range(4):  # of the revolution, from z over y
         turn = np.array([[0.0, -1.0], [1.0, 0.0]])
         turn = np.linalg.matrix_power(turn, quarter)
         blend, shell = inside @ turn, ring @ turn

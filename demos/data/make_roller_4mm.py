@@ -16,7 +16,7 @@ FILE = Path(__file__).with_name("roller_4mm.msh")
 
 
 def main() -> None:
-    import gmsh  # pyright: ignore[reportMissingImports] (an extra, only for making the file anew)
+    import gmsh  # pyright: ignore[reportMissingImports] (an extra, only for making the file again)
 
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)

@@ -227,7 +227,7 @@ class RegularisedCoulomb(FrictionLaw):
         return np.full_like(np.asarray(speed, float), self.coefficient)
 
 
-GONE = 1e-12  # of mu_s - mu_k: what is left of it where the fall ends
+GONE = 1e-12  # of mu_s - mu_k: the remainder where the fall ends
 
 
 @named_arguments

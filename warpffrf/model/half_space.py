@@ -312,7 +312,7 @@ class FarSplines:
 
     def compliance(self, lags: Array, directions: int = 1) -> Array:
         """Z D Z^T in the layout of `lags` (sectors, directions c rows, directions c rows), of D among functions in that
-        layout; Z takes each direction by itself."""
+        layout; Z acts on each direction separately."""
         return self.sources(self.targets(lags, directions), directions)
 
     def targets(self, lags: Array, directions: int = 1) -> Array:

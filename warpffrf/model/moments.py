@@ -23,7 +23,7 @@ have the moments
 
     line    2 F b/(3 pi),      ellipse    3 F b/16
 
-about the middle, and alpha of them is left over: M = alpha times that. b grows as F^(1/2) of a line, F^(1/3) of an
+about the middle, of which the fraction alpha remains: M = alpha times that. b grows as F^(1/2) of a line, F^(1/3) of an
 ellipse. The shorter half-axis is used for any direction: elements of bearings roll across the long one.
 
 Rolling resistance by an arm: M = e F, the force of the ground a distance e ahead of the middle of the patch.

@@ -94,8 +94,8 @@ def run_scene(
     was run, NAME.toml.
     A name that leads out of the folder is refused, with InputError, unless `anywhere`.
     settings: "name=value" as of `--set`. progress: what is being done, on stderr. overwrite: replace the files of an
-    earlier run; resume: go on where it was stopped, or read it if it ended, see
-    `simulate`.
+    earlier run; resume: continue where it was stopped, or read it if it ended,
+    see `simulate`.
 
     With the file pendulum.toml of docs/scene_file.md:
 

@@ -200,8 +200,8 @@ def without_cage(bearings: list[Bearing]) -> str:
 
 
 def loose_ring(bearings: list[Bearing], items: list[Any], body: Body) -> str:
-    """What to say of a bearing that `body` is part of and one of whose rings nothing holds but its elements, so that it
-    carries nothing for the other one; "" where there is none. `items`: all that connects bodies."""
+    """Text about a bearing that `body` is part of and one of whose rings is supported by its elements only, so that it
+    carries no load for the other ring; "" where there is none. `items`: all that connects bodies."""
     for bearing in bearings:
         within = [*bearing.elements, *([] if bearing.cage is None else [bearing.cage])]
         for side, other in ((bearing.outer, bearing.inner), (bearing.inner, bearing.outer)):

@@ -14,8 +14,8 @@ Cages: separation of the rolling elements.
 Without a cage, raceways squeeze every loaded element off the line of the load out of the load zone, and there is no
 equilibrium. A kind of cage is a class with `hold`, which adds its parts to the bearing.
 
-    PrescribedCage     elements at equal angles in a frame whose rotation is prescribed: standing still, or with a given
-    speed PocketCage    a body that turns as elements push it: each has play in a pocket, and friction there
+    PrescribedCage    elements at equal angles in a frame whose rotation is prescribed: at rest, or with a given speed
+    PocketCage        a body that rotates as elements push it: each has play in a pocket, and friction there
 
 A pocket of `PocketCage` is a cup around a ball, and two planes before and behind a roller.
 """

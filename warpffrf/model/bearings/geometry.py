@@ -38,8 +38,8 @@ the outer one at high speed, where the centrifugal force presses there. At equal
 
     w_c = (w_i (1 - gamma) + w_o (1 + gamma))/2,
 
-and the rolling against the cage is d/(2 D) (1 - gamma^2)(w_o - w_i). Rollers have alpha = 0 and w_r = 0. Turning
-w_r e_r around with w_c requires the gyroscopic moment I w_c w_r about e_t, which friction must provide.
+and the rolling against the cage is d/(2 D) (1 - gamma^2)(w_o - w_i). Rollers have alpha = 0 and w_r = 0. Rotating
+w_r e_r with w_c requires the gyroscopic moment I w_c w_r about e_t, which friction must provide.
 """
 
 from __future__ import annotations

@@ -183,7 +183,7 @@ MOVES = 1e-6  # of a motion of length one: less is none
 
 
 def out_of_reach(scene: Scene, gaps: dict[str, Nearest | None]) -> list[str]:
-    """What is to be said of such pairs, a sentence each; `gaps`: `facing_gap` by the name of the pairs to look at."""
+    """One message per such pair; `gaps`: `facing_gap` by the name of the pairs to check."""
     told, free = [], None
     for contact in scene.finite_sliding:
         if contact.name not in gaps:
@@ -222,7 +222,7 @@ def _size(contact: Contact) -> float:
 
 
 def _free_motions(scene: Scene) -> np.ndarray:
-    """Rigid motions (6 bodies, n) that joints and drives leave, turns counted in the length of the scene."""
+    """Rigid motions (6 bodies, n) that joints and drives leave free, rotations scaled by the length of the scene."""
     held = held_motions(scene)
     return null_space(held) if len(held) else np.eye(held.shape[1])
 
@@ -241,7 +241,7 @@ def _held_apart(contact: Contact, free: np.ndarray, length: float) -> bool:
 
 
 def _in_itself(port: SurfacePort, length: float) -> np.ndarray:
-    """Motions (6, n) of the body of a surface that leave the place of the surface: translations, turns."""
+    """Motions (6, n) of the body of a surface that map the surface onto itself: translations, rotations."""
     body, shape = port.body, port.surface.shape
     axes = [body.to_world(e) - body.position for e in (shape.e_0, shape.e_1, shape.e_a)]
     center = body.to_world(shape.axis_point) - body.position
@@ -257,8 +257,8 @@ def _in_itself(port: SurfacePort, length: float) -> np.ndarray:
 
 
 MOVED = 4.0  # of the deepest overlap: further than a wedge is deep, and near enough for a linear programme
-NEARER = 12.0  # of it: wider gaps stay open in such a motion of both bodies and a turn
-SHALLOW = 1e-7  # of the deepest overlap: what the linear programme leaves over
+NEARER = 12.0  # of it: wider gaps stay open in such a motion of both bodies and a rotation
+SHALLOW = 1e-7  # of the deepest overlap: residual of the linear programme
 TAKES_PART = 1e-6  # of all multipliers
 
 
@@ -342,7 +342,7 @@ def find_wedge(scene: Scene, gaps: dict[str, Nearest | None] | None = None) -> W
 
 
 def _gradients(contact: Contact, sample: GapSamples, bodies: int, length: float) -> np.ndarray:
-    """Of the gaps, by translations and by turns, which are counted in `length` [m] (places, 6 bodies)."""
+    """Of the gaps, by translations and rotations, the latter scaled by `length` [m] (points, 6 bodies)."""
     lines = np.zeros((len(sample.gap), 6 * bodies))
     for sign, port in ((1.0, contact.a), (-1.0, contact.b)):
         if not port.on_ground:

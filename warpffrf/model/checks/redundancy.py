@@ -21,7 +21,7 @@ all the same; a run measures at its saved steps how well the rows left out were 
 Consistency. Initial conditions of a scene: initial velocities and prescribed motions agree with the joints, all bodies
 have mass.
 
-A joint asks for C V = 0 of the velocities V that the bodies are given, a drive for C V = s'(0), with C the Jacobian of
+A joint requires C V = 0 of the initial velocities V of the bodies, a drive C V = s'(0), with C the Jacobian of
 `redundancy`. The residual is compared with the largest possible relative speed of the joint's points, the largest speed
 of a body's origin plus its angular speed times the scene's length. Of the joint coordinates only those with a
 prescribed *position* can disagree at the initial pose: joints are built from it, and a prescribed velocity counts from
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
 
 RANK_TOLERANCE = 1e-6  # of the longest row; its square, what elimination is left with, stays above round-off of pivots
-NEARBY = 0.03  # rad, or of L: how far poses are moved to tell a singular pose from a redundancy
+NEARBY = 0.03  # rad, or of L: how far poses are moved to separate a singular pose from a redundancy
 NEARBY_POSES = 2
 CLOSED = 1e-10  # of L and rad: defect of a pose that Gauss-Newton has closed; it converges quadratically
 CLOSING_STEPS = 12
@@ -175,8 +175,8 @@ def scene_length(scene: Scene) -> float:
 def constraint_jacobian(
     scene: Scene, rows: list[ConstraintRow], pose: Pose | None = None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Jacobian (rows, unknowns), scaled as the module says, the values (rows,) against the initial ones, scaled alike,
-    and the factors (unknowns,) from scaled to plain unknowns.
+    """Jacobian (rows, unknowns), scaled as in the module docstring, the values (rows,) relative to the initial ones,
+    scaled likewise, and the factors (unknowns,) from scaled to plain unknowns.
 
     Unknowns, body by body: translation of the user origin, rotation vector (world axes), modal coordinates.
     """
@@ -211,8 +211,8 @@ def constraint_jacobian(
 
 
 def held_motions(scene: Scene) -> np.ndarray:
-    """What joints and drives hold of rigid motions (rows, 6 bodies): translations of the user origins, and turns, these
-    counted in `scene_length`."""
+    """Rigid motions that joints and drives constrain (rows, 6 bodies): translations of the user origins, and rotations
+    scaled by `scene_length`."""
     starts = np.cumsum([0] + [6 + body.mode_count for body in scene.bodies])[:-1]
     J, _, factor = constraint_jacobian(scene, constraint_rows(scene))
     L = scene_length(scene)
@@ -257,7 +257,7 @@ def _independent(rows: list[ConstraintRow], J: np.ndarray) -> np.ndarray:
 
 
 def _nearby(scene: Scene, rows: list[ConstraintRow]) -> list[Pose]:
-    """Poses near the initial one in which all undriven rows hold; fewer than asked for where none is found."""
+    """Poses near the initial one in which all undriven rows hold; fewer than `NEARBY_POSES` where none is found."""
     held = [row for row in rows if row.drive is None]
     if not held:
         return []
@@ -300,8 +300,8 @@ SAME_ANGLE = 1e-6  # rad: rounding of a typed angle, as `coincident_within` of a
 
 @dataclass(frozen=True)
 class VelocityDefect:
-    """What the initial velocities leave of a joint or drive: `translation` [m/s] and `rotation` [rad/s]; `driven` where
-    a drive asks for the motion."""
+    """Residual of a joint or drive under the initial velocities: `translation` [m/s] and `rotation` [rad/s]; `driven`
+    where a drive prescribes the motion."""
 
     owner: str
     translation: float
@@ -345,7 +345,7 @@ def velocity_defects(scene: Scene) -> list[VelocityDefect]:
 def refuse_velocities(scene: Scene) -> None:
     """Raises `InputError` with the residual of each joint that the initial velocities contradict.
 
-    Drives are not judged: they say what the velocity is, and a body at rest follows from the first instant.
+    Drives are not checked: they prescribe the velocity, and a body at rest follows from the first instant.
     """
     found = [str(defect) for defect in velocity_defects(scene) if not defect.driven]
     if found:

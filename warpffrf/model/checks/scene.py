@@ -211,7 +211,7 @@ def _loose_preloads(scene: Scene) -> dict[str, str]:
     """Pretensions, and joint springs with a preload, between two bodies that nothing else connects: what they pull
     together presses on nothing. By name, with the cure.
 
-    A spring with a preload is a suspension as well, whose load is the weight; so this is said, and not refused.
+    A spring with a preload may also be a suspension, loaded by the weight; so this is reported, not refused.
     """
     told = {}
     for force in scene.forces:

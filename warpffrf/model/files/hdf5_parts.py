@@ -24,7 +24,7 @@ from warpffrf.model.errors import InputError
 RATIO = 1032  # bytes that one byte of deflate can stand for, at most
 REAL = "biufV"  # V: vectors in records
 COMPLEX = REAL + "c"
-LEAST = 1 << 16  # bytes below which a size is not looked at
+LEAST = 1 << 16  # bytes below which a size is not checked
 SECONDS = 15.0  # it takes half a second
 _LOOK = """
 import sys, h5py
@@ -132,7 +132,7 @@ def _size(file: Any) -> int:
 
 
 def _memory() -> int:
-    """Bytes of memory that this machine has, 2^62 where it does not say."""
+    """Bytes of memory of this machine, 2^62 where unknown."""
     try:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, ValueError, OSError):

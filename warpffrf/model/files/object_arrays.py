@@ -2,7 +2,7 @@
 
 An object is stored as its class and attributes; shared objects remain shared. Only classes of warpffrf are created,
 without their constructors, and no code comes with the document, so that a foreign document can at most be wrong
-(whoever reads a scene compares its `content_hash`). A document is read by the version that wrote it.
+(readers of a scene compare its `content_hash`). A document is read by the version that wrote it.
 
     [value, ...]                      the first is the object itself; others refer to each by its number
     null, true, 1.5, "text"           themselves

@@ -1,13 +1,13 @@
 """Files with a checksum after their last byte, checked before anything else: HDF5 files, and files of named arrays
 without HDF5, which are fast to write, also in parallel, as writing does not hold Python's lock.
 
-The HDF5 library may loop for ever, or allocate what a damaged header asks for, so damage must be detected in the raw
+The HDF5 library may loop for ever, or allocate what a damaged header requests, so damage must be detected in the raw
 bytes. The seal is 96 bytes after the file,
 
     mark (16), length of what stands before (8), version (4), zeros (4), sha256 of what stands before (32), zeros (16),
     mark (16),
 
-which HDF5 ignores: a file says in its first bytes where it ends. h5py, h5dump, netCDF and xarray open a sealed file as
+which HDF5 ignores: the first bytes of a file state where it ends. h5py, h5dump, netCDF and xarray open a sealed file as
 any other. A user block in front of the file would be as legal, but a file with one no longer begins with the signature
 of HDF5, by which xarray, `file` and we ourselves know it. A program that changes the file overwrites the seal; the
 result counts as damaged until `seal` is called again. A seal detects damage, not manipulation: anyone who writes a file
@@ -15,9 +15,9 @@ can seal it.
 
 A file of arrays is
 
-    mark (16), length of the header (8), header, the bytes of all arrays one behind the other, seal.
+    mark (16), length of the header (8), header, the bytes of all arrays in sequence, seal.
 
-The header is JSON: `about`, what whoever writes the file wants to say, and of each array its name, type and shape.
+The header is JSON: `about`, the writer's own data, and of each array its name, type and shape.
 Sizes are compared with the length of the file before anything is allocated.
 """
 

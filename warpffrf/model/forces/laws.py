@@ -217,7 +217,7 @@ def described(law: Any) -> Any:
 
 
 def tension_of(item: Any) -> TensionLaw | None:
-    """The pull in time of a force element, alone or beside its spring law; None where it has none."""
+    """The tension over time of a force element, alone or in addition to its spring law; None where it has none."""
     return item.tension() if hasattr(item, "tension") else None
 
 

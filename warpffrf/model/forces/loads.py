@@ -31,7 +31,7 @@ a joint, the distance of its two sides along the axis, obeys
     lambda = F(t)    until `lock_at`,        s = s_lock    from then on,
 
 lambda the pull on the coordinate, positive where it draws the sides together, and s_lock the value of s at the end of
-the first step, in time or static, that ends at `lock_at` or later, so that locking changes nothing by itself. The other
+the first step, in time or static, that ends at `lock_at` or later, so that locking alone changes nothing. The other
 relative motions are the joint's.
 
 With the joint between the two faces of a cut through the shank of a bolt (`Mesh.cut`) this is the *pretension section*
@@ -322,8 +322,8 @@ class Pretension(Force):
     preload: a number or a signal [N], positive: tension, b is drawn towards a. lock_at [s]: from the end of the first
     step at or after this time on the coordinate is constant; 0 locks the start state of a run, "equilibrium" for one;
     None: the preload acts throughout. coordinate: the joint's, or None where it has one only. A static state has the
-    preload unless its time is beyond lock_at, or it goes on from a run that has locked. Once locked it stays so, in
-    later stages and in runs that go on from a checkpoint.
+    preload unless its time is beyond lock_at, or it continues a run that has locked. Once locked it stays so, in
+    later stages and in runs that continue from a checkpoint.
 
     The force in the results is that on the second body, the deformation the coordinate [m]. Raises `InputError` for a
     coordinate that is no length, or that the joint holds.

@@ -2,20 +2,20 @@
 
 Gap. A point of the first true surface at chart coordinates (theta, z) is x_1(theta, z) in the world. Its gap is its
 signed normal distance from the second surface, positive in the free space: the chart of the second shape gives it, and
-with it the nearest place there. A point whose nearest place lies beside the second surface's grid has none; a rigid
-surface has no end. Two places *face* each other where n_1.n_2 < 0: the back of a roller does not face the plate it
+with it the nearest point there. A point whose nearest point lies outside the second surface's grid has none; a rigid
+surface has no end. Two points *face* each other where n_1.n_2 < 0: the back of a roller does not face the plate it
 lies on. The smallest gap over the part of the first surface that faces the second is the initial gap of the pair. It is
-found on a grid that is refined about the best point; since the gap is flat there, an error e of the place costs only
-e^2/(2 R) of the value.
+found on a grid that is refined about the best point; since the gap is flat there, an error e of the position causes an
+error of e^2/(2 R) of the value only.
 
 Closing from outside. m(s), the smallest gap when the second body is moved by s along a direction, changes by at most ds
 when s does: from an open gap a step of m(s) - gap never passes the first touch (sphere tracing). Nor does the chord
-through the last two places while m is convex, as it is between convex bodies, and it is much faster along a direction
-that hardly closes the gap. In a hollow m is concave and the chord passes the touch, which then lies between.
+through the last two positions while m is convex, as it is between convex bodies, and it is much faster along a
+direction that hardly closes the gap. In a hollow m is concave and the chord passes the touch, which then lies between.
 
 Closing from within. A pin in a bore is never outside: where a surface is an inside form the search begins where the
-bodies are, along the direction first, then against it. Where they overlap there, the place that is furthest open is
-found first (m is concave in s for a body within a convex hollow), and the search goes back from there.
+bodies are, along the direction first, then against it. Where they overlap there, the position of the largest gap is
+found first (m is concave in s for a body within a convex hollow), and the search returns from there.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def undeformed_gap(contact: Contact, theta: Any, z: Any, offset: Any = (0.0, 0.0
     """Gap [m] at chart coordinates theta [rad, of a plane m], z [m] of the first surface, at the initial pose; positive
     is open.
 
-    `offset` (3,) [m] moves the second body in the world. NaN where a point lies beside the second surface's grid.
+    `offset` (3,) [m] moves the second body in the world. NaN where a point lies outside the second surface's grid.
     """
     return _gap(contact, theta, z, offset)[0]
 
@@ -204,7 +204,7 @@ def _closes(contact: Contact, direction: np.ndarray, gap: float) -> bool:
 
 
 def _gap(contact: Contact, theta: Any, z: Any, offset: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Gap [m], NaN beside the second grid, and whether the surfaces face each other there."""
+    """Gap [m], NaN outside the second grid, and whether the surfaces face each other there."""
     first, second = contact.a.surface.shape, contact.b.surface.shape
     body_a, body_b = contact.a.body, contact.b.body
     theta, z = np.broadcast_arrays(np.asarray(theta, float), np.asarray(z, float))
@@ -217,7 +217,7 @@ def _gap(contact: Contact, theta: Any, z: Any, offset: Any) -> tuple[np.ndarray,
 
 
 def _beside(surface: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """True where chart coordinates lie beside the grid of the surface; a rigid surface has none."""
+    """True where chart coordinates lie outside the grid of the surface; a rigid surface has none."""
     grid = surface.grid
     if grid is None:
         return np.zeros(z.shape, dtype=bool)

@@ -1,7 +1,7 @@
 r"""Facing parts of two triangulated surfaces: the triangles of the first, cut by those of the second.
 
-Triangle b of the second surface is seen from triangle a of the first along a's normal n: where their normals look
-against each other, `n.n_b < -cos 60 deg`, and b is neither behind a, by more than what meshes of round faces and press
+Triangle b of the second surface is projected onto triangle a of the first along a's normal n: where their normals are
+opposed, `n.n_b < -cos 60 deg`, and b is neither behind a, by more than what meshes of round faces and press
 fits overlap, nor far away, the shadow of b on the plane of a cuts a convex polygon out of it (`clipping`). The polygons
 of all b fill the part of a that is covered; cut into triangles they are the *pieces*, each with one triangle on either
 side.
@@ -40,8 +40,8 @@ from warpffrf.model.errors import InputError
 
 Array = np.ndarray
 FACING = -0.5  # cosine between normals of triangles that face each other, at most
-# Of the extent of the smaller face: how far the face across may lie inside, as with press fits, beside what the flat
-# facets of round faces cut off. Sheets are thicker, whose other side must not be taken for it.
+# Of the extent of the smaller face: how far the opposite face may lie inside, as with press fits, in addition to what
+# the flat facets of round faces cut off. Sheets are thicker, whose other side must not be taken for it.
 BEHIND = 1e-3
 FAR = 0.5  # of the extent of the smaller face: further apart they do not face each other
 ROUND_OFF = 1e-10  # of a triangle's area: remainders of cuts along shared edges
@@ -52,15 +52,15 @@ PAIRS = 200_000  # triangle pairs tested at once: some 100 MB
 
 @dataclass(frozen=True, eq=False)
 class Triangles:
-    """A surface: corners `x` (t, 3, 3) [m] of its triangles, outwards, and numbers `nodes` (t, 3), alike where corners
-    of neighbours are one."""
+    """A surface: corners `x` (t, 3, 3) [m] of its triangles, outwards, and numbers `nodes` (t, 3), equal where corners
+    of neighbours coincide."""
 
     x: Array
     nodes: Array
 
     @classmethod
     def of(cls, x: Array) -> Triangles:
-        """Triangles that do not say which of their corners are one."""
+        """Triangles without numbers of coincident corners."""
         corners = x.reshape(-1, 3)
         size = max(float(np.ptp(corners, axis=0).max()), 1e-300)
         number = np.unique(np.round(corners / (TOGETHER * size)), axis=0, return_inverse=True)[1]
@@ -97,8 +97,8 @@ class Triangles:
 
     @cached_property
     def bulge(self) -> Array:
-        """How far (t,) [m] the surface that a triangle stands for may lie beside it: its reach times the angle between
-        its normal and the mean normals at its corners."""
+        """Largest distance (t,) [m] of a triangle from the surface that it represents: its reach times the angle
+        between its normal and the mean normals at its corners."""
         total = np.zeros((int(self.nodes.max()) + 1, 3))
         np.add.at(total, self.nodes.ravel(), np.repeat(self.normal, 3, axis=0))
         mean = total[self.nodes]
@@ -153,7 +153,7 @@ def facing(first: Triangles, second: Triangles) -> Facing:
 
 
 def why_apart(first: Triangles, second: Triangles, covered: tuple[float, float]) -> str:
-    """What is to be said of surfaces that do not face each other: how much does, how far apart they are, and why."""
+    """Message on surfaces that do not face each other: the covered parts, the distance, and the reason."""
     apart = float(KDTree(second.x.reshape(-1, 3)).query(first.x.reshape(-1, 3))[0].min())
     means = []
     for surface in (first, second):
@@ -320,8 +320,8 @@ def _centers(triangles: Triangles, cell: Array) -> Array:
 
 
 def _at_their_places(weights: sp.csr_matrix, x: Array, edge: Array, normals: Array, others: Array) -> sp.csr_matrix:
-    """The weights (c, cells of the second face) changed as the module docstring says; x (c, 3), edge (c,), normals
-    (c, 3) of the cells, others (cells of the second face, 3): places."""
+    """The weights (c, cells of the second face) corrected as in the module docstring; x (c, 3), edge (c,), normals
+    (c, 3) of the cells, others (cells of the second face, 3): positions."""
     tree, near = KDTree(others), min(NEAR, len(others))
     aside = weights @ others - x
     aside -= np.einsum("ci,ci->c", aside, normals)[:, None] * normals

@@ -145,8 +145,8 @@ class Shape(ABC):
 
         normals (n, 3), where given, are the outward normals of the facets at the points: they define the side of a
         plane, and detect a surface with the material inside that was requested on a bore. Raises `InputError` when the
-        largest distance of a point exceeds the tolerance, the points do not determine what is left open, or the normals
-        show that the material lies on the other side.
+        largest distance of a point exceeds the tolerance, the points do not determine all parameters that are None, or
+        the normals show that the material lies on the other side.
         """
         points = require_array(points, f"surface {self.kind}: points", (None, 3))
         if normals is not None:

@@ -13,7 +13,7 @@ from warpffrf.model.surfaces.base import Shape
 from warpffrf.model.surfaces.fit import reference_direction
 from warpffrf.model.surfaces.profile import SurfaceProfile
 
-ACROSS = 1e-6  # length of `direction` within the plane below which it says nothing: it is the normal
+ACROSS = 1e-6  # length of `direction` within the plane below which it is undefined: it is the normal
 IN_LINE = 1e-9  # second singular value of the nodes over the first, below which they lie on one line
 
 

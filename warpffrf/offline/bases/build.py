@@ -8,7 +8,7 @@ reveals its rank. With A in the span of Phi, for every basis,
 
 the static response to interface loads is exact and the residual local modes leave the interface coordinates at rest.
 The same holds for the loads of rotation, if requested.
-If a basis does not contain A by itself, `static_completion` measures the gap: the largest energy norm of a unit-energy
+If a basis does not already contain A, `static_completion` measures the gap: the largest energy norm of a unit-energy
 attachment mode outside its span.
 """
 

@@ -213,7 +213,7 @@ def _around(cells: Mapping[str, Array], vertices: Array, n: int, rings: int) -> 
 
 
 def _shares(cells: Mapping[str, Array], wanted: Array, n: int) -> Sparse:
-    """csr (K, n): the vertices around each wanted node, rows with the sum one."""
+    """csr (K, n): the vertices around each requested node, rows with the sum one."""
     rows, columns, values = [], [], []
     missing = np.ones(len(wanted), dtype=bool)
     place = np.full(n, -1)

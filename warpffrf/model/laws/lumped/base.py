@@ -104,8 +104,8 @@ class LumpedLaw(ABC):
         """The law between two surfaces with the contact data `meeting`. Raises `InputError` where it does not apply."""
 
     def patch(self, meeting: Meeting) -> Patch | None:
-        """Size of the patch of each place between two surfaces that meet as `meeting` says, None of a law that is not
-        about one. Raises `InputError` as `approach`."""
+        """Size of the patch at each point between two surfaces with the contact data `meeting`, None for a law without
+        a patch. Raises `InputError` as `approach`."""
         return None
 
     def describe(self) -> dict[str, Any]:
