@@ -211,8 +211,7 @@ def grid_error(
 
 def _coarser_nodes(columns: int, half_width: int) -> tuple[Array, Array, int]:
     """Hertz's pressure at the nodes (n,) of the first `columns` or one less, linear shape functions of twice the
-    spacing (n, m)
-    with supports inside, and the half-width in spacings."""
+    spacing (n, m) with supports inside, and the half-width in spacings."""
     middle = (columns - 1) // 2
     half = min(half_width, middle - 1)
     offset = np.arange(-middle, middle + 1)

@@ -13,9 +13,9 @@ Kinds of coordinates:
     "angle", "second_angle", "twist"   see `warpffrf.model.joints.base`, but not limited to one revolution   [rad]
     "bushing"      v[:3] . d + v[3:] . phi                               d = A_a^T (x_b - x_a), exp(phi^) = A_a^T A_b
 
-Forces follow the exact gradients of these, so with K symmetric the
-work of the law on any path is the change of `1/2 (e - reference)^T K (e - reference) + preload . (e - reference)` plus
-the dissipation of the dampers, `de/dt^T D de/dt`. The skew part of K stores nothing: its work depends on the path, and
+Forces follow the exact gradients of these, so with K symmetric the work of the law on any path is the change of
+`1/2 (e - reference)^T K (e - reference) + preload . (e - reference)` plus the dissipation of the dampers, `de/dt^T D
+de/dt`. The skew part of K stores nothing: its work depends on the path, and
 the energy ledger counts it as work of forces.
 
 A nonlinear law has *characteristics* F_i of deformation and G_i of rate (`characteristics`) in addition,
@@ -55,7 +55,7 @@ class SpringLaw:
     """Coordinates of two markers and their law, see the module.
 
     `ports` carry the markers at `points` (2, 3) [m, user frames] with `axes` (2, 3, 3, columns, user frames); with a
-    `joint` its own markers serve. stiffness [N/m, N m/rad] and damping [N s/m, N m s/rad] (n, n); reference [m, rad]
+    `joint` its own markers are used. stiffness [N/m, N m/rad] and damping [N s/m, N m s/rad] (n, n); reference [m, rad]
     and preload [N, N m] (n,). The first `sprung` coordinates
     have stiffness, the rest are dampers only. `expand` (k, n) gives the deformation that a result shows from the
     coordinates; None: the coordinates themselves. `elastic`, `viscous` (n,): the characteristics F_i and G_i, None

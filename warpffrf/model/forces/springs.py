@@ -302,8 +302,8 @@ class BearingSpring(TwoPorts):
 
     axis: direction (3,), world, at the initial pose; the law's axes stay with the first port. radial [N/m], axial
     [N/m], tilt [N m/rad], radial_tilt [N/rad] (force per tilt, moment per displacement, in the planes x-z and y-z:
-    d_x with theta_y, -d_y with theta_x), cross [N/m] (skew, as of an oil film:
-    displacement along x pushes along +y, one along y pushes along -x, which drives forward whirl about the axis; its
+    d_x with theta_y, -d_y with theta_x), cross [N/m] (skew, as of an oil film: displacement
+    along x pushes along +y, one along y pushes along -x, which drives forward whirl about the axis; its
     work is counted as work of forces). radial_damping, axial_damping [N s/m], tilt_damping, spin_damping [N m s/rad];
     the last brakes the spin. point as in `Bushing`. Moments follow the sine of the tilt. Raises `InputError`.
     """
