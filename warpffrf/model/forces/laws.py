@@ -15,8 +15,8 @@ Kinds of coordinates:
 
 Forces follow the exact gradients of these, so with K symmetric the work of the law on any path is the change of
 `1/2 (e - reference)^T K (e - reference) + preload . (e - reference)` plus the dissipation of the dampers, `de/dt^T D
-de/dt`. The skew part of K stores nothing: its work depends on the path, and
-the energy ledger counts it as work of forces.
+de/dt`. The skew part of K stores no energy: its work depends on the path, and the energy ledger counts it as work of
+forces.
 
 A nonlinear law has *characteristics* F_i of deformation and G_i of rate (`characteristics`) in addition,
 
@@ -56,10 +56,10 @@ class SpringLaw:
 
     `ports` carry the markers at `points` (2, 3) [m, user frames] with `axes` (2, 3, 3, columns, user frames); with a
     `joint` its own markers are used. stiffness [N/m, N m/rad] and damping [N s/m, N m s/rad] (n, n); reference [m, rad]
-    and preload [N, N m] (n,). The first `sprung` coordinates
-    have stiffness, the rest are dampers only. `expand` (k, n) gives the deformation that a result shows from the
-    coordinates; None: the coordinates themselves. `elastic`, `viscous` (n,): the characteristics F_i and G_i, None
-    where there is none; empty of a linear law. With them stiffness and damping are diagonal.
+    and preload [N, N m] (n,). The first `sprung` coordinates have stiffness, the rest are dampers only. `expand` (k, n)
+    gives the deformation that a result shows from the coordinates; None: the coordinates themselves. `elastic`,
+    `viscous` (n,): the characteristics F_i and G_i, None where there is none; empty of a linear law. With them
+    stiffness and damping are diagonal.
     """
 
     coordinates: tuple[Coordinate, ...]
