@@ -1,18 +1,18 @@
 r"""Facing parts of two triangulated surfaces: the triangles of the first, cut by those of the second.
 
 Triangle b of the second surface is projected onto triangle a of the first along a's normal n: where their normals are
-opposed, `n.n_b < -cos 60 deg`, and b is neither behind a, by more than what meshes of round faces and press
-fits overlap, nor far away, the shadow of b on the plane of a cuts a convex polygon out of it (`clipping`). The polygons
-of all b fill the part of a that is covered; cut into triangles they are the *pieces*, each with one triangle on either
-side.
+opposed, `n.n_b < -cos 60 deg`, and b is neither behind a, by more than the overlap of meshes of round faces and
+press fits, nor far away, the projection of b onto the plane of a cuts a convex polygon out of it (`clipping`). The
+polygons of all b fill the part of a that is covered; cut into triangles they are the *pieces*, each with one triangle
+on either side.
 
 Clipping. Convex polygons in the plane cut by one another (Sutherland and Hodgman 1974, Commun. ACM 17, 32), many at a
 time.
 
 Pairing. Opposite cells of two faces at the initial pose, and the transfer of a cell's forces to the other face.
 
-Triangles of the first face are cut by those of the second, seen along the normals of the first (`facing`). A cell of
-the first face that is covered is a cell of the matched face; its force acts on the cells of the second face in
+Triangles of the first face are cut by those of the second, projected along the normals of the first (`facing`). A cell
+of the first face that is covered is a cell of the matched face; its force acts on the cells of the second face in
 proportion to the shared areas, and its opposite displacement is the mean of theirs with the same weights, so that the
 two are conjugate. Cells of the second face have a mean displacement each and no slope, so that weights by shared area
 alone would misplace the force where cells do not nest, and two cells on one cell of the second face would have the same
@@ -21,10 +21,9 @@ displacements that are linear along the face,
 
     sum w = 1,        sum w x = x of the cell,
 
-with the cells x of the second face that it shares area with and the `NEAR` nearest ones; weights below 0 may be among
-them. At the outline of the overlap cells of the first face are taken whole: the force acts on all
-of the cell, and on the cells of the second face that it covers. The gap of a cell is the mean distance along its
-normal.
+over the cells x of the second face that it shares area with and the `NEAR` nearest ones; weights may be negative. At
+the outline of the overlap cells of the first face are taken whole: the force acts on all of the cell, and on the cells
+of the second face that it covers. The gap of a cell is the mean distance along its normal.
 """
 
 from __future__ import annotations
@@ -188,7 +187,7 @@ def _candidates(first: Triangles, second: Triangles) -> tuple[Array, Array]:
     widest = float(second.reach.max())
     smaller = min(first.extent, second.extent)
     near = np.minimum(tree.query(first.center)[0], FAR * smaller)
-    # the place across is no further than the gap along n, which is at most twice the distance between the faces
+    # the opposite point is no further than the gap along n, which is at most twice the distance between the faces
     radius = first.reach + widest + (near + widest) / abs(FACING)
     one, other = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
     for start in range(0, len(first.center), CENTERS):
@@ -208,10 +207,10 @@ def _candidates(first: Triangles, second: Triangles) -> tuple[Array, Array]:
 
 
 def clipped(polygons: Array, count: Array, windows: Array) -> tuple[Array, Array]:
-    """The parts of convex polygons that lie inside convex windows, one window a polygon.
+    """The parts of convex polygons that lie inside convex windows, one window per polygon.
 
     `polygons` (p, k, 2), of which the first `count` (p,) corners count, and `windows` (p, l, 2), all corners, run
-    counter-clockwise. Returns polygons (p, k', 2) and their count, 0 where nothing is left.
+    counter-clockwise. Returns polygons (p, k', 2) and their count, 0 where none remains.
     """
     for edge in range(windows.shape[1]):
         a, b = windows[:, edge], windows[:, (edge + 1) % windows.shape[1]]
@@ -238,7 +237,7 @@ def fans(polygons: Array, count: Array) -> tuple[Array, Array]:
 
 
 def _half(polygons: Array, count: Array, a: Array, b: Array) -> tuple[Array, Array]:
-    """What lies to the left of the line from a to b (p, 2)."""
+    """The part to the left of the line from a to b (p, 2)."""
     p, k = polygons.shape[:2]
     there = np.arange(k) < count[:, None]
     along = b - a
@@ -251,7 +250,7 @@ def _half(polygons: Array, count: Array, a: Array, b: Array) -> tuple[Array, Arr
     crosses = there & ((side >= 0.0) != (next_side >= 0.0))
     share = np.where(crosses, side / np.where(crosses, side - next_side, 1.0), 0.0)
     crossing = polygons + share[:, :, None] * (next_corner - polygons)
-    # each corner, then the crossing behind it, as far as they are kept
+    # each corner, then the crossing after it, where they are kept
     kept = np.stack([inside, crosses], axis=2).reshape(p, 2 * k)
     corners = np.stack([polygons, crossing], axis=2).reshape(p, 2 * k, 2)
     found = kept.sum(axis=1)
@@ -261,7 +260,7 @@ def _half(polygons: Array, count: Array, a: Array, b: Array) -> tuple[Array, Arr
 
 
 def _next(k: int, count: Array) -> Array:
-    """Number (p, k) of the corner behind each, that behind the last being the first."""
+    """Index (p, k) of the corner after each, that after the last being the first."""
     following = np.arange(1, k + 1)[None, :]
     return np.where(following < count[:, None], following, 0)
 
@@ -288,8 +287,8 @@ class Pairing:
 def pair_faces(label: str, first: Array, cell: Array, normals: Array, second: Array, other: Array) -> Pairing:
     """The pairing of two faces in common axes.
 
-    first (t, 3, 3), second (u, 3, 3): corners of their triangles [m], outwards; cell (t,), other (u,): the cells that
-    these are of; normals (cells of the first face, 3). Raises `InputError`, naming `label`, where they do not face each
+    first (t, 3, 3), second (u, 3, 3): corners of their triangles [m], outwards; cell (t,), other (u,): their
+    cells; normals (cells of the first face, 3). Raises `InputError`, naming `label`, where they do not face each
     other.
     """
     a, b = Triangles.of(first), Triangles.of(second)
