@@ -1,6 +1,6 @@
 """Types of user arguments for editors and type checkers; values are checked again at run time.
 
-Texts are sequences too, but of texts: they are no `Vector`, which NumPy's `ArrayLike` would let pass.
+Strings are sequences of strings, not a `Vector`; NumPy's `ArrayLike` would accept them.
 """
 
 from __future__ import annotations

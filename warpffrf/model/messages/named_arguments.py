@@ -48,8 +48,7 @@ def _of_class(name: str) -> Callable[[tuple], tuple[str, tuple]]:
 def _answered(
     function: Callable[..., Any], signature: inspect.Signature, seen: Callable[[tuple], tuple[str, tuple]]
 ) -> Callable[..., Any]:
-    """`function`, whose users see `signature`; `seen` returns the name and the users' arguments for all its
-    arguments."""
+    """`function`, whose users see `signature`; `seen`: all its arguments -> its name and theirs."""
 
     @functools.wraps(function)
     def call(*args: Any, **options: Any) -> Any:
@@ -66,8 +65,8 @@ def _answered(
 
 
 def misfit(label: str, signature: inspect.Signature, args: Sequence[Any], options: dict[str, Any]) -> str:
-    """What of `args` and `options` does not fit the `signature` of what is called `label`, and the cure; "" where they
-    fit."""
+    """Message on `args` and `options` that do not fit the `signature` of the callable `label`, with the cure; "" where
+    they fit."""
     parameters = signature.parameters.values()
     if any(p.kind is Parameter.VAR_KEYWORD for p in parameters):
         return ""

@@ -70,7 +70,7 @@ class Progress:
         self.logs = enabled and not terminal
 
     def update(self, done: int) -> None:
-        """Steps done so far."""
+        """Set the number of units done so far."""
         now = time.monotonic()
         if self.first is None and done > self.done:
             self.first = done, now
@@ -90,18 +90,18 @@ class Progress:
             self.next = now + LOG_INTERVAL
 
     def close(self) -> None:
-        """End of the work."""
+        """End the display."""
         if self.bar is not None:
             self.bar.close()
 
 
-notes = logging.getLogger("warpffrf.notes")  # of finished runs: a report has them as well
+notes = logging.getLogger("warpffrf.notes")  # of finished runs: a report has them too
 
 _lowest: ContextVar[int | None] = ContextVar("lowest level heard inside of speaking", default=None)
 
 
 class Lines(logging.Handler):
-    """Writes each record as one line to the standard error of the moment, above a bar of progress if there is one."""
+    """Writes each record as one line to the current standard error, above a progress bar if there is one."""
 
     def __init__(self, form: str = "%(message)s") -> None:
         super().__init__()
@@ -126,13 +126,13 @@ class _Heard(Lines):
         self.calls, self.sets_level = 0, False
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Write the record where its thread hears it."""
+        """Write the record if it is meant for its thread."""
         lowest = _lowest.get()
         if record.levelno >= (logging.WARNING if lowest is None else lowest):
             super().emit(record)
 
     def enter(self) -> None:
-        """One call more, in any thread."""
+        """Count one more call, in any thread."""
         with _lock:
             self.calls += 1
             if self.calls == 1 and not log.hasHandlers():
@@ -142,7 +142,7 @@ class _Heard(Lines):
                     log.setLevel(logging.INFO)
 
     def leave(self) -> None:
-        """One call less."""
+        """Count one call less."""
         with _lock:
             self.calls -= 1
             if not self.calls and self in log.handlers:
@@ -168,8 +168,8 @@ def quiet() -> None:
 def speaking(shown: bool = True) -> Iterator[None]:
     """Lines of the logger "warpffrf" go to stderr inside, where the application does not receive them.
 
-    shown: False for warnings and errors alone. Calls may stand in one another, then the quietest is followed, and in
-    several threads.
+    shown: False for warnings and errors alone. Calls may be nested, where the quietest one applies, and be made
+    in several threads.
     """
     token = _lowest.set(max(_lowest.get() or logging.INFO, logging.INFO if shown else logging.WARNING))
     _heard.enter()

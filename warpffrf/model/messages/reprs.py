@@ -96,8 +96,8 @@ HIDDEN = ("Cc", "Cf")  # categories of Unicode: controls, formats
 
 
 def printable(text: str) -> str:
-    """`text` for a terminal: control characters but line feeds and tabs, and those that change the direction of
-    writing, which names in files may hold, as their escapes."""
+    """`text` for a terminal: control characters except line feeds and tabs, and those that change the direction
+    of writing, which names in files may contain, as escapes."""
     return "".join(
         c if c in "\n\t" or unicodedata.category(c) not in HIDDEN else c.encode("unicode_escape").decode() for c in text
     )

@@ -1,4 +1,4 @@
-"""How many cells a mesh that is made here may have."""
+"""Limit of the number of cells of generated meshes."""
 
 from __future__ import annotations
 

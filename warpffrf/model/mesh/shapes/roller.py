@@ -101,7 +101,7 @@ def roller(
     The first node plane of sector 0 lies in the half plane x > 0, z = 0. In a plane nodes are numbered from the bore to
     the rim with the axial index fastest; a sector of hex27 holds a corner plane, then a mid plane. A solid roller is
     not periodic (`cyclic` None): `reduce` takes the general path.
-    Raises `InputError` for impossible sizes and for counts left out without `half_width`.
+    Raises `InputError` for impossible sizes and for missing counts without `half_width`.
 
     >>> mesh = wf.mesh.roller(0.02, 0.01, 0.01, sectors=96, layers=4, axial=2, order=1)  # m
     >>> sorted(mesh.facet_sets)
