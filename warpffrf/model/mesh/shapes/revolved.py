@@ -170,7 +170,7 @@ def profile_radius(profile: Any, y: np.ndarray, label: str, *, above: float) -> 
 
 
 def _along(shape: Any, y: np.ndarray, label: str) -> np.ndarray:
-    """Positions z (n,) [m] of a shape's meridian at `y`; raises `InputError` where its axis is not y, or None."""
+    """Positions z (n,) [m] of a shape's meridian at `y`; raises `InputError` where its axis is not y, or not given."""
     if not shape.resolved:
         raise InputError(
             f"{label}: the shape must be complete; give radius, axis_point=(0, 0, 0), axis_direction=(0, 1, 0)"
