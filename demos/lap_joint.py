@@ -1,13 +1,13 @@
 r"""A lap joint: two strips, two bolts, a vibration that dies out by friction, and a load cycle of the same amplitude.
 
 Two steel strips of 160 x 30 x 8 mm lie on each other over 60 mm, and two bolts through both draw them together. The
-lower strip is held at its end, that of the upper one sits on a carriage of 25 kg which a guide leaves free along x
-alone. A bolt is a spring between the middles of its two heads, shorter than what it clamps. So it follows the heads
-where strips bend, and tilts where they slide. Only friction holds the strips on each other.
+lower strip is held at its end, that of the upper one is fixed to a carriage of 25 kg which a guide leaves free along
+x alone. A bolt is a spring between the middles of its two heads, shorter than the clamped length. So it follows the
+heads where strips bend, and tilts where they slide. Only friction holds the strips on each other.
 
 **Ring-down.** Pulled to 80 % of the force at which the strips slide and released, the carriage vibrates. From peak to
 peak friction dissipates as much as in a **loop** of load steps at the amplitude of that cycle, D = oint F dx: within 1
-to 2 %, since the carriage does not oscillate quite about its position at rest. The loop has the equivalent damping 2
+to 2 %, since the carriage oscillates about a position slightly off that at rest. The loop has the equivalent damping 2
 zeta = D/(2 pi U), U = F a/2, which falls with the amplitude.
 
 At small amplitudes all cells stick, and the frequency is that of the first eigenmode, 386 Hz; at larger amplitudes the

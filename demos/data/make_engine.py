@@ -70,9 +70,9 @@ def _standing(section: np.ndarray, y: np.ndarray) -> np.ndarray:
 def tetrahedra(lattices: Sequence[np.ndarray], name: str) -> wf.mesh.Mesh:
     """Quadratic tetrahedra on `lattices` (a, b, c, 3) [m] of nodes, odd numbers of them: six to each cube of 3 x 3 x 3.
 
-    They share the cube's diagonal from its first to its last corner, one to every order in which the axes are walked
-    on the way there. So each face is cut from its first to its last corner, and lattices fit together that count along
-    a common face in the same direction, or both backwards. Nodes at equal points are one.
+    They share the cube's diagonal from its first to its last corner, one for each order of the axes along the way. So
+    each face is cut from its first to its last corner, and lattices fit together that are numbered along a common face
+    in the same direction, or both reversed. Nodes at equal points are merged.
     """
     kind, cells, start = cell_kind("tet10"), [], 0
     for lattice in lattices:

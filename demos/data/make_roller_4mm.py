@@ -1,7 +1,7 @@
 """Make roller_4mm.msh: a hollow roller with axis y of second-order tetrahedra, about 4 mm long at the rim.
 
 Facet groups `rim`, `bore` and `ends`, one cell group `roller`. Cells grow towards the bore: the file stays below 1 MB.
-Needs the gmsh Python package (pip install warpffrf[gmsh]); demos and tests read only the file. Lengths in mm.
+Requires the gmsh Python package (pip install warpffrf[gmsh]); demos and tests read only the file. Lengths in mm.
 Run: python demos/data/make_roller_4mm.py
 """
 

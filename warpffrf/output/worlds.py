@@ -57,7 +57,7 @@ def simulate_worlds(
     scenes: of one kind, so that they differ in numbers only: loads, speeds, prescribed motions, stiffnesses,
     coefficients of friction, masses, places, initial velocities, profiles, as long as there are the same bodies,
     joints, contacts and so on, of the same modes and grids, in the same order, and contact windows of the same size.
-    One scene may stand there several times. Their reduced bodies are best the same objects.
+    One scene may occur several times. Their reduced bodies should be the same objects.
 
     start: "initial", or "equilibrium" of each. kind: "dynamic", or "static" for load steps. results: a folder, with a
     file for each scene, world_000.h5 and so on, written when all have ended; overwrite: replace those

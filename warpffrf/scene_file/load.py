@@ -28,7 +28,7 @@ class LoadedScene:
 
     scene: the `Scene`. equilibrium, static, simulate: the arguments of these calls, None without such a
     table. title: of the file, or its name. made: section -> name -> object ("reduced_bodies", "bodies", "joints", ...).
-    document: all values of the file, parameters, settings and includes put in.
+    document: all values of the file, with parameters, settings and includes substituted.
     """
 
     scene: Any

@@ -8,9 +8,8 @@ is the local modes' response to outward nodal forces, those of `normal_loads`; w
 by their pressure; their shear is neglected. sum_i matched_i s_i is the local response to the forces s on the cells
 of small-sliding contacts (`small_sliding_loads`); if it is too large for a body's file, results state that it is
 missing (`small_sliding_loads.left_out`). Pressure, traction and state of small-sliding contacts are those of
-`faces_on_skin`. Slip speed and wear are those of other
-contacts: small-sliding contacts have slip distances, in `result.contact(name)`. Stress is that of `skin_stress`, if the
-body was reduced with it.
+`faces_on_skin`. Slip speed and wear are those of other contacts: small-sliding contacts have slip distances, in
+`result.contact(name)`. Stress is that of `skin_stress`, if the body was reduced with it.
 
 Skin stress. Stress at the nodes of a skin, for bodies reduced with stress points there.
 
