@@ -58,7 +58,7 @@ class Form(ABC):
 @dataclass(frozen=True)
 class LobedForm(Form):
     """Waves around, amplitude cos(count (theta - phase)); amplitude [m], phase [rad] of a point where material is
-    missing. A count of 2 is an oval surface. Raises `InputError`."""
+    missing. A count of 2 gives an oval surface. Raises `InputError`."""
 
     amplitude: float
     count: int

@@ -235,8 +235,8 @@ def _shares(cells: Mapping[str, Array], wanted: Array, n: int) -> Sparse:
 
 
 def _donors(cells: Mapping[str, Array], count: Array, steps: int) -> Sparse:
-    """csr (n, n): whose polynomials replace that of each vertex, up to `steps` edges away, rows with the sum one;
-    `count` (n,) cells of the patches."""
+    """csr (n, n): vertices whose polynomials replace that of each vertex, up to `steps` edges away, rows with the sum
+    one; `count` (n,) cells of the patches."""
     n = len(count)
     edges = [_edges(kind, block) for kind, block in cells.items()]
     a, b = np.unique(np.sort(np.concatenate(edges), axis=1), axis=0).T
