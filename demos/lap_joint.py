@@ -26,7 +26,7 @@ import warpffrf as wf
 
 STEEL = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850, name="steel")
 FREE, OVERLAP, WIDTH, THICKNESS = 0.1, 0.06, 0.03, 0.008  # m, of a strip: free, on the other one
-BOLTS, HOLE, HEAD = (0.015, 0.045), 0.004, 0.008  # m: places along the overlap, half of hole and washer, square
+BOLTS, HOLE, HEAD = (0.015, 0.045), 0.004, 0.008  # m: positions along the overlap, half of hole and washer, square
 TIGHTENED, SHANK = 8e3, 3.5e8  # N, N/m: of an M8 bolt, preload before the strips are compressed
 FRICTION, CARRIAGE = 0.2, 25.0  # -, kg
 PULL = 2300.0  # N: force from which the carriage is released

@@ -138,7 +138,7 @@ def _between(low: np.ndarray, high: np.ndarray, cells: int) -> np.ndarray:
 
 
 def _standing_piston(section: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
-    """The lattice (a, b, c, 3) over places (a, b, 2) y, z of a cross section, on the rows between two x [m]."""
+    """The lattice (a, b, c, 3) over points (a, b, 2) y, z of a cross section, on the rows between two x [m]."""
     rows = refined(np.array([x for x in ROWS if ends[0] <= x <= ends[1]]), 2)
     lattice = np.empty((*section.shape[:2], len(rows), 3))
     lattice[..., 1:], lattice[..., 0] = section[:, :, None, :], rows

@@ -55,7 +55,7 @@ def simulate_worlds(
     other worlds.
 
     scenes: of one kind, so that they differ in numbers only: loads, speeds, prescribed motions, stiffnesses,
-    coefficients of friction, masses, places, initial velocities, profiles, as long as there are the same bodies,
+    coefficients of friction, masses, positions, initial velocities, profiles, as long as they have the same bodies,
     joints, contacts and so on, of the same modes and grids, in the same order, and contact windows of the same size.
     One scene may occur several times. Their reduced bodies should be the same objects.
 

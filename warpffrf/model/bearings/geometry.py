@@ -55,7 +55,7 @@ from warpffrf.model.surfaces.form_deviations import Form
 
 SIDES = ("inner", "outer")
 STEEPEST = np.radians(80.0)  # contact angle up to which a groove that is open to the side carries
-LARGEST_OSCULATION = 5.0  # groove radius over ball diameter: a wider one is a length in the place of a ratio
+LARGEST_OSCULATION = 5.0  # groove radius over ball diameter: a larger value is a length instead of a ratio
 LARGEST_DEVIATION = 1e-2  # of the diameter: beyond, it is the diameter itself
 OSCULATION = 0.52  # of groove radius over ball diameter, where nothing is given: a deep-groove bearing's
 BALL_WIDTH, ROLLER_OVERHANG = 1.5, 0.4  # of the diameter of an element

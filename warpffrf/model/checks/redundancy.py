@@ -1,7 +1,7 @@
 """The constraints of a scene on the host: values, Jacobian, and which of them are redundant.
 
 **Jacobian.** A row exerts the wrench (f, t) at x_b on the second body and its opposite on the first (`joints.rows`), so
-a body with origin r has the entries f (translation), (x_b - r) x f + t (rotation vector) and, where its marker X sits
+a body with origin r has the entries f (translation), (x_b - r) x f + t (rotation vector) and, where its marker X is
 on a flexible interface that moves by (u, theta) = Phi^T q about its point X_if, Phi (A^T f, A^T ((x_b - x_marker) x f +
 t) + (X - X_if) x A^T f), without terms linear in theta. Columns and rows are made comparable by a length L
 of the scene: translations and modal coordinates are counted in L, rows that are lengths divided by it.

@@ -39,8 +39,8 @@ MOST_DIGITS = 18  # of a whole number: below 2^63
 
 
 def read_regular(file: Path, most: int = MOST_BYTES) -> bytes:
-    """The bytes of `file`. Raises `InputError` for a pipe, a device, a file that the system makes up (/proc, /sys), and
-    for one of more than `most` bytes; OSError where it cannot be read."""
+    """The bytes of `file`. Raises `InputError` for a pipe, a device, a file that the system generates (/proc, /sys),
+    and for one of more than `most` bytes; OSError where it cannot be read."""
     # a pipe without a writer would wait for one
     with open(file, "rb", buffering=0, opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as opened:
         found = os.fstat(opened.fileno())
@@ -56,7 +56,7 @@ def read_regular(file: Path, most: int = MOST_BYTES) -> bytes:
 
 
 def read_named(file: Path, kind: str, most: int = MOST_BYTES) -> bytes:
-    """The bytes of `file`, a `kind` of file in messages. Raises `InputError` with its name for whatever is wrong."""
+    """The bytes of `file`, a `kind` of file in messages. Raises `InputError` with its name for any fault."""
     try:
         return read_regular(file, most)
     except FileNotFoundError:
@@ -99,7 +99,7 @@ class Budget:
         return content
 
 
-# How a format begins, and what warpffrf writes into such a file: its name alone may stand in anybody's
+# Beginning of a format, and the mark that warpffrf writes into such a file: its name alone may occur in any file
 SIGNS = {
     b"\x89HDF": rb"warpffrf sealed\n",
     b"\x89PNG": rb"Software\x00warpffrf",
@@ -120,7 +120,7 @@ log = logging.getLogger("warpffrf")
 def checked_output_path(
     path: str | os.PathLike[str], what: str, *, overwrite: bool, ours: Callable[[Path], bool] | None = None
 ) -> Path:
-    """`path` as a Path that can be written: missing folders are made, an existing file is left as it is.
+    """`path` as a Path that can be written: missing folders are created, an existing file is not changed.
 
     ours: whether warpffrf wrote a file, `written_here` if None. Raises InputError naming `what` (for instance
     "record") when the path is a folder, when a parent is not a folder, when the folder or file cannot be written, and

@@ -138,7 +138,7 @@ def gradient(
     return zero, zero + sign * np.cross(e, Q * p - P * q) / (P * P + Q * Q)
 
 
-# of the largest coordinate or size at hand (1 um at 0.1 m): two ports further apart than this at the initial pose do
+# of the largest coordinate or size involved (1 um at 0.1 m): two ports further apart than this at the initial pose do
 # not meet, closer is rounding of input
 COINCIDENT = 1e-5
 

@@ -72,7 +72,7 @@ from warpffrf.model.reduced.contact_surface import ContactSurface
 
 Array = np.ndarray
 # Eigenvalue of D over its largest below which a direction is too stiff to separate from round-off of D (1e-16 of the
-# largest, seen through the square of what it is divided by); nodes of nodal grids have 1e-6.
+# largest, amplified by the square of the divisor); nodes of nodal grids have 1e-6.
 DEPENDENT = 1e-12
 # 1/omega^2 over its largest below which a mode is assigned to D_rest: 3,000 times the lowest one, where round-off of N
 # (1e-16 of the largest) reaches 1e-9 of the modal mass.

@@ -268,7 +268,7 @@ def _next(k: int, count: Array) -> Array:
 LEAST = 1e-2  # of a cell's area: a smaller covered share counts as none
 NEAR = 5  # a cell and its neighbours on a grid
 AT_PLACE = 1e-6  # of a cell's edge: admissible offset of its force
-SHORT = 1e-6  # of how far the cells at hand lie apart: directions in which they do not differ
+SHORT = 1e-6  # of the distances of the cells considered: directions in which they do not differ
 
 
 @dataclass(frozen=True, eq=False)

@@ -244,7 +244,8 @@ def _keep_number(form: Form, name: str, unit: str, *, positive: bool = False) ->
 
 
 def _piece(places: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The piece between rising `places` (n,) in which each `at` lies, and how far along it, 0 to 1; of one place 0."""
+    """The piece between ascending `places` (n,) that contains each `at`, and the fraction along it, 0 to 1; of one
+    place 0."""
     if len(places) == 1:
         return np.zeros(at.shape, dtype=int), np.zeros(at.shape)
     i = np.clip(np.searchsorted(places, at, side="right") - 1, 0, len(places) - 2)

@@ -201,7 +201,7 @@ def _add(deck: _Deck, kind: str, card: _Card, fields: list[int]) -> None:
 
 
 class _Systems:
-    """Places in local coordinate systems, in basic ones."""
+    """Positions in local coordinate systems, in basic ones."""
 
     def __init__(self, deck: _Deck) -> None:
         self._cards = deck.systems
