@@ -9,7 +9,7 @@ What to expect, with K = (4/3) E* sqrt(R),
     delta_max = (5 m v^2/(4 K))^(2/5),    F_max = K delta_max^(3/2),    T = (4/5) B(2/5, 1/2) delta_max/v
 
 (K. L. Johnson, Contact Mechanics, 1985, section 11.4), the impulse 2 m v, and a rebound at the speed of arrival.
-A half-space behind the patch neglects what the rest of the ball adds to the approach, of order a/R = 2 %.
+A half-space behind the patch neglects the contribution of the rest of the ball to the approach, of order a/R = 2 %.
 """
 
 from __future__ import annotations

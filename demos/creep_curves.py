@@ -1,23 +1,23 @@
 r"""Creep curves of two crowned rollers on a mesh far coarser than their contact: along, across, and by spin.
 
 Two equal rollers, crowned so that their patch is an ellipse, are pressed together and rolled with prescribed creepages:
-the lower one rotates on a fixed axle, the upper one in a fork which is pressed down and which a drive can rotate about
-the vertical. A second drive moves the upper roller along its axle, a third rotates it. With the mean rolling speed V,
+the lower one rotates on a fixed axle, the upper one in a fork which is pressed down and rotated by a drive about the
+vertical. A second drive moves the upper roller along its axle, a third rotates it. With the mean rolling speed V,
 the longitudinal and lateral creepages xi and eta and the spin phi [rad/m], the patch rolls along +x:
 
     lower surface       -V (1 - xi/2, 0)
     upper surface       -V (1 + xi/2, eta),    the fork rotates at -phi V.
 
-A fork at the angle theta has its roller askew, which alone would be a lateral creepage theta. So the drives of the
-upper roller give its surface, along and across itself, the velocity above as seen from there, less that of the fork at
-the patch: with s, by which the roller has moved along its axle, the patch is s/2 off the fork's axis.
+A fork at the angle theta skews its roller, which alone would be a lateral creepage theta. So the drives of the upper
+roller prescribe the velocity above in the roller's directions along and across, minus that of the fork at the patch:
+with the displacement s of the roller along its axle, the patch is s/2 off the fork's axis.
 
 What to expect. The scene is the wheel on a rail of the program CONTACT (E. A. H. Vollebregt) at a twenty-fifth of its
 size: relative radii of 25 and 71.08 mm, 170.7 N, equal materials, friction 0.33. Forces over mu N depend on the ratio
 of the radii and on Poisson's ratio only, so that the nine published values hold here. The force is never above mu N;
-spin makes a lateral force as well. Creepages rise in stairs. On each stair the material passes `HELD` times through the
-patch, after which tractions are steady. Spin changes its sign from stair to stair, so that the fork remains nearly
-straight.
+spin causes a lateral force as well. Creepages increase in stairs. On each stair the material passes `HELD` times
+through the patch, after which tractions are steady. Spin changes its sign from stair to stair, so that the fork remains
+nearly straight.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ Stair = tuple[float, float, float]  # longitudinal and lateral creepage [-], spi
 
 @dataclass(frozen=True)
 class Size:
-    """Cells across the patch in both directions, and which stairs (every third, say)."""
+    """Cells across the patch in both directions, and which stairs (for example every third)."""
 
     cells: int
     every: int

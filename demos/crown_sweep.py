@@ -17,7 +17,7 @@ roller even without tilt. Between them there is a best crown: that with the smal
 loads and tilts.
 
 At a sharp edge the pressure of the continuum is infinite. The values shown there are means over the cell at the end, a
-tenth to a millimetre long: compare them, do not rely on them.
+tenth to a millimetre long, for comparison only.
 """
 
 from __future__ import annotations

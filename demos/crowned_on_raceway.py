@@ -1,7 +1,7 @@
 r"""A crowned roller on a raceway, in cells five to ten times as wide as its contact: the effect of a crown.
 
 A solid steel roller (R 7.5 mm, 15 mm long, crown of 1 m) is pressed on the inner ring of a bearing (R 30 mm, bore
-20 mm) that is wider than the roller, as in every roller bearing. Its journals hang in a guide; the load rises from
+20 mm) that is wider than the roller, as in every roller bearing. Its journals are held in a guide; the load rises from
 300 N to 6 kN, then the ring rotates. Both bodies are meshed in quadratic cells of 2 mm (4 mm with `--quick`); the
 contact is 0.17 to 0.46 mm wide.
 

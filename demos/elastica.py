@@ -1,7 +1,7 @@
 r"""A cantilever under a transverse force at its tip with large deflections: the elastica, in one and in several bodies.
 
 A slender beam is clamped at one end; at the other a force grows that keeps its direction, to P L^2/EI = 4. Then the tip
-has moved by 0.67 L across and 0.33 L back to the root, and has rotated by 65 degrees (K. E. Bisshopp and D. C. Drucker,
+has moved by 0.67 L across and 0.33 L towards the root, and has rotated by 65 degrees (K. E. Bisshopp and D. C. Drucker,
 Large deflection of cantilever beams, Q. Appl. Math. 3, 1945, 272).
 
 What to expect. The frame of a body represents large rotations, modes the remaining deformation between its ends. With
@@ -44,8 +44,8 @@ def build(
     progress: bool = True,
 ) -> wf.Scene:  # fmt: skip
     """The scene: bodies `part_1` to `part_n` in a row along +x from the root at the origin, each with the interfaces
-    `x_min` and `x_max`, `cells` quadratic cells in all, and a force along +z at the tip that grows to `load` P L^2/EI,
-    a second per load step, of which there are `steps` to `LARGEST`."""
+    `x_min` and `x_max`, `cells` quadratic cells in all, and a force along +z at the tip that increases to `load` P
+    L^2/EI, a second per load step, of which there are `steps` to `LARGEST`."""
     mesh = wf.mesh.box((LENGTH / parts, WIDTH, HEIGHT), (cells // parts, 1, 1))
     beam = wf.reduce(
         mesh,

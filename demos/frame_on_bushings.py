@@ -1,9 +1,9 @@
 r"""A flexible frame on four bushings, pushed at a seat: concentrated loads on a simplified car body.
 
 An aluminium cage of square bars, 1.6 x 0.8 x 0.4 m, rests on four rubber bushings (full 6 x 6 law, here diagonal)
-under the corners of its floor. Three kinds of interfaces take the loads: the *rigid* mounts hold the bushings, the
-*averaging* seat, which leaves its bar free to deform, takes a force, and a *free* panel, which keeps every node, a load
-spread over its nodes. From the static state under gravity and the load of the panel, a push of 20 ms on the seat
+under the corners of its floor. Three kinds of interfaces take the loads: the *rigid* mounts connect to the bushings,
+the *averaging* seat, which leaves its bar free to deform, takes a force, and a *free* panel, which keeps every node, a
+load spread over its nodes. From the static state under gravity and the load of the panel, a push of 20 ms on the seat
 excites the frame; the dampers of the bushings bring it to rest.
 
 What to expect. The static state is that of the full finite-element model with every node of the mesh: the modes contain

@@ -43,7 +43,7 @@ WHIRL_SPEED, WHIRL_VISCOSITY, WHIRL_LOAD = 1500.0, 2.5e-3, 1250.0  # rad/s, Pa s
 CRITICAL, WHIRL = 141.934646, 0.500078426 * WHIRL_SPEED  # kg, rad/s, of the linear film
 MASSES = {"light": 0.85, "heavy": 1.15}  # of the critical mass
 GROOVE, WHIRL_GROOVE = 0.5 * COLUMNS, 0.6875 * COLUMNS  # columns: opposite the load, 10 degrees behind the widest gap
-PUSH = 0.02  # of the clearance, the amplitude made by the sideways velocity
+PUSH = 0.02  # of the clearance, the amplitude due to the sideways velocity
 FILM = "sleeve-shaft"
 
 
@@ -62,7 +62,7 @@ FULL, QUICK = Size(), Size(degrees=6.0, whirl_degrees=6.0, whirl_turns=4)
 
 @dataclass(frozen=True)
 class Running:
-    """How the shaft runs: force [N], speed [rad/s], viscosity [Pa s], the column that the groove holds, mass [kg],
+    """How the shaft runs: force [N], speed [rad/s], viscosity [Pa s], the column of the groove, mass [kg],
     distance of its centre of mass from the axis [m], velocity at the start across the load [m/s]."""
 
     load: float
@@ -128,7 +128,7 @@ def whirling(share: float) -> Running:
 
 
 def place(result: wf.Result) -> np.ndarray:
-    """Of the shaft's axis (T, 2) over the clearance, along the load and in the sense of rotation."""
+    """Position of the shaft's axis (T, 2) over the clearance, along the load and in the sense of rotation."""
     return result.body("shaft").position[:, [0, 2]] * np.array([1.0, -1.0]) / CLEARANCE
 
 

@@ -1,13 +1,13 @@
 r"""A lap joint: two strips, two bolts, a vibration that dies out by friction, and a load cycle of the same amplitude.
 
 Two steel strips of 160 x 30 x 8 mm lie on each other over 60 mm, and two bolts through both draw them together. The
-lower strip is held at its end, that of the upper one sits on a carriage of 25 kg which a guide leaves free along x
-alone. A bolt is a spring between the middles of its two heads, shorter than what it clamps. So it follows the heads
-where strips bend, and tilts where they slide. Only friction holds the strips on each other.
+lower strip is held at its end, that of the upper one is fixed to a carriage of 25 kg which a guide leaves free along
+x alone. A bolt is a spring between the middles of its two heads, shorter than the clamped length. So it follows the
+heads where strips bend, and tilts where they slide. Only friction holds the strips on each other.
 
 **Ring-down.** Pulled to 80 % of the force at which the strips slide and released, the carriage vibrates. From peak to
 peak friction dissipates as much as in a **loop** of load steps at the amplitude of that cycle, D = oint F dx: within 1
-to 2 %, since the carriage does not oscillate quite about its position at rest. The loop has the equivalent damping 2
+to 2 %, since the carriage oscillates about a position slightly off that at rest. The loop has the equivalent damping 2
 zeta = D/(2 pi U), U = F a/2, which falls with the amplitude.
 
 At small amplitudes all cells stick, and the frequency is that of the first eigenmode, 386 Hz; at larger amplitudes the
@@ -26,7 +26,7 @@ import warpffrf as wf
 
 STEEL = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850, name="steel")
 FREE, OVERLAP, WIDTH, THICKNESS = 0.1, 0.06, 0.03, 0.008  # m, of a strip: free, on the other one
-BOLTS, HOLE, HEAD = (0.015, 0.045), 0.004, 0.008  # m: places along the overlap, half of hole and washer, square
+BOLTS, HOLE, HEAD = (0.015, 0.045), 0.004, 0.008  # m: positions along the overlap, half of hole and washer, square
 TIGHTENED, SHANK = 8e3, 3.5e8  # N, N/m: of an M8 bolt, preload before the strips are compressed
 FRICTION, CARRIAGE = 0.2, 25.0  # -, kg
 PULL = 2300.0  # N: force from which the carriage is released

@@ -5,12 +5,12 @@ and the spring is cut along the leaves elsewhere (`Mesh.cut`). U-bolts, a spring
 the uppermost leaf, press 8 cm of the middle together; the axle holds the lowest leaf there and is the ground. The frame
 of the car presses the ends of the longest leaf down, between a fifth and all of the load.
 
-What to expect: bent, the leaves touch at the tips of the shorter ones alone, and open in between. Pressures at the tips
+What to expect: bent, the leaves touch only at the tips of the shorter ones, and open in between. Pressures at the tips
 grow with the load, and with them friction, so that load against deflection is a loop: one straight line through the
 origin while the load grows, one below it while it falls. At a reversal the tips stick at first, and the spring is five
 times as stiff. Four beams that touch at the tips and are held rigidly at the edge of the clamp (derived in
 tests/references/closed_forms/leaf_spring.py) have 14.66 mm of deflection and 205, 194 and 1002 N/mm. Here the leaves
-slip at the rim of the clamp, which makes the spring 3 to 4 % softer and adds 29 % to the loss of the tips.
+slip at the rim of the clamp: the spring is 3 to 4 % softer, and the loss is 29 % larger than that of the tips.
 """
 
 from __future__ import annotations

@@ -9,11 +9,11 @@ Persson's solution (A. Persson, Dissertation, Chalmers, 1964; M. Ciavarella and 
 38, 2001, 4507) holds for all, in an infinite plate. It does not depend on Poisson's ratio, which is zero here: then
 plane stress and plane strain are one, and pressures are the same over the whole width.
 
-The slice must be thick enough: the pin stands on its rim and is held at its hub. Tilted by psi, its load P acts at
+The slice must be thick enough: the pin is supported at its rim and held at its hub. Tilted by psi, its load P acts at
 R psi from the hub and tilts it further; the bending stiffness of the slice, in proportion to the cube of the width,
 resists. A slice of 0.5 mm tips at 40 degrees in a bore with dR/R = 1e-2; one of 5 mm is stable at all of these loads.
 
-The sleeve's outside is ten times as large as the bore and held, which makes pressures 0.2 % too high.
+The sleeve's outside is ten times as large as the bore and held; pressures are 0.2 % too high for this reason.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def build(
     progress: bool = True,
 ) -> wf.Scene:  # fmt: skip
     """The scene at `clearance` of the radius: bodies `pin`, `sleeve`, joint `guide`, contact `pin-bore`; the `loads`
-    [N/m over dR/R], of which the last makes half a patch of `largest` [deg]."""
+    [N/m over dR/R], of which the last gives half a patch of `largest` [deg]."""
     around = {"sectors": size.sectors, "layers": size.layers, "axial": 1}
     pin = wf.reduce(
         wf.mesh.roller(RADIUS, HOLE, WIDTH, **around), MATERIAL, interfaces={"bore": "rigid"},

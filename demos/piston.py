@@ -155,7 +155,7 @@ def run(scene: wf.Scene, degrees: float, *, turns: float = TURNS, progress: bool
 
 
 def place(result: wf.Result) -> tuple[np.ndarray, np.ndarray]:
-    """Of the pin across the bore (T,) [m], towards z, and tilt about it (T,) [rad], about y."""
+    """Position of the pin across the bore (T,) [m], towards z, and tilt about it (T,) [rad], about y."""
     piston = result.body("piston")
     return piston.position[:, 2], 2.0 * np.arcsin(piston.rotation[:, 1])
 

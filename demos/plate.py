@@ -60,7 +60,7 @@ def half_lines(size: Size) -> np.ndarray:
 
 def plate_mesh(x: np.ndarray, size: Size) -> wf.mesh.Mesh:
     """A plate with cells between `x` along both sides, and the facet sets `rim`, of all sides at a distance of a/2, and
-    `face`, its upper side but for the cells at the rim."""
+    `face`, its upper side except the cells at the rim."""
     cells = wf.mesh.grid(x, x, [-0.5 * THICKNESS, 0.5 * THICKNESS])
     outer = cells.outer_facets()
     inner = half_lines(size)[-2]
@@ -78,8 +78,8 @@ def pressed_area(size: Size) -> float:
 def build(
     size: Size = FULL, *, loads: Sequence[float] | None = None, damped: bool = True, progress: bool = True
 ) -> wf.Scene:
-    """The scene: body `plate` in its rim; pressure on its face takes each of the `loads` q a^4/(E t^4) after the other,
-    a second each, and vanishes then."""
+    """The scene: body `plate` in its rim; pressure on its face takes the `loads` q a^4/(E t^4) in sequence, a second
+    each, and then vanishes."""
     chosen = size.loads if loads is None else loads
     half = half_lines(size)
     reduced = wf.reduce(

@@ -1,15 +1,15 @@
 r"""A shaft pressed into a hub and rotated: micro-slip that spreads along the seat until all of it slips.
 
 A solid shaft of 40 mm is 10 um larger in radius than the bore of its hub and as long as it. Assembled, the seat carries
-Lame's pressure p = E d/(2 R) (1 - (R/Ro)^2), everywhere the same: with Poisson's ratio zero nothing moves along the
-axis, and shaft and hub end together, so that no edge presses.
+Lame's pressure p = E d/(2 R) (1 - (R/Ro)^2), which is uniform: with Poisson's ratio zero nothing moves along the
+axis, and shaft and hub end together, without an edge effect.
 
 Then the shaft's end at one side is rotated against the hub's end at the other. Slip begins where the torque enters the
 shaft, at 0.16 of the torque of whole slip T = 2 pi R^2 b mu p, later at the other end as well, and the zones grow
-towards each other. The angle rises to that of 0.8 T, goes through a cycle, and on until all slips.
+towards each other. The angle rises to that of 0.8 T, passes through a cycle, and increases until all slips.
 
-What to expect: a shaft that was rotated does not come back; without torque an angle remains, by Masing's rule
-phi_1 - 2 phi(T_1/2). A press fit under an alternating torque so loses energy in each cycle, and its seat frets. The
+What to expect: a shaft that was rotated does not return; without torque an angle remains, by Masing's rule
+phi_1 - 2 phi(T_1/2). A press fit under an alternating torque thus loses energy in each cycle, and its seat frets. The
 cells are flat: on arcs of 2 pi/N pressures are (pi/N)^2/3 too high and the torque of whole slip (pi/N)^2/6; a ring of
 cells slips at once, so that the slip zone grows in steps of a ring.
 """
@@ -48,7 +48,7 @@ FULL, QUICK = Size(), Size(sectors=16, axial=8, steps=16)
 
 
 def path(size: Size) -> np.ndarray:
-    """The angles of the load steps [rad]: up, a cycle, and on until all slips."""
+    """The angles of the load steps [rad]: up, a cycle, and up until all slips."""
     n = size.steps
     parts = [(0.0, PEAK, n), (PEAK, -PEAK, 2 * n), (-PEAK, PEAK, 2 * n), (PEAK, BEYOND * END, n)]
     return np.concatenate([[0.0], *(np.linspace(*part[:2], part[2] + 1)[1:] for part in parts)])

@@ -7,7 +7,8 @@ Between them it bends away from the load: the roller there passes its load on to
 
 The outer ring is a flexible body of quadratic cells with distributed contact: pressures on cells that travel with each
 patch. Inner ring and rollers are rigid, with Palmgren's law between them; rollers reach over the whole width of the
-outer ring. Nothing holds them along the axis: they stay where they are, and the notes state the small forces on them.
+outer ring. They are not constrained along the axis: they keep their axial position, and the notes state the small
+forces on them.
 """
 
 from __future__ import annotations

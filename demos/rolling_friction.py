@@ -3,19 +3,19 @@ r"""Two steel rollers with friction: one driven, the other carried along, then b
 The lower roller rotates on a fixed axle and is driven. The upper one, with a flywheel on its shaft, rotates freely in a
 carriage that is pressed down. Only friction in the contact drives it: while the lower roller speeds up from rest the
 upper one is carried along; then they roll freely; then a brake on the flywheel rises in stairs, held on each until
-the contact has settled; at last it exceeds the limit of friction, and the whole patch slips.
+the contact has settled; finally it exceeds the limit of friction, and the whole patch slips.
 
-What to expect. Carried along and rolling freely, the surface speeds agree but for the creepage of the tangential force.
-On every stair of the brake, Q = M/R, force and creepage are on Carter's curve,
+What to expect. Carried along and rolling freely, the surface speeds agree except for the creepage of the tangential
+force. On every stair of the brake, Q = M/R, force and creepage are on Carter's curve,
 
     xi = (mu a/R') (1 - sqrt(1 - Q/(mu P))),    1/R' = 1/R1 + 1/R2,    a^2 = 4 P' R'/(pi E*)
 
-(K. L. Johnson, Contact Mechanics, 1985, section 8.3), but for the free ends of the rollers: his are in plane strain,
+(K. L. Johnson, Contact Mechanics, 1985, section 8.3), except for the free ends of the rollers: his are in plane strain,
 these are as wide as eight patches. In gross slip the traction coefficient is mu.
 
 The rollers are meshed in elements of 4 mm, seven times half of the patch: friction is in cells that travel with the
 patch. It advances by nearly one cell per step, and on every stair of the brake it runs through its own length `HELD`
-times, which creep requires to build up the elastic shift of the surfaces against their axles.
+times, as creep requires to build up the elastic shift of the surfaces against their axles.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ STEEL = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850, name=
 OUTER_RADIUS, BORE_RADIUS, WIDTH = 0.05, 0.015, 0.01  # m
 LOAD, FRICTION = 13e3, 0.3  # N, -
 CARRIAGE_MASS, CARRIAGE_INERTIA = 5.0, (0.01, 0.01, 0.01)  # kg, kg m2
-FLYWHEEL_MASS, FLYWHEEL_INERTIA = 20.0, (0.1, 0.2, 0.1)  # kg, kg m2: it makes slip grow slowly
+FLYWHEEL_MASS, FLYWHEEL_INERTIA = 20.0, (0.1, 0.2, 0.1)  # kg, kg m2: with it slip grows slowly
 SPEED = 10.0  # rad/s of the driven roller
 SPIN_UP = 0.04  # s: the largest torque on the upper one is half of the limit of friction
 RELATIVE_RADIUS = 0.5 * OUTER_RADIUS  # m, R'

@@ -5,7 +5,7 @@ R. R. Ryan and A. K. Banerjee, J. Guidance 10, 1987, 139; the beam and the speed
 J. Appl. Mech. 54, 1987: EA = 2.8e7 N, EI = 1.4e4 N m2, rho A = 1.2 kg/m, L = 10 m, omega_s = 6 rad/s). The final
 speed is above the first natural frequency of the beam at rest, 3.8 rad/s.
 
-What to expect. The tip lags behind the hub while the speed rises and comes back to it. In the frame of the hub the
+What to expect. The tip lags behind the hub while the speed rises and then returns to it. In the frame of the hub the
 deflection w(x, t) in the plane follows
 
     rho A (w'' - omega^2 w) + E I w_xxxx - (N w_x)_x = -rho A alpha x,      N = rho A omega^2 (L^2 - x^2)/2,

@@ -70,9 +70,9 @@ def _standing(section: np.ndarray, y: np.ndarray) -> np.ndarray:
 def tetrahedra(lattices: Sequence[np.ndarray], name: str) -> wf.mesh.Mesh:
     """Quadratic tetrahedra on `lattices` (a, b, c, 3) [m] of nodes, odd numbers of them: six to each cube of 3 x 3 x 3.
 
-    They share the cube's diagonal from its first to its last corner, one to every order in which the axes are walked
-    on the way there. So each face is cut from its first to its last corner, and lattices fit together that count along
-    a common face in the same direction, or both backwards. Nodes at equal points are one.
+    They share the cube's diagonal from its first to its last corner, one for each order of the axes along the way. So
+    each face is cut from its first to its last corner, and lattices fit together that are numbered along a common face
+    in the same direction, or both reversed. Nodes at equal points are merged.
     """
     kind, cells, start = cell_kind("tet10"), [], 0
     for lattice in lattices:
@@ -109,7 +109,7 @@ def piston_mesh() -> wf.mesh.Mesh:
         lattices.append(_standing_piston(section, rows))
 
     add(core, CROWN, "crown", axis=2, end=1)
-    for quarter in range(4):  # of the turn, from z over y
+    for quarter in range(4):  # of the revolution, from z over y
         turn = np.array([[0.0, -1.0], [1.0, 0.0]])
         turn = np.linalg.matrix_power(turn, quarter)
         blend, shell = inside @ turn, ring @ turn
@@ -138,7 +138,7 @@ def _between(low: np.ndarray, high: np.ndarray, cells: int) -> np.ndarray:
 
 
 def _standing_piston(section: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
-    """The lattice (a, b, c, 3) over places (a, b, 2) y, z of a cross section, on the rows between two x [m]."""
+    """The lattice (a, b, c, 3) over points (a, b, 2) y, z of a cross section, on the rows between two x [m]."""
     rows = refined(np.array([x for x in ROWS if ends[0] <= x <= ends[1]]), 2)
     lattice = np.empty((*section.shape[:2], len(rows), 3))
     lattice[..., 1:], lattice[..., 0] = section[:, :, None, :], rows

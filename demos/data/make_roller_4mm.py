@@ -1,7 +1,7 @@
 """Make roller_4mm.msh: a hollow roller with axis y of second-order tetrahedra, about 4 mm long at the rim.
 
 Facet groups `rim`, `bore` and `ends`, one cell group `roller`. Cells grow towards the bore: the file stays below 1 MB.
-Needs the gmsh Python package (pip install warpffrf[gmsh]); demos and tests read only the file. Lengths in mm.
+Requires the gmsh Python package (pip install warpffrf[gmsh]); demos and tests read only the file. Lengths in mm.
 Run: python demos/data/make_roller_4mm.py
 """
 
@@ -16,7 +16,7 @@ FILE = Path(__file__).with_name("roller_4mm.msh")
 
 
 def main() -> None:
-    import gmsh  # pyright: ignore[reportMissingImports] (an extra, only for making the file anew)
+    import gmsh  # pyright: ignore[reportMissingImports] (an extra, only for making the file again)
 
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)

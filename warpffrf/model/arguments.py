@@ -1,6 +1,6 @@
 """Types of user arguments for editors and type checkers; values are checked again at run time.
 
-Texts are sequences too, but of texts: they are no `Vector`, which NumPy's `ArrayLike` would let pass.
+Strings are sequences of strings, not a `Vector`; NumPy's `ArrayLike` would accept them.
 """
 
 from __future__ import annotations
@@ -13,6 +13,6 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-Vector: TypeAlias = Sequence[float] | NDArray[Any]  # numbers one behind the other: a point, a direction, a quaternion
+Vector: TypeAlias = Sequence[float] | NDArray[Any]  # sequence of numbers: a point, a direction, a quaternion
 Matrix: TypeAlias = Sequence[Vector] | NDArray[Any]  # rows of numbers: an inertia tensor, points, a table
 RotationLike: TypeAlias = "Vector | Matrix | Mapping[str, Any] | Rotation"  # the forms of `rotation.orientation`

@@ -39,27 +39,27 @@ class Contact(reprs.Item):
 
     sliding: "finite", or "small" (or a `SmallSliding` with its options) for faces of any shape that slide on each other
     by less than the size of a cell, as in bolted and riveted joints, leaf springs and press fits. a is then a face
-    reduced as `surfaces.Matched`, b one of another flexible body, or a surface of a rigid body or the ground; b is left
-    out where `Matched(second=...)` names the opposite face of the same body. The cells are paired at the initial pose.
-    Of the other options only law, `laws.UNILATERAL` or `laws.LinearLayer`, and friction, `friction.Coulomb`, apply.
-    Forces are reported on the second face.
+    reduced as `surfaces.Matched`, b one of another flexible body, or a surface of a rigid body or the ground; b is
+    omitted where `Matched(second=...)` names the opposite face of the same body. The cells are paired at the initial
+    pose. Of the other options only law, `laws.UNILATERAL` or `laws.LinearLayer`, and friction, `friction.Coulomb`,
+    apply. Forces are reported on the second face.
 
     Otherwise forces are reported on the first body. law: contact law (`warpffrf.model.laws`), default unilateral
     contact. friction: the coefficient, or a friction law (`warpffrf.model.friction`); above 0 it requires flexible
-    bodies reduced with tangential=True. quadrature: of the law, "full" at all points of the contact grid
-    SHR), "reduced" at the few points chosen when the first body was reduced (hyper-reduction,
-    HR). grid: "body_fixed", pressures on the contact grid of the first body, fixed to its material, which requires four
-    nodes per contact half-width; "contact_fixed", on cells that move with the patch, for meshes of any size (bodies
-    reduced on coarse meshes, or with contact_fixed=True); "auto", the latter where bodies and options allow it, as
-    reported in the notes of a run.
+    bodies reduced with tangential=True. quadrature: of the law, "full" at all points of the contact grid (semi-hyper-
+    reduction, SHR), "reduced" at the few points chosen when the first body was reduced (hyper-reduction, HR). grid:
+    "body_fixed", pressures on the contact grid of the first body, fixed to its material, which requires four nodes per
+    contact half-width; "contact_fixed", on cells that move with the patch, for meshes of any size (bodies reduced on
+    coarse meshes, or with contact_fixed=True); "auto", the latter where bodies and options allow it, as reported in the
+    notes of a run.
     cell_error: admissible contribution of the patch cells to the relative error of force and largest pressure; after a
     run a note reports the change with finer cells at some saved steps. kinematics: computation of the gap: "auto",
     parallel-axes kinematics for rollers whose axes are parallel at the start, which is fast; otherwise, or with
     "closest_point", at points of both surfaces, which also holds for axes that tilt later. cells: strips across and
     rows along, None: chosen for that error. capacity: largest number of active nodes, None: chosen automatically.
     overlap [m]: admissible overlap of the surfaces at the start of a run, None for a small fraction of their radius.
-    name: default "<first body>-<second body>". Raises `InputError` for surfaces, laws and options that do not go
-    together.
+    name: default "<first body>-<second body>". Raises `InputError` for incompatible surfaces, laws and
+    options.
 
     Of `lower` and `upper`, bodies as in `Scene.add_body`:
 

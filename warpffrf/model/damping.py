@@ -2,8 +2,8 @@ r"""Damping ratios of the global modes, from a number, a list, a function of the
 
 A global mode of unit mass obeys `qddot + 2 zeta omega qdot + omega^2 q = f`; the damping of a body is defined by its
 ratios zeta. Since the modes are M- and K-orthogonal, C = alpha M + beta K (Rayleigh) is diagonal in them too, `2 zeta
-omega = alpha + beta omega^2`. A rule is a function of the frequencies [Hz] that returns ratios; scene files know those
-of DAMPINGS.
+omega = alpha + beta omega^2`. A rule is a function of the frequencies [Hz] that returns ratios; scene files support
+those of DAMPINGS.
 """
 
 from __future__ import annotations
@@ -103,8 +103,8 @@ def default_damping(frequencies: np.ndarray) -> np.ndarray:
     """Damping ratios (m,) [-] of modes of these frequencies (m,) [Hz]: 10 % above half the highest retained frequency,
     none below.
 
-    The highest retained modes oscillate against the massless contact compliance after a step load; the lower ones carry
-    the physics and remain undamped.
+    The highest retained modes oscillate against the massless contact compliance after a step load; the lower ones
+    represent the motion of interest and remain undamped.
     """
     frequencies = np.asarray(frequencies, float)
     if not len(frequencies):

@@ -2,13 +2,13 @@ r"""Friction laws of contacts and joints.
 
     Coulomb               |tau| <= mu p, stick and slip
     RegularisedCoulomb    no stick: tau proportional to the slip velocity below v_slip
-    Stribeck       mu(v) = mu_k + (mu_s - mu_k) exp(-(v/v_s)^delta)
-    TabulatedFriction          mu(v) from a table
+    Stribeck              mu(v) = mu_k + (mu_s - mu_k) exp(-(v/v_s)^delta)
+    TabulatedFriction     mu(v) from a table
     TractionCurve         lubricated rolling: a rise in proportion to v, a peak, a fall to a limit; of lumped contacts
 
 A user-defined law is a subclass of `FrictionLaw` with a coefficient and its slope.
 
-Coulomb. Dry friction: |tau| <= mu p with one coefficient in stick and slip; no parameter but mu.
+Coulomb. Dry friction: |tau| <= mu p with one coefficient in stick and slip; the only parameter is mu.
 
 Law. Common to all friction laws: the coefficient of the bound as a function of the slip speed.
 
@@ -34,13 +34,13 @@ nearest to the current state, and the report states this.
 Pieces. The device reads the friction coefficient of any law as cubic pieces over the slip speed.
 
 Between neighbouring `breaks` of a law intervals are halved until Hermite's cubic, through values and slopes at both
-ends, is within TOLERANCE of the law at three points between. A table's pieces are its own straight lines.
+ends, is within TOLERANCE of the law at three points in between. The pieces of a table are its straight lines.
 
 Regularised Coulomb. Dry friction without stick: tau = -mu p w/max(|w|, v_slip), creep up to v_slip below the bound.
 
 The approximation used by other programs; as v_slip goes to 0 it becomes `Coulomb`. Over a step h the slip velocity is
-the increment of slip over h, so that the law is a bound with a softness: h v_slip/(mu p) metres per pascal are added to
-the tangential compliance of a cell, and the bound |tau| <= mu p cuts it: the same convex problem.
+the increment of slip over h, so that the law is a bound with a compliance: h v_slip/(mu p) metres per pascal are added
+to the tangential compliance of a cell, and the bound |tau| <= mu p cuts it: the same convex problem.
 
 Stribeck. Dry friction whose coefficient falls from a static to a kinetic one as slip speed increases.
 
@@ -227,7 +227,7 @@ class RegularisedCoulomb(FrictionLaw):
         return np.full_like(np.asarray(speed, float), self.coefficient)
 
 
-GONE = 1e-12  # of mu_s - mu_k: what is left of it where the fall ends
+GONE = 1e-12  # of mu_s - mu_k: the remainder where the fall ends
 
 
 @named_arguments

@@ -51,16 +51,16 @@ displacement is known by its means over the shape functions,
 in each direction separately, psi the bilinear shape functions, or the cells of tangential displacements, whose
 coefficients are the means. Both kinds have the same splines and differ in Q, by the moments of their functions. A row
 of Q takes the `TAPS` nearest means so that every parabola is reproduced, that a field which alternates from function to
-function gives nothing, and is the shortest of those. A mesh's own error near a load shows in the first and second
-neighbours of the load, that is in what alternates: a projection, which would reproduce it, enlarges it five times at
-each end of a compliance, and had ten times the ripple.
+function is mapped to zero, and has the smallest norm of those. A mesh's own error near a load shows in the first and
+second neighbours of the load, that is in alternating components: a projection, which would reproduce them, amplifies
+them five times at each end of a compliance, and had ten times the ripple.
 
 Around a full revolution of c columns B_j is centred on column j, its knots half-way between columns. Between two ends
-there are as many splines as nodes: the knots are the ends, three times, and the middles between nodes but the outermost
-two.
+there are as many splines as nodes: the knots are the ends, three times, and the middles between nodes except the
+outermost two.
 
-Forces go the other way: a force at (theta, z) is a force B_j(theta) B_k(z) on each spline, and Q^T maps it to the nodal
-loads. With nodal coefficients a of displacements and nodal forces f (`ContactSurface`), and m = diag(1/area) M a,
+Forces are mapped in reverse: a force at (theta, z) is a force B_j(theta) B_k(z) on each spline, and Q^T maps it to the
+nodal loads. With nodal coefficients a of displacements and nodal forces f (`ContactSurface`), and m = diag(1/area) M a,
 
     splines = Z a,   nodal forces = Z^T spline forces,   Z = Q diag(1/area) M,   D among splines = Z D Z^T,
 
@@ -195,9 +195,9 @@ class QuarterSurface:
     coefficients: Array
 
     def displacement(self, s: ArrayLike, zeta: ArrayLike, d: ArrayLike) -> Array:
-        """Depth component (...) of w [1/m], per unit load and times Young's modulus, at the places (s, zeta) [m] of
-        loads at d [m]; they are broadcast. Not finite where a place on the edge meets a load on it. Raises
-        `InputError` for places or loads outside the material."""
+        """Depth component (...) of w [1/m], per unit load and times Young's modulus, at the points (s, zeta) [m] under
+        loads at d [m]; they are broadcast. Not finite where a point on the edge coincides with a load on it. Raises
+        `InputError` for points or loads outside the material."""
         x, z, load = np.broadcast_arrays(*(np.asarray(a, float) for a in (s, zeta, d)))
         require_inside(z, load)
         return 0.5 * (self._read(x, z, load) + self._read(x, load, z))
@@ -223,7 +223,7 @@ SPLINE_DEGREE = 2
 # Of functions around a full revolution, in pitches: second moment about the middle, and the row of the Gram matrix.
 VARIANCE = {"nodes": 1.0 / 6.0, "cells": 1.0 / 12.0}
 OVERLAP = {"nodes": ((-1, 1.0 / 6.0), (0, 2.0 / 3.0), (1, 1.0 / 6.0)), "cells": ((0, 1.0),)}
-TAPS = 5  # 3 reproduce parabolas, but see what alternates, with five times the ripple on hex8; 7 smooth more
+TAPS = 5  # 3 reproduce parabolas, but also alternating components, with five times the ripple on hex8; 7 smooth more
 
 
 @dataclass(frozen=True, eq=False)
@@ -312,7 +312,7 @@ class FarSplines:
 
     def compliance(self, lags: Array, directions: int = 1) -> Array:
         """Z D Z^T in the layout of `lags` (sectors, directions c rows, directions c rows), of D among functions in that
-        layout; Z takes each direction by itself."""
+        layout; Z acts on each direction separately."""
         return self.sources(self.targets(lags, directions), directions)
 
     def targets(self, lags: Array, directions: int = 1) -> Array:

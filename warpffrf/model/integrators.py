@@ -22,7 +22,7 @@ accelerations, and those of beta z^2 + (1/2 - 2 beta + gamma) z + 1/2 + beta - g
   dissipates nothing (double root -1), so that oscillations of the joints' multipliers are not damped.
 
 The host integrators (`warpffrf.online.free_flight.check_run`) step scenes of free bodies in NumPy. They share no code
-with the kernels: they serve as a check of them, and `EnergyMomentum` conserves energy and momenta to round-off."""
+with the kernels, which they check, and `EnergyMomentum` conserves energy and momenta to round-off."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Coefficients(NamedTuple):
 
 
 class Integrator(ABC):
-    """Base of the methods that the stepper knows: four numbers, see the module.
+    """Base of the methods of the stepper: four numbers, see the module.
 
     project_velocities: after each step the velocities are projected onto those that the joints allow, in the mass
     metric.
@@ -176,8 +176,8 @@ class RungeKutta4:
 @named_arguments
 @dataclass(frozen=True)
 class EnergyMomentum:
-    """Energy- and momentum-conserving steps of second order, on the host, for checks: scenes of free bodies, gravity
-    allowed, nothing else. At any step, energy and both momenta keep to round-off
+    """Energy- and momentum-conserving steps of second order, on the host, for checks: scenes of free bodies, with
+    gravity only. At any step size, energy and both momenta are constant to round-off
     (`warpffrf.online.free_flight.free_bodies`)."""
 
 

@@ -92,7 +92,7 @@ class LumpedContact(reprs.Item):
         return self.a, self.b
 
     def nearest(self) -> Nearest:
-        """The nearest points of the surfaces at the current initial pose; for a law by laminae some point of the
+        """The nearest points of the surfaces at the current initial pose; for a law by laminae one point of the
         line."""
         return nearest(self.a, self.b)
 

@@ -23,7 +23,7 @@ have the moments
 
     line    2 F b/(3 pi),      ellipse    3 F b/16
 
-about the middle, and alpha of them is left over: M = alpha times that. b grows as F^(1/2) of a line, F^(1/3) of an
+about the middle, of which the fraction alpha remains: M = alpha times that. b grows as F^(1/2) of a line, F^(1/3) of an
 ellipse. The shorter half-axis is used for any direction: elements of bearings roll across the long one.
 
 Rolling resistance by an arm: M = e F, the force of the ground a distance e ahead of the middle of the patch.
@@ -39,16 +39,16 @@ relative to both rings dissipates e Q w_e at each contact.
 
 Spin. Friction of a patch that pivots about its normal: the moment of Coulomb's friction over Hertz's ellipse.
 
-With the pressure p = p_0 sqrt(1 - x^2/a^2 - y^2/b^2) of the force F, pivoting at w_s without any slip of the whole, and
-regularised friction of the slip velocity v_s, tractions are mu p min(r w_s/v_s, 1) at the distance r, so that
+With the pressure p = p_0 sqrt(1 - x^2/a^2 - y^2/b^2) of the force F, pivoting at w_s without slip of the whole patch,
+and regularised friction of the slip velocity v_s, tractions are mu p min(r w_s/v_s, 1) at the distance r, so that
 
     slow     M = mu w_s/v_s int p r^2 dA = mu F (a^2 + b^2)/5 w_s/v_s,
     fast     M = mu int p r dA = 3/8 mu F a E(m),      m = 1 - b^2/a^2, E the complete elliptic integral,
 
-3 pi/16 mu F a of a circle. Between both M is taken as the smaller of them, which it is at most. a and b grow as
+3 pi/16 mu F a of a circle. In between M is taken as the smaller of them, an upper bound. a and b grow as
 F^(1/3).
 
-Slip of the whole patch lessens the moment, and pivoting the friction force, as both have one traction to share
+Slip of the whole patch reduces the moment, and pivoting the friction force, as both share one traction
 (Contensou 1963). This is not modelled: force and moment each have their full bound, and the pivoting resistance of a
 patch that slips faster than it pivots at its edge, |v| > a w_s, is overestimated.
 """
@@ -103,11 +103,11 @@ class RollingResistance(ABC):
 
     @abstractmethod
     def bound(self, patch: Patch | None, label: str) -> tuple[float, float]:
-        """c [N m/N^p] and p of a place with that patch, None of a law of the force that knows none. Raises `InputError`
-        naming `label` where it needs one."""
+        """c [N m/N^p] and p of a point with that patch, None for a force law without one. Raises `InputError` naming
+        `label` where it requires one."""
 
     def resistance(self, patch: Patch | None, label: str) -> Resistance:
-        """Its numbers at a place with that patch. Raises `InputError` naming `label` as `bound` does."""
+        """Its numbers at a point with that patch. Raises `InputError` naming `label` as `bound` does."""
         c, p = self.bound(patch, label)
         return Resistance(c, p, c / self.rolling_speed, p)
 
@@ -119,8 +119,8 @@ class RollingResistance(ABC):
 @named_arguments
 @dataclass(frozen=True)
 class RollingHysteresis(RollingResistance):
-    """The fraction `loss` [-] of the work that presses the material ahead is lost, which makes a moment against
-    rolling.
+    """The fraction `loss` [-] of the work that presses the material ahead is lost, which results in a moment
+    against rolling.
 
     loss: between 0 and 1, about 0.01 of hard steel. For laws.HertzPoint, laws.PalmgrenLine and laws.IsoLamina, whose
     patches are known. rolling_speed [rad/s] as in `RollingResistance`. Raises `InputError`.
@@ -171,8 +171,8 @@ class RollingResistanceArm(RollingResistance):
 
 
 def spin_resistance(friction: FrictionLaw, patch: Patch | None, label: str) -> Resistance:
-    """Of a contact with that friction and that patch, None where the law of the force knows none. Raises `InputError`
-    naming `label` for friction that sticks, which has no velocity to answer, and for patches that are no ellipse."""
+    """Of a contact with that friction and that patch, None where the force law has no patch. Raises `InputError` naming
+    `label` for friction that sticks, which does not depend on a velocity, and for patches that are no ellipse."""
     if not friction.acts or not friction.creep_limit:
         raise InputError(
             f"{label}: spin=True requires friction that depends on the velocity of the surfaces, "
@@ -197,8 +197,8 @@ __all__ = [
 
 
 def as_rolling_resistance(value: Any, label: str) -> RollingResistance | None:
-    """`value` if it is a law of rolling resistance, or None; raises `InputError` naming `label` and the laws there
-    are."""
+    """`value` if it is a law of rolling resistance, or None; raises `InputError` naming `label` and the
+    existing laws."""
     if value is not None and not isinstance(value, RollingResistance):
         names = ", ".join(f"laws.{law.__name__}" for law in ROLLING_LAWS.values())
         raise InputError(

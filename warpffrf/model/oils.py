@@ -15,7 +15,7 @@ Barus. Viscosity that grows exponentially with pressure (C. Barus, Am. J. Sci. 4
     mu = mu_0 exp(alpha p),      mu' = alpha mu
 
 Mineral oils have alpha between 1e-8 and 3e-8 per Pa. The law holds up to some 0.1 to 0.2 GPa, and rises too steeply
-beyond: use `Roelands` there.
+above: use `Roelands` there.
 
 Dowson-Higginson. Density against pressure (D. Dowson and G. R. Higginson, Elasto-hydrodynamic Lubrication, 1966).
 
@@ -117,7 +117,7 @@ DENSITY = 880.0  # kg/m3
 @named_arguments
 def iso_vg(grade: int, *, temperature: float, at_100: float | None = None, density: float = DENSITY) -> Newtonian:
     """The oil of ISO VG `grade` at `temperature` [degrees Celsius]; at_100: kinematic viscosity at 100 degrees [m2/s],
-    of an oil whose viscosity index is another than about 95; density [kg/m3]. Raises `InputError`."""
+    of an oil whose viscosity index differs from about 95; density [kg/m3]. Raises `InputError`."""
     label = f"oils.iso_vg({grade!r})"
     if grade not in GRADES:
         raise InputError(f"{label}: no such grade; known: {', '.join(map(str, GRADES))}")
@@ -300,7 +300,7 @@ TO_MM2_S = 1e6
 
 
 def temperature_of(value: float, label: str) -> float:
-    """A temperature in degrees Celsius; raises `InputError` where no oil flows, as it does for kelvins."""
+    """A temperature in degrees Celsius; raises `InputError` where no oil flows, as for values in kelvin."""
     T = require_number(value, f"{label}: temperature [degrees Celsius]")
     if not COLDEST <= T <= HOTTEST:
         raise InputError(
@@ -361,8 +361,8 @@ def __dir__() -> list[str]:
 
 
 def as_oil(value: Any, label: str) -> Oil:
-    """`value` if it is an oil of a form that kernels evaluate; raises `InputError` naming `label`, with the oils there
-    are."""
+    """`value` if it is an oil of a form that kernels evaluate; raises `InputError` naming `label`, with the
+    existing oils."""
     names = ", ".join(f"oils.{oil.__name__}" for oil in OILS.values())
     if not isinstance(value, Oil):
         raise InputError(f"{label}: oil must be one of {names}, or made by oils.iso_vg, got {value!r}")

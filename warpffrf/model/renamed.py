@@ -1,5 +1,5 @@
-"""Names from before the first release and their present names; the next release drops this
-table. `errors.suggestion` reads it: of arguments, kinds, words and public names that do not exist."""
+"""Names from before the first release and their present names; the next release drops this table.
+`errors.suggestion` reads it: of arguments, kinds, words and public names that do not exist."""
 
 from __future__ import annotations
 

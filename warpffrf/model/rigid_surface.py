@@ -14,7 +14,7 @@ from warpffrf.model.surfaces.form_deviations import RoundForm
 class RigidSurface:
     """A true rigid shape, in the user frame of its body; it has no grid and no end. form: its deviation around the
     axis, used by lumped contacts, None without. The other names are those of `ContactSurface`, all empty, so that a
-    pair asks both of its surfaces the same.
+    pair treats both of its surfaces equally.
     """
 
     name: str

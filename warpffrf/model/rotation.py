@@ -6,8 +6,8 @@ Every `rotation` argument accepts the forms read by `orientation`:
 
     (x, y, z, w)                          unit quaternion, the real part last
     a matrix (3, 3)                       body axes in its columns
-    {"axis": (0, 1, 0), "angle": 0.3}     turned about an axis, right-handed [rad]
-    {"xyz": (0.1, 0.2, 0.3)}              Euler angles [rad]: about the fixed axes x, y, z, one after the other;
+    {"axis": (0, 1, 0), "angle": 0.3}     rotated about an axis, right-handed [rad]
+    {"xyz": (0.1, 0.2, 0.3)}              Euler angles [rad]: about the fixed axes x, y, z, in sequence;
                                           {"ZYX": ...} in capitals about body-fixed axes
     scipy.spatial.transform.Rotation
 """

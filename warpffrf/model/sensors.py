@@ -197,7 +197,7 @@ class InterfaceForce(Sensor):
 
 @named_arguments
 class Stress(Sensor):
-    """Stress of a flexible body at one of the points named when it was reduced (`reduce(..., stress={name: points})`).
+    """Stress of a flexible body at one of the points named in its reduction (`reduce(..., stress={name: points})`).
 
     points: name of the set; index: point within it. Values (T, 7) [Pa]: the tensor xx, yy, zz, xy, yz, zx in the axes
     of the body's user frame, and the equivalent stress. Raises `InputError` for a point that does not exist.

@@ -199,14 +199,14 @@ class _Transition(Signal):
 
 
 class Ramp(_Transition):
-    """Linear from `start_value` to `end_value` [unit of what it drives] within `duration` after `delay` [s], constant
-    before and after."""
+    """Linear from `start_value` to `end_value` [unit of the driven quantity] within `duration` after `delay` [s],
+    constant before and after."""
 
     shape = (1.0,)
 
 
 class SmoothStep(_Transition):
-    """Quintic 6 x^5 - 15 x^4 + 10 x^3 from `start_value` to `end_value` [unit of what it drives], x = (t -
+    """Quintic 6 x^5 - 15 x^4 + 10 x^3 from `start_value` to `end_value` [unit of the driven quantity], x = (t -
     delay)/duration with duration and delay [s]; twice differentiable.
 
     >>> round(float(wf.signals.SmoothStep(0.0, 100.0, duration=0.02)(0.01)), 3)  # half-way at half of the time
@@ -264,7 +264,7 @@ class Table(Signal):
 
 @named_arguments
 class Step(_Transition):
-    """From `start_value` to `end_value` [unit of what it drives] at once, at the time `at` [s]."""
+    """From `start_value` to `end_value` [unit of the driven quantity] at once, at the time `at` [s]."""
 
     shape = (0.0,)
 

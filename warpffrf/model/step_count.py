@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_number
 
-SAME_TIME = 1e-9  # relative: times that differ by less were meant to be the same
+SAME_TIME = 1e-9  # relative: times that differ by less count as equal
 
 
 def step_count(duration: float, step: float) -> tuple[int, list[str]]:

@@ -9,8 +9,8 @@ rigid modes is such an inverse: the reactions vanish. So
 
 is exact, symmetric, and independent of which dofs are pinned; its range is M-orthogonal to rigid motion.
 
-For thousands of sparse loads F only some rows of the response are required (`StaticResponse`). Then P need not fill the
-loads up: with `X = K_p^-1 F` and `W = K_p^-1 M R` (K_p: pinned),
+For thousands of sparse loads F only some rows of the response are required (`StaticResponse`). Then P need not make the
+loads dense: with `X = K_p^-1 F` and `W = K_p^-1 M R` (K_p: pinned),
 
     flexibility(F) = (1 - R R^H M) (X - W R^H F) = X - W a - R (W^H F - (R^H M W) a),     a = R^H F,
 

@@ -28,7 +28,7 @@ position relative to the middle of the cell, not in the reference coordinates, s
 (Arnold, Boffi and Falk 2002, Math. Comput. 71, 909). The polynomial of each kind of cell is its `CellKind.dilatation`:
 constant for trilinear hexahedra, quadratic wedges and quadratic tetrahedra, linear for quadratic hexahedra. Linear
 tetrahedra and wedges have none: such a mesh has two to six times as many cells as nodes, so that a constant pressure
-per cell imposes too many conditions, and they lock all the same.
+per cell imposes too many conditions, and they still lock.
 
 Materials. The material of each cell of a mesh.
 
@@ -207,7 +207,7 @@ class Assignment:
 
 
 def assign(mesh: Mesh, material: Material | Mapping[str, Material] | None) -> Assignment:
-    """Spread one material, or {cell set: material}, over the cells of `mesh`.
+    """Assign one material, or {cell set: material}, to the cells of `mesh`.
 
     Raises `InputError` for an unknown cell set, a cell without material or with two, and if a mesh of cells has no
     material. A mesh with its own matrices needs no material; if given, it is used for results only.

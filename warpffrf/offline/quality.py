@@ -62,7 +62,7 @@ from warpffrf.offline.products import Limits, SurfaceProduct
 # bases that contain the vibration modes of the free body, so that a covered range can be stated
 HOLDS_VIBRATIONS = ("free_free", "craig_chang", "trial_vector_derivatives")
 HALF_WIDTH = 4  # spacings per half-width of the pressure used to assess the grid: a typical, well resolved patch
-LEAST_COLUMNS = 7  # of a window: three coarse hat functions with their supports; a grid with fewer is not assessed
+LEAST_COLUMNS = 7  # of a window: three coarse shape functions with their supports; smaller grids are not assessed
 SAMPLED = 16  # unit loads of a surface whose residual is measured: they cost one block of solutions
 HELD = 1e-12  # of the largest compliance of a pair of nodes: smaller values are round-off (nodes on a rigid interface)
 HALVING = 4.0  # energy lost by doubling the spacing, relative to the error at the present one (module docstring)
@@ -210,8 +210,8 @@ def grid_error(
 
 
 def _coarser_nodes(columns: int, half_width: int) -> tuple[Array, Array, int]:
-    """Hertz's pressure at the nodes (n,) of the first `columns` or one less, hat functions of twice the spacing (n, m)
-    with supports inside, and the half-width in spacings."""
+    """Hertz's pressure at the nodes (n,) of the first `columns` or one less, linear shape functions of twice the
+    spacing (n, m) with supports inside, and the half-width in spacings."""
     middle = (columns - 1) // 2
     half = min(half_width, middle - 1)
     offset = np.arange(-middle, middle + 1)

@@ -32,7 +32,7 @@ class RunOptions:
         checks on free bodies; None: GeneralizedAlpha(rho_inf=0.8).
     step_error: steps whose local error exceeds it are halved (positions in m, with rotations in rad times the radius of
         gyration; stiff local modes do not count); `step` is then the longest step. None: no limit.
-    energy_tolerance: relative energy gain (of the energy at hand) above which a step with an impact is halved; None:
+    energy_tolerance: relative energy gain (of the current energy) above which a step with an impact is halved; None:
         2.5e-4.
     save_every: every `save_every`th step is saved, and the last.
     device: where kernels run, "cpu" or "cuda:0"; None: the environment variable WARPFFRF_DEVICE, otherwise the CPU.

@@ -150,7 +150,7 @@ class Outputs:
         return start
 
     def record(self, result: Kind, path: Any, progress: bool) -> Kind:
-        """Write the recording where there are rows to draw; the result goes with a note where that is not possible."""
+        """Write the recording where there are rows to draw; the result gets a note where that is not possible."""
         if path is not None and len(result.time):
             _tried(result, "recording", Path(path), lambda: _record(result, path, progress))
         return result

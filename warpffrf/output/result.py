@@ -409,9 +409,8 @@ class Result(reprs.Shown):
         bearing: likewise the oil film and bearing; row: saved step of their maps and loads, and of maps of
         contacts with small sliding, the last one if None. channel: history of "spectrum" and "waterfall", as of
         `spectrum`; speed: body whose rotation is the reference, for orders or speed instead of frequency or time
-        (None).
-        Kinds: docs/plots.md, `warpffrf plot --list`. Raises InputError for an unknown kind, contact, film, bearing,
-        history or body, and for data that the run does not have.
+        (None). Kinds: docs/plots.md, `warpffrf plot --list`. Raises InputError for an unknown kind, contact, film,
+        bearing, history or body, and for data that the run does not have.
 
         >>> axes = result.plot("ripple", contact="lower-upper")
         """
@@ -466,10 +465,9 @@ class Result(reprs.Shown):
             )  # fmt: skip
 
     def small_sliding_page(self, contact: str | None = None, times: Vector | None = None) -> Figure:
-        """A matplotlib Figure of a contact with small sliding`, the first one if None: pressure, state and loss at
-        saved steps nearest to the `times` [s], three of the run if None. Raises InputError for an contact that there is
-        not, and for
-        times outside of the run."""
+        """A matplotlib Figure of a contact with small sliding, the first one if None: pressure, state and loss at
+        saved steps nearest to the `times` [s], three of the run if None. Raises InputError for an unknown contact, and
+        for times outside of the run."""
         from warpffrf.output.plots.small_sliding import small_sliding_figure
 
         return small_sliding_figure(self, contact, times)

@@ -71,30 +71,30 @@ def simulate(
     """Simulate `scene` for `duration` [s] with steps of `step` [s], or in a list of `Stage` without `step`.
 
     start: "initial" (positions and velocities of the scene), "equilibrium" (static state under load first), or the
-    Result, or results file, of an earlier run or equilibrium of the same scene, which is continued bit for bit (to
-    round-off with laps, some 1e-9). A list of stages (`warpffrf.online.stages`) gives a StagedResult.
-    accuracy: the error wanted of forces, motions and deformations (0.01 for one per cent;
-    pressures may err by twice): chooses step, inertia levels, stiffening, contact grids and cells from the error
-    budgets of coarse runs (`warpffrf.output.accuracy`), says in the notes what and why, and what only another
-    reduction could give; `step` may be left out, or is the longest. What the scene sets itself is kept, and the
-    scene is not changed: go on with `result.scene`. options: local modes, integrator, saved steps, device, ..., see
-    `RunOptions`. results, record: files to write (.h5, .rrd); both
-    are also written when the run is interrupted (Ctrl-C, SIGTERM) or fails, with what there is; what cannot be
-    written is in `unwritten` of the Result and in its notes. A script goes on with an interrupted result: after Ctrl-C
-    it may run more, after SIGTERM it ends (exit code 143) where it would begin another run. The recording shows at most
-    300 of the saved steps; `warpffrf.record` writes others. progress: what is being done, and the notes of the run, on
-    stderr: bars on a terminal, lines elsewhere; through `logging` alone where the application has set that up. With
-    stages, results "run.h5" also means "run.NAME.h5" at the end of each stage: a checkpoint to start from. A solver
-    that fails does not raise, see `status` and `message` of the Result; with check a run that does not complete raises
-    `RunError`, whose `result` has what was computed, after its files were written. Wrong input raises InputError before
-    the run. Threads may call it at once, and get the same bits: steps go on side by side, all else one after the other
-    (`warpffrf.online.warp_lock`).
+    Result, or results file, of an earlier run or equilibrium of the same scene, which is continued bit for bit (with
+    small-sliding contacts to round-off, some 1e-9). A list of stages (`warpffrf.online.stages`) gives a StagedResult.
+    accuracy: the requested error of forces, motions and deformations (0.01 for one per cent; pressures may err by twice
+    that). Step, inertia levels, stiffening, contact grids and cells are chosen from the error budgets of coarse runs
+    (`warpffrf.output.accuracy`); the notes state the choices, the reasons, and what requires another reduction. `step`
+    may be omitted, or is the longest. What the scene sets itself is kept, and the scene is not changed: continue with
+    `result.scene`. options: local modes, integrator, saved steps, device, ..., see `RunOptions`.
 
-    overwrite: replace files of an earlier run; without it existing ones are refused, and files that warpffrf did not
-    write always. While it runs, what it has done is put into the folder `run.h5.unfinished` every 20 s of
-    wall time (less often if a checkpoint takes more than 2 % of that). resume: go on from
-    there, or from an interrupted run, with the same options, bit for bit as if it had not been stopped (with laps to
-    round-off), with every integrator; a finished run is read, and one that never began is begun.
+    results, record: files to write (.h5, .rrd), also when the run is interrupted (Ctrl-C, SIGTERM) or fails, with the
+    results so far; files that cannot be written are in `unwritten` of the Result and in its notes. A script continues
+    with an interrupted result: after Ctrl-C it may start further runs, after SIGTERM it exits (code 143) where it would
+    start another run. The recording shows at most 300 of the saved steps; `warpffrf.record` writes others. With stages,
+    results "run.h5" also means "run.NAME.h5" at the end of each stage: a checkpoint to start from. progress: report the
+    progress and the notes of the run on stderr: bars on a terminal, lines elsewhere; through `logging` alone where the
+    application has configured it. A solver that fails does not raise, see `status` and `message` of the Result; with
+    check a run that does not complete raises `RunError`, whose `result` has the data computed so far, after its files
+    were written. Wrong input raises InputError before the run. Threads may call it concurrently, with bit-identical
+    results: steps run in parallel, all else in sequence (`warpffrf.online.warp_lock`).
+
+    overwrite: replace files of an earlier run; otherwise existing ones are refused, and files that warpffrf did not
+    write always. During the run its output so far is stored in the folder `run.h5.unfinished` every 20 s of wall time
+    (less often if a checkpoint takes more than 2 % of that). resume: continue from there, or from an interrupted run,
+    with the same options, bit for bit as if it had not been stopped (with small-sliding contacts to round-off), with
+    every integrator; a finished run is read, and one that never started is started.
 
     >>> result = wf.simulate(scene, 2e-3, step=2e-4, start="equilibrium", results="press.h5", progress=False)
     >>> result.status

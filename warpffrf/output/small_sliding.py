@@ -9,7 +9,8 @@ normal components, the eigenvector of sum A n n^T to the smallest eigenvalue; it
 distance from the lines through the cells along their normals. Points have the coordinates arc r phi and height along a,
 with the mean radius r. Triangles are not cut at the seam: each is drawn on the side of its centre.
 
-Lap result. One small-sliding contact of a run: forces on its bodies, fields over cells, friction loss, and slip zones.
+Small-sliding result. One small-sliding contact of a run: forces on its bodies, fields over cells, friction loss, and
+slip zones.
 
 On skin. Displacement of the corners of a contact's cells, from that of the first body's skin, for pictures.
 

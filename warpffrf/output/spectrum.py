@@ -6,7 +6,7 @@ With N values x_n at equal distances d in time, or in revolutions, and the Hann 
 
 at k/(N d) for k = 0 .. N/2, without the factor 2 in the last line of an even N: a sine of amplitude A at one of these
 frequencies has A_k = A there and A/2 in both neighbours; between two of them the nearer one shows at least 8/(3 pi) =
-0.85 of A. Two lines are resolved if they are 4 places apart. Linear interpolation, if necessary, reduces the amplitude
+0.85 of A. Two lines are resolved if they are 4 points apart. Linear interpolation, if necessary, reduces the amplitude
 of a signal with m rows per period by (2 pi/m)^2/12.
 
 Orders count per revolution: values are sampled at equal angles of the body, over the whole number of revolutions that
@@ -146,7 +146,8 @@ def order_spectrum(
 
 
 def amplitudes(values: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Places (n,) [1/distance] and amplitudes (n,), as in the module docstring, of values (N,) at equal distances."""
+    """Positions (n,) [1/distance] and amplitudes (n,), as in the module docstring, of values (N,) at equal
+    distances."""
     count = len(values)
     window = np.sin(np.pi * np.arange(count) / count) ** 2
     weight = window.sum()

@@ -49,23 +49,23 @@ def simulate_worlds(
     """Simulate many scenes at once, for `duration` [s] with steps of `step` [s], as worlds of one graph.
 
     Returns the Result of each, in their order, the same as `simulate` gives it, or `static`: bit for bit on the CPU.
-    There the set-up is done once for all, which pays where runs are short; a GPU steps all worlds side by side. A world
-    whose solver fails ends by itself, with its `status` and `message`, and the others go on; one that takes longer to
-    its equilibrium, or halves steps, does so by itself, too. Seconds in `counters` are wall times, in which the others
-    were at work as well.
+    There the set-up is done once for all, an advantage for short runs; a GPU steps all worlds in parallel. A world
+    whose solver fails ends alone, with its `status` and `message`, and the others continue; iterations to its
+    equilibrium and halved steps of a world are also its own. Seconds in `counters` are wall times, shared with the
+    other worlds.
 
     scenes: of one kind, so that they differ in numbers only: loads, speeds, prescribed motions, stiffnesses,
-    coefficients of friction, masses, places, initial velocities, profiles, as long as there are the same bodies,
+    coefficients of friction, masses, positions, initial velocities, profiles, as long as they have the same bodies,
     joints, contacts and so on, of the same modes and grids, in the same order, and contact windows of the same size.
-    One scene may stand there several times. Their reduced bodies are best the same objects.
+    One scene may occur several times. Their reduced bodies should be the same objects.
 
     start: "initial", or "equilibrium" of each. kind: "dynamic", or "static" for load steps. results: a folder, with a
     file for each scene, world_000.h5 and so on, written when all have ended; overwrite: replace those
     of an earlier call, and remove those it has left of more scenes. check: worlds that do not complete raise
     `RunError`, which names them, and whose `result` is the list of all results, after their files were written.
-    progress: bar and notes on stderr, notes that several scenes share once. options: see `RunOptions`, for all scenes
-    alike.
-    Stages, accuracy, going on from a Result, resume, recordings and check integrators are for single runs.
+    progress: bar and notes on stderr, notes that several scenes share once. options: see `RunOptions`, the same for
+    all scenes. Stages, accuracy, continuation of a Result, resume, recordings and check integrators are for single
+    runs.
 
     Raises InputError before the run for wrong input, with the number of the scene, counted from 0, in front; and where
     scenes are of another kind than the first, with what differs.

@@ -1,4 +1,4 @@
-"""Schema of the tables of a scene file, derived from the signatures of the Python calls that they stand for.
+"""Schema of the tables of a scene file, derived from the signatures of the Python calls that they represent.
 
 A `Form` is a call and its arguments. Types come from the annotations and are checked by pydantic: numbers, texts, lists
 and tables strictly, everything else when the call is made. An argument that refers to another object of the scene has a

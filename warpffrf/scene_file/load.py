@@ -28,7 +28,7 @@ class LoadedScene:
 
     scene: the `Scene`. equilibrium, static, simulate: the arguments of these calls, None without such a
     table. title: of the file, or its name. made: section -> name -> object ("reduced_bodies", "bodies", "joints", ...).
-    document: all values of the file, parameters, settings and includes put in.
+    document: all values of the file, with parameters, settings and includes substituted.
     """
 
     scene: Any
@@ -91,11 +91,9 @@ def run_scene(
 
     Files go into the folder `out`, by default out/NAME of the file NAME.toml: what `results` and `record` name, the
     results of a call without `results` as NAME.h5 (NAME_equilibrium.h5, NAME_static.h5), and the document as it
-    was run, NAME.toml.
-    A name that leads out of the folder is refused, with InputError, unless `anywhere`.
-    settings: "name=value" as of `--set`. progress: what is being done, on stderr. overwrite: replace the files of an
-    earlier run; resume: go on where it was stopped, or read it if it ended, see
-    `simulate`.
+    was run, NAME.toml. A name that leads out of the folder is refused, with InputError, unless `anywhere`. settings:
+    "name=value" as of `--set`. progress: report the progress on stderr. overwrite: replace the files of an earlier run;
+    resume: continue where it was stopped, or read it if it ended, see `simulate`.
 
     With the file pendulum.toml of docs/scene_file.md:
 

@@ -145,7 +145,7 @@ class Bearing(reprs.Shown):
         return found
 
     def _contact_angle(self, angle: float | None, what: str) -> float:
-        """The one that is given, or the free one [rad]."""
+        """The given one, or the free one [rad]."""
         return self.angle if angle is None else require_number(angle, f"bearing {self.name!r}: {what}: angle [rad]")
 
     def _rolling(self, inner: float, outer: float, angle: float, control: str) -> Rolling:
@@ -178,7 +178,7 @@ class Bearing(reprs.Shown):
         return float(direction @ element.inertia @ direction)
 
     def contacts_of(self, side: str) -> list[LumpedContact | Contact]:
-        """Those with the ring of a side, "inner" or "outer", in the order of the elements."""
+        """The contacts with the ring of a side, "inner" or "outer", in the order of the elements."""
         if side not in SIDES:
             raise ValueError(side)
         return [self.contacts[f"{side}_{i}"] for i in range(1, self.geometry.elements + 1)]
@@ -200,8 +200,8 @@ def without_cage(bearings: list[Bearing]) -> str:
 
 
 def loose_ring(bearings: list[Bearing], items: list[Any], body: Body) -> str:
-    """What to say of a bearing that `body` is part of and one of whose rings nothing holds but its elements, so that it
-    carries nothing for the other one; "" where there is none. `items`: all that connects bodies."""
+    """Text about a bearing that `body` is part of and one of whose rings is supported by its elements only, so that it
+    carries no load for the other ring; "" where there is none. `items`: all that connects bodies."""
     for bearing in bearings:
         within = [*bearing.elements, *([] if bearing.cage is None else [bearing.cage])]
         for side, other in ((bearing.outer, bearing.inner), (bearing.inner, bearing.outer)):
@@ -222,7 +222,7 @@ FEWEST = 30  # laminae of a roller
 
 @dataclass(frozen=True)
 class BasicLife:
-    """L_10 in 10^6 revolutions, with the capacity C and equivalent load P [N] that it comes from, P = X F_r + Y F_a."""
+    """L_10 in 10^6 revolutions, with the capacity C and the equivalent load P [N], P = X F_r + Y F_a."""
 
     revolutions: float
     capacity: float

@@ -43,7 +43,7 @@ FRICTIONLESS = RollingContact()
 
 
 def checked_laws(label: str, law: Any, default: LumpedLaw) -> tuple[LumpedLaw, LumpedLaw]:
-    """On the inner and on the outer ring. Raises `InputError`."""
+    """The laws on the inner and on the outer ring. Raises `InputError`."""
     first, second = (as_lumped_law(default if one is None else one, label) for one in pair(law, f"{label}: law"))
     return first, second
 
@@ -137,7 +137,7 @@ def add_ball_bearing(
     contact: `bearings.RollingContact(...)`, law and friction of balls and raceways. materials: one material of rings
     and balls, or `bearings.Materials(...)`, also for flexible balls.
 
-    Raises `InputError` for what does not fit together.
+    Raises `InputError` for incompatible arguments.
     """
     label = f"bearing {name!r}"
     refuse_name(scene, name)
@@ -192,7 +192,7 @@ def add_roller_bearing(
     geometry: `bearings.RollerGeometry(...)`. flanges: `bearings.Flanges(...)`, ribs that stop the rollers along their
     axes, None for rollers that are free along them. As of `add_ball_bearing`: scene, name, position [m], axis and first
     (3,), directions in the world, inner, outer, cage, contact and materials; an element_body has a profile of its own.
-    Raises `InputError` for what does not fit together.
+    Raises `InputError` for incompatible arguments.
     """
     label = f"bearing {name!r}"
     refuse_name(scene, name)

@@ -6,16 +6,16 @@ added with that axis along the bearing's, the surface's reference direction e_0 
 bearing is tilted by the contact angle, so that both raceways press on its tread, where it rolls, too. Both press on the
 one surface: two patches coupled through the element (`warpffrf.online.compile.patches.several`).
 
-A cage holds an element by its centre. A flexible body has no points: there it takes the interface whose reference point
+A cage guides an element at its centre; a flexible element, which has no points, at the interface whose reference point
 is the centre, the mean motion of both ends of a roller, `interfaces={"ends": "average"}`.
 
 Cages: separation of the rolling elements.
 
-Without a cage, raceways squeeze every loaded element off the line of the load out of the load zone, and there is no
-equilibrium. A kind of cage is a class with `hold`, which adds its parts to the bearing.
+Without a cage, raceways push every loaded element that is off the line of the load out of the load zone, and there is
+no equilibrium. A kind of cage is a class with `hold`, which adds its parts to the bearing.
 
-    PrescribedCage     elements at equal angles in a frame whose rotation is prescribed: standing still, or with a given
-    speed PocketCage    a body that turns as elements push it: each has play in a pocket, and friction there
+    PrescribedCage    elements at equal angles in a frame whose rotation is prescribed: at rest, or with a given speed
+    PocketCage        a body that rotates as elements push it: each has play in a pocket, and friction there
 
 A pocket of `PocketCage` is a cup around a ball, and two planes before and behind a roller.
 """
@@ -97,8 +97,8 @@ class FlexibleElements(Elements):
 def checked_elements(
     label: str, given: Any, rigid: RigidElements, geometry: Geometry, kinds: tuple[str, ...], tilt: float = 0.0
 ) -> Elements:
-    """`rigid` where `given`, the reduced body of all elements, is None. kinds: of the surfaces that go; tilt
-    [rad]: of a flexible one's axis. Raises `InputError` for what is no element of this bearing."""
+    """`rigid` where `given`, the reduced body of all elements, is None. kinds: of the admissible surfaces;
+    tilt [rad]: of a flexible one's axis. Raises `InputError` for elements that do not fit this bearing."""
     if given is None:
         return rigid
     name, diameter = f"{label}: element_body", geometry.diameter
@@ -150,9 +150,9 @@ POCKET_LAMINAE = 5  # of a roller on the wall of its pocket, so that a skewed on
 
 @dataclass(frozen=True)
 class Cage(ABC):
-    """What all cages have: mass [kg], None for a fifth of that of the elements, spread along the pitch circle; guide:
-    the port that the cage rotates about (`body.at(point)`, `body["interface"]`), None for the outer ring, or the ground
-    where that is flexible."""
+    """Common base of cages: mass [kg], None for a fifth of that of the elements, distributed along the pitch circle;
+    guide: the port that the cage rotates about (`body.at(point)`, `body["interface"]`), None for the outer ring, or the
+    ground where that is flexible."""
 
     _: KW_ONLY
     mass: float | None = None
@@ -161,7 +161,7 @@ class Cage(ABC):
 
     @abstractmethod
     def hold(self, scene: Scene, bearing: Bearing) -> None:
-        """Add the cage to the scene and to `bearing`. Raises `InputError` for what does not fit."""
+        """Add the cage to the scene and to `bearing`. Raises `InputError` for a cage that does not fit."""
 
     def ring(self, scene: Scene, bearing: Bearing) -> Body:
         """Add its body to the `scene`, a thin ring on the pitch circle, which becomes the cage of the `bearing`. Raises
@@ -224,13 +224,13 @@ class PrescribedCage(Cage):
 @named_arguments
 @dataclass(frozen=True)
 class PocketCage(Cage):
-    """A body with a pocket for each element, which has `clearance` [m] in it, of the diameter.
+    """A body with a pocket for each element, with the diametral `clearance` [m].
 
     law: of the force in a pocket, a lumped law: of a ball None for PowerForce(1e9, 1.5), of a roller, whose laminae
     each meet the wall, None for PalmgrenLine. friction: of elements in their pockets. guided: whether the cage is kept
-    on the axis by a joint without friction, as on a land of the guide; else its pockets alone carry it, which those of
-    balls can. inertia: its diagonal (3,) [kg m2] across the axis twice and about it, None for that of a ring. Contacts
-    are `bearing.contacts["pocket_3"]`, of rollers ["pocket_3_front"] and ["pocket_3_back"].
+    on the axis by a joint without friction, as on a land of the guide; else its pockets alone support it, which is
+    possible for balls. inertia: its diagonal (3,) [kg m2] across the axis twice and about it, None for that of a ring.
+    Contacts are `bearing.contacts["pocket_3"]`, of rollers ["pocket_3_front"] and ["pocket_3_back"].
     """
 
     clearance: float

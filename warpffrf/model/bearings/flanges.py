@@ -1,7 +1,7 @@
 r"""Flanges of cylindrical roller bearings: ribs of the rings that stop rollers along the axis.
 
-**The model.** The end of a roller is a sphere of the radius R_s = `end_radius` about a point of the roller's axis, so
-that its middle stands at half the length l: rollers are ground so, or nearly flat with a large radius. A rib's face
+**The model.** The end of a roller is a sphere of the radius R_s = `end_radius` about a point of the roller's axis,
+whose middle lies at half the length l: rollers are ground in this way, or nearly flat with a large radius. A rib's face
 leans back by the opening angle beta, a cone about the axis of its ring; between both is a lumped contact. For an
 aligned roller they touch along the common normal, at R_s sin(beta) from the roller's axis towards the ring that has the
 rib: of a roller of the diameter D
@@ -18,13 +18,13 @@ A roller that is skewed by the angle psi touches off its middle, at the distance
 
     e = (R_s - l/2) psi
 
-from its axis in the plane of a rib, and both ends together have used up (R_s - l/2) psi^2 of the play: ribs on both
+from its axis in the plane of a rib, and both ends together reduce the play by (R_s - l/2) psi^2: ribs on both
 sides stop the skew at
 
     psi_max = sqrt(c/(R_s - l/2)),
 
-where the forces of the two ends form a moment about 2 e F that realigns the roller. A rib has no end (the place of the
-contact is not held to what a real one has); an undercut, and the edge of a flat end, are left out.
+where the forces of the two ends form a moment about 2 e F that realigns the roller. A rib has no end (the position
+of the contact is not limited to a real rib); an undercut, and the edge of a flat end, are neglected.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from warpffrf.model.bearings.bearing import Bearing
     from warpffrf.model.scene import Scene
 
-ENDS = {"front": 1.0, "back": -1.0}  # towards the axis direction, and against it
+ENDS = {"front": 1.0, "back": -1.0}  # towards the axis direction, and opposite
 RIBS = {"both": ("front", "back"), "front": ("front",), "back": ("back",), None: ()}
 END_RADIUS = 20.0  # of half the length, where nothing is given: nearly flat
 
@@ -143,8 +143,8 @@ class Flanges:
     def _face(
         bearing: Bearing, side: str, body: Body | Ground, at: np.ndarray, along: np.ndarray, radius: float, lever: float
     ) -> surfaces.Shape:
-        """Face of a rib, user frame of `body`: at, where a plane would stand on the axis, along: away from the rollers,
-        both in the world; ends of the radius meet it `lever` [m] from the roller's axis."""
+        """Face of a rib, user frame of `body`: at: where a plane would intersect the axis, along: away from the
+        rollers, both in the world; ends of the radius meet it `lever` [m] from the roller's axis."""
         if lever == 0.0:
             return surfaces.Plane(origin=body.to_user(at), outward=body.to_user(at - along) - body.to_user(at))
         lean = np.arcsin(lever / radius)

@@ -6,8 +6,8 @@ centres lie
 
     A = r_i + r_e - D
 
-apart. With the free contact angle alpha_0 and the diametral clearance s of a bearing whose grooves stand opposite each
-other, the circles of the groove centres have the radii and axial places
+apart. With the free contact angle alpha_0 and the diametral clearance s of a bearing whose grooves are opposite each
+other, the circles of the groove centres have the radii and axial positions
 
     R_i = d_pw/2 + (r_i - D/2) cos alpha_0 - s/4,      z_i = +(r_i - D/2) sin alpha_0,
     R_e = d_pw/2 - (r_e - D/2) cos alpha_0 + s/4,      z_e = -(r_e - D/2) sin alpha_0,
@@ -38,8 +38,8 @@ the outer one at high speed, where the centrifugal force presses there. At equal
 
     w_c = (w_i (1 - gamma) + w_o (1 + gamma))/2,
 
-and the rolling against the cage is d/(2 D) (1 - gamma^2)(w_o - w_i). Rollers have alpha = 0 and w_r = 0. Turning
-w_r e_r around with w_c requires the gyroscopic moment I w_c w_r about e_t, which friction must provide.
+and the rolling against the cage is d/(2 D) (1 - gamma^2)(w_o - w_i). Rollers have alpha = 0 and w_r = 0. Rotating
+w_r e_r with w_c requires the gyroscopic moment I w_c w_r about e_t, which friction must provide.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ from warpffrf.model.surfaces.form_deviations import Form
 
 SIDES = ("inner", "outer")
 STEEPEST = np.radians(80.0)  # contact angle up to which a groove that is open to the side carries
-LARGEST_OSCULATION = 5.0  # groove radius over ball diameter: a wider one is a length in the place of a ratio
+LARGEST_OSCULATION = 5.0  # groove radius over ball diameter: a larger value is a length instead of a ratio
 LARGEST_DEVIATION = 1e-2  # of the diameter: beyond, it is the diameter itself
 OSCULATION = 0.52  # of groove radius over ball diameter, where nothing is given: a deep-groove bearing's
 BALL_WIDTH, ROLLER_OVERHANG = 1.5, 0.4  # of the diameter of an element
@@ -146,7 +146,7 @@ class Geometry:
         return self.pitch_diameter * float(np.sin(np.pi / self.elements))
 
     def describe(self) -> dict[str, Any]:
-        """Plain data, to be made again of by `from_description`; without form deviations and profiles."""
+        """Plain data, from which `from_description` restores it; without form deviations and profiles."""
         plain = {name: value for name, value in vars(self).items() if isinstance(value, PLAIN) and name != "profile"}
         return {"type": type(self).__name__, **plain}
 
@@ -171,7 +171,7 @@ class BallGeometry(Geometry):
     that the builder makes; None: those of the medium series.
 
     Raises `InputError` for elements that overlap or that reach to the axis, grooves as narrow as the balls, contact
-    angles that a groove cannot carry at, a clearance beyond what grooves and balls leave, and where both angle and
+    angles at which a groove cannot carry, a clearance larger than grooves and balls permit, and where both angle and
     clearance are given.
     """
 
@@ -234,7 +234,7 @@ class BallGeometry(Geometry):
 
     @property
     def reach(self) -> float:
-        """A [m]: how far apart the groove centres are where the balls touch both rings."""
+        """A [m]: distance of the groove centres where the balls touch both rings."""
         return self.groove("inner") + self.groove("outer") - self.diameter
 
     @property
@@ -245,7 +245,7 @@ class BallGeometry(Geometry):
         return float(np.arccos(1.0 - self.clearance / (2.0 * self.reach)))
 
     def centre(self, side: str) -> tuple[float, float]:
-        """Radius and axial place [m] of the circle of groove centres, side "inner" or "outer"."""
+        """Radius and axial position [m] of the circle of groove centres, side "inner" or "outer"."""
         sign = 1.0 if side == "inner" else -1.0
         beyond = self.groove(side) - 0.5 * self.diameter
         across, along = beyond * np.cos(self.contact_angle), beyond * np.sin(self.contact_angle)

@@ -1,7 +1,7 @@
 r"""Parts of a rigid bearing: its position, masses of its rings and elements, and a contact between two of them.
 
 Masses are those of solid balls and rollers, and of rings that are hollow cylinders of steel: with the pitch diameter
-d_pw, the diameter D of an element and the width b, what is not given is
+d_pw, the diameter D of an element and the width b, the defaults are
 
     bore d_pw - 1.6 D,    outside diameter d_pw + 1.6 D,    shoulders at d_pw -+ 0.4 D,    width 1.5 D,
 
@@ -12,7 +12,7 @@ preload of ISO 5593, a compressive load of the rolling elements by axial adjustm
 springs in `warpffrf.forces` is a tension.
 
     PreloadForce     a force of given size: a spring between the rings
-    PreloadOffset    raceways that stand off on their rings, as those of paired bearings are ground: rings whose faces
+    PreloadOffset    raceways that are offset on their rings, as ground on paired bearings: rings whose faces
                      are flush, or that a nut pulls together, then press with the reaction of the balls
 
 A kind of preload is a class with `offset`, the axial offset of the inner raceway from its free position, and `press`,
@@ -136,8 +136,8 @@ def ring_surface(
 ) -> tuple[Body | Ground, SurfacePort]:
     """The body of a ring and its raceway.
 
-    given: None for a rigid ring that is generated, a rigid body or the ground, which get the raceway, or a contact
-    surface that there is, `body["rim"]`, of a flexible ring. shape_of: the shape of the raceway from its axis in user
+    given: None for a rigid ring that is generated, a rigid body or the ground, which get the raceway, or a existing
+    contact surface, `body["rim"]`, of a flexible ring. shape_of: the shape of the raceway from its axis in user
     axes. Raises `InputError`.
     """
     name, place, geometry = bearing.name, bearing.place, bearing.geometry
@@ -178,7 +178,7 @@ class Materials:
     """Materials of a bearing: `material` of rings and elements, `element_material` of other elements.
 
     element_body: the reduced body of every element, whose contact is distributed, None for rigid elements
-    (`warpffrf.model.bearings.elements`). Raises `InputError` for what is no material.
+    (`warpffrf.model.bearings.elements`). Raises `InputError` for invalid materials.
     """
 
     material: Material = STEEL
@@ -193,7 +193,7 @@ class Materials:
 
     @property
     def both(self) -> tuple[Material, Material]:
-        """Of the elements and of the rings."""
+        """The materials of the elements and of the rings."""
         return self.material if self.element_material is None else self.element_material, self.material
 
 
@@ -254,7 +254,7 @@ class AxialPreload:
     kind: ClassVar[str] = ""
 
     def offset(self, label: str) -> float:
-        """How far [m] the inner raceway stands beyond its free place, in the pressing sense; label: of the bearing, in
+        """Offset [m] of the inner raceway from its free position, in the pressing sense; label: of the bearing, in
         messages. Raises `InputError`."""
         return 0.0
 
@@ -269,7 +269,7 @@ class PreloadForce(AxialPreload):
     """The rings are pressed against each other along the axis by `force` [N], on each ring along its own axis.
 
     A fixed ring is loaded through its constraint. The forces are `bearing.forces["preload_inner"]` and
-    ["preload_outer"], the latter where the outer ring is no ground. Rings are rigid. Raises `InputError`.
+    ["preload_outer"], the latter unless the outer ring is the ground. Rings are rigid. Raises `InputError`.
     """
 
     force: float
@@ -300,8 +300,8 @@ class PreloadForce(AxialPreload):
 @named_arguments
 @dataclass(frozen=True)
 class PreloadOffset(AxialPreload):
-    """The inner raceway stands off on its ring by `distance` [m], in the sense that presses the bearing together: a
-    ring that is held where it would be free presses from the start. Raises `InputError`."""
+    """The inner raceway is offset on its ring by `distance` [m], in the sense that presses the bearing together: a ring
+    that is constrained at its free position is loaded from the start. Raises `InputError`."""
 
     distance: float
     kind: ClassVar[str] = "preload_offset"

@@ -2,16 +2,16 @@
 
 Interactions add their loads to the surfaces and read their displacements, so that several may share two surfaces: a
 coating and asperities, each with its own pressure p_i(depth). Where a gap is closed without a law, its pressure is the
-constraint force; of two such pressures only the sum is determined. The same holds for two tractions that both make a
-cell stick. A film occupies the whole gap: asperities in addition are one of its laws, and a second film cannot use its
-grid.
+constraint force; of two such pressures only the sum is determined. The same holds for two tractions that both constrain
+a cell to stick. A film occupies the whole gap: asperities in addition are one of its laws, and a second film cannot use
+its grid.
 
 Overlap. Initial overlap of the surfaces of a contact beyond that of elastic bodies.
 
 A contact may start with an interference: it prescribes an approach, which deformation accommodates. Its depth is that
 of a Hertz contact, (a/R)^2 R = (pi p0 / 2 E*)^2 R with the relative radius R: 3e-3 R at p0 = 4 GPa between steel balls,
-where raceways are permanently indented. Much more indicates a misplaced body, and the run would start with an
-explosion.
+where raceways are permanently indented. Much more indicates a misplaced body; the run would diverge at the
+start.
 
 Unreachable contacts. Contacts that will hardly close: too far apart, not facing each other, or kept apart by the
 joints.
@@ -20,16 +20,16 @@ Joints keep a contact apart where every free motion of its two bodies moves each
 axis of a surface of revolution, a translation along a plane. The check uses the rigid motions z that the joints leave,
 C z = 0, less those motions of the surfaces in themselves: nothing must remain.
 
-Wedge. Overlaps at the start that no small motion opens: a body wedged between its partners, or all round in a bore.
+Wedge. Overlaps at the start that no small motion opens: a body wedged between its partners, or all around in a bore.
 
-With g_k the gaps at places k of all pairs, L their gradients by the rigid coordinates z of the bodies and C those of
-the joints and drives, the overlap that stays however the bodies are moved a little is -t of the linear programme
+With g_k the gaps at points k of all pairs, L their gradients by the rigid coordinates z of the bodies and C those of
+the joints and drives, the overlap that remains for any small motion of the bodies is -t of the linear programme
 
     maximise t,      g_k + L_k z >= t,      C z = 0,      |z| <= MOVED times the deepest overlap.
 
-Its multipliers are forces at these places that hold each other in balance: the pairs that have some are those that
-wedge. An overlap that a motion opens has none. Deformation takes a small wedge up, as an interference fit; a deep one
-is a body in the wrong place, or of the wrong size.
+Its multipliers are forces at these points in mutual equilibrium: the pairs with nonzero ones are those that wedge. An
+overlap that a motion opens has none. Deformation accommodates a small wedge, as an interference fit; a deep one is a
+body in the wrong position, or of the wrong size.
 """
 
 from __future__ import annotations
@@ -54,8 +54,8 @@ if TYPE_CHECKING:
 
 
 def refuse_double_claims(contact: Any, others: Iterable[Any]) -> None:
-    """Raises `InputError` where `contact`, distributed or lumped, or a film, claims what one of the others on its
-    surfaces does."""
+    """Raises `InputError` where `contact`, distributed or lumped, or a film, defines the same unknown as another one on
+    its surfaces."""
     for other in others:
         if other is contact:
             continue
@@ -90,7 +90,7 @@ def refuse_claims_of(scene: Any) -> None:
 
 
 def _refuse_beside_film(one: Any, other: Any) -> None:
-    """Raises `InputError` where one of the two is a film whose surfaces, or whose grid, the other has too."""
+    """Raises `InputError` where one of the two is a film whose surfaces, or whose grid, the other one uses too."""
     if isinstance(one, Film) and isinstance(other, Film):
         if _same_surface(one.a, other.a):
             raise InputError(
@@ -126,13 +126,13 @@ def _same_surface(a: SurfacePort, b: SurfacePort) -> bool:
     return a.body is b.body and a.name == b.name
 
 
-OVERLAP_FRACTION = 1e-2  # of the smallest radius of curvature: three times what steel takes (above); 0.4 mm of 50 mm
-FLAT = 1e-9  # of 1 over the width; a curvature below this is none
+OVERLAP_FRACTION = 1e-2  # of the smallest radius of curvature: three times the limit of steel (above); 0.4 mm of 50 mm
+FLAT = 1e-9  # of 1 over the width; a smaller curvature counts as zero
 
 
 def allowed_overlap(contact: Contact, theta: float, z: float) -> float:
-    """Depth [m] by which the surfaces may overlap at the start: the pair's own, or OVERLAP_FRACTION of the smallest
-    radius of curvature of the two at chart coordinates theta, z of the first; between planes, of the width."""
+    """Depth [m] by which the surfaces may overlap at the start: the value of the pair, or OVERLAP_FRACTION of the
+    smallest radius of curvature of the two at chart coordinates theta, z of the first; between planes, of the width."""
     if contact.overlap is not None:
         return contact.overlap
     first, second = contact.a, contact.b
@@ -179,11 +179,11 @@ def excessive_overlap(contact: Contact, gap: float, theta: float, z: float) -> f
     return allowed if -gap > allowed else None
 
 
-MOVES = 1e-6  # of a motion of length one: less is none
+MOVES = 1e-6  # of a motion of length one: smaller ones count as zero
 
 
 def out_of_reach(scene: Scene, gaps: dict[str, Nearest | None]) -> list[str]:
-    """What is to be said of such pairs, a sentence each; `gaps`: `facing_gap` by the name of the pairs to look at."""
+    """One message per such pair; `gaps`: `facing_gap` by the name of the pairs to check."""
     told, free = [], None
     for contact in scene.finite_sliding:
         if contact.name not in gaps:
@@ -222,7 +222,7 @@ def _size(contact: Contact) -> float:
 
 
 def _free_motions(scene: Scene) -> np.ndarray:
-    """Rigid motions (6 bodies, n) that joints and drives leave, turns counted in the length of the scene."""
+    """Rigid motions (6 bodies, n) that joints and drives leave free, rotations scaled by the length of the scene."""
     held = held_motions(scene)
     return null_space(held) if len(held) else np.eye(held.shape[1])
 
@@ -241,7 +241,7 @@ def _held_apart(contact: Contact, free: np.ndarray, length: float) -> bool:
 
 
 def _in_itself(port: SurfacePort, length: float) -> np.ndarray:
-    """Motions (6, n) of the body of a surface that leave the place of the surface: translations, turns."""
+    """Motions (6, n) of the body of a surface that map the surface onto itself: translations, rotations."""
     body, shape = port.body, port.surface.shape
     axes = [body.to_world(e) - body.position for e in (shape.e_0, shape.e_1, shape.e_a)]
     center = body.to_world(shape.axis_point) - body.position
@@ -257,14 +257,14 @@ def _in_itself(port: SurfacePort, length: float) -> np.ndarray:
 
 
 MOVED = 4.0  # of the deepest overlap: further than a wedge is deep, and near enough for a linear programme
-NEARER = 12.0  # of it: wider gaps stay open in such a motion of both bodies and a turn
-SHALLOW = 1e-7  # of the deepest overlap: what the linear programme leaves over
+NEARER = 12.0  # of it: wider gaps stay open in such a motion of both bodies and a rotation
+SHALLOW = 1e-7  # of the deepest overlap: residual of the linear programme
 TAKES_PART = 1e-6  # of all multipliers
 
 
 @dataclass(frozen=True)
 class Wedge:
-    """The pairs that wedge, the overlap [m] that stays at each of them, and whether a single one is held on opposite
+    """The pairs that wedge, the overlap [m] that remains at each of them, and whether a single one is held on opposite
     sides of a body."""
 
     contacts: tuple[Contact, ...]
@@ -342,7 +342,7 @@ def find_wedge(scene: Scene, gaps: dict[str, Nearest | None] | None = None) -> W
 
 
 def _gradients(contact: Contact, sample: GapSamples, bodies: int, length: float) -> np.ndarray:
-    """Of the gaps, by translations and by turns, which are counted in `length` [m] (places, 6 bodies)."""
+    """Of the gaps, by translations and rotations, the latter scaled by `length` [m] (points, 6 bodies)."""
     lines = np.zeros((len(sample.gap), 6 * bodies))
     for sign, port in ((1.0, contact.a), (-1.0, contact.b)):
         if not port.on_ground:

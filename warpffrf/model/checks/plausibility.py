@@ -1,9 +1,9 @@
 """Valid but implausible input: reported immediately as warnings of the package's logger.
 
-A slip of units or of a convention leaves numbers that are valid and belong to no machine: gravity of 9810 (mm/s^2) or
-upwards, a friction of 30 (per cent), an angle of 90 (degrees), a quaternion whose real part comes first. Each function
-returns the doubts as texts that name the item and its probable meaning; `warn` logs them. Meshes and materials have
-theirs in `mesh.report`.
+A mistake in units or conventions gives numbers that are valid but implausible for any machine: gravity of 9810 (mm/s^2)
+or upwards, a friction of 30 (per cent), an angle of 90 (degrees), a quaternion whose real part comes first. Each
+function returns the doubts as texts that name the item and its probable meaning; `warn` logs them. Meshes and materials
+have theirs in `mesh.report`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 GRAVITIES = (0.1, 30.0)  # m/s2: small moons 0.1, Moon 1.6, Earth 9.8, Jupiter 25
-UPRIGHT = 1e-3  # of gravity: parts across z that still make it vertical
+UPRIGHT = 1e-3  # of gravity: fraction across z up to which it counts as vertical
 MOST_FRICTION = 2.0  # rubber on dry asphalt 1.2, clean metals in vacuum beyond, no machine
 FULL_TURN = 2.0 * np.pi  # rad: a pose never needs a larger angle; degrees are larger
 

@@ -1,27 +1,28 @@
 """The constraints of a scene on the host: values, Jacobian, and which of them are redundant.
 
 **Jacobian.** A row exerts the wrench (f, t) at x_b on the second body and its opposite on the first (`joints.rows`), so
-a body with origin r has the entries f (translation), (x_b - r) x f + t (rotation vector) and, where its marker X sits
+a body with origin r has the entries f (translation), (x_b - r) x f + t (rotation vector) and, where its marker X is
 on a flexible interface that moves by (u, theta) = Phi^T q about its point X_if, Phi (A^T f, A^T ((x_b - x_marker) x f +
-t) + (X - X_if) x A^T f), which leaves out what is linear in theta. Columns and rows are made comparable by a length L
+t) + (X - X_if) x A^T f), without terms linear in theta. Columns and rows are made comparable by a length L
 of the scene: translations and modal coordinates are counted in L, rows that are lengths divided by it.
 
-**Redundancy.** The rows of all joints are taken block by block, undriven joints in the order of adding, then what is
-driven: first driven distances, then drives. From each block the part in the span of the rows kept so far is projected
-out; a column-pivoted QR factorisation of the remainder gives its rank and the rows that define it. The others are
+**Redundancy.** The rows of all joints are taken block by block, undriven joints in the order of adding, then the
+driven rows: first driven distances, then drives. From each block the part in the span of the rows kept so far is
+projected out; a column-pivoted QR factorisation of the remainder gives its rank and the rows that define it. The others
+are
 redundant: the motion satisfies them anyway. They are omitted from the equations, so their multipliers are zero; another
 choice would share the same total load differently. Which joint of a loop is named depends on the order of adding. A
-*driven* row that turns out redundant is a contradiction, or superfluous: the joints already fix what it prescribes.
+*driven* row that is found redundant is a contradiction, or superfluous: the joints already fix what it prescribes.
 
-**Singular poses.** At a dead centre or in a flat loop, rows depend on each other that do so nowhere else and must
-stay. The rank is therefore also taken at two poses nearby: a step along a random combination of free motions (fixed
-seed), corrected by Gauss-Newton until the joints close. The largest rank decides. Redundancy is a property of the pose
-all the same; a run measures at its saved steps how well the rows left out were kept (`online.joint_motion`).
+**Singular poses.** At a dead centre or in a flat loop, rows depend on each other that are independent elsewhere and
+must be kept. The rank is therefore also taken at two poses nearby: a step along a random combination of free motions
+(fixed seed), corrected by Gauss-Newton until the joints close. The largest rank decides. Redundancy still depends on
+the pose; a run measures at its saved steps how well the omitted rows are satisfied (`online.joint_motion`).
 
 Consistency. Initial conditions of a scene: initial velocities and prescribed motions agree with the joints, all bodies
 have mass.
 
-A joint asks for C V = 0 of the velocities V that the bodies are given, a drive for C V = s'(0), with C the Jacobian of
+A joint requires C V = 0 of the initial velocities V of the bodies, a drive C V = s'(0), with C the Jacobian of
 `redundancy`. The residual is compared with the largest possible relative speed of the joint's points, the largest speed
 of a body's origin plus its angular speed times the scene's length. Of the joint coordinates only those with a
 prescribed *position* can disagree at the initial pose: joints are built from it, and a prescribed velocity counts from
@@ -45,8 +46,8 @@ from warpffrf.model.joints.base import coincident_within, gradient, value
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
 
-RANK_TOLERANCE = 1e-6  # of the longest row; its square, what elimination is left with, stays above round-off of pivots
-NEARBY = 0.03  # rad, or of L: how far poses are moved to tell a singular pose from a redundancy
+RANK_TOLERANCE = 1e-6  # of the longest row; its square, the residual of elimination, stays above round-off of pivots
+NEARBY = 0.03  # rad, or of L: how far poses are moved to separate a singular pose from a redundancy
 NEARBY_POSES = 2
 CLOSED = 1e-10  # of L and rad: defect of a pose that Gauss-Newton has closed; it converges quadratically
 CLOSING_STEPS = 12
@@ -55,7 +56,7 @@ ROUND_OFF_ARM = 1e-9  # of a body's radius of gyration: arms below are round-off
 
 @dataclass(frozen=True, eq=False)
 class ConstraintRow:
-    """A row that a joint or drive holds: owner's name, function, markers, and the value at the initial pose."""
+    """A row that a joint or drive constrains: owner's name, function, markers, and the value at the initial pose."""
 
     owner: str
     joint: Joint
@@ -95,7 +96,7 @@ class Redundancy:
 def undetermined(scene: Scene, found: Redundancy) -> list[str]:
     """Owners of rows whose reactions the constraints do not determine, in the order of adding.
 
-    A left-out row J_d = c J_kept takes any share mu of the load from the kept rows, lambda - c mu: the reactions of d
+    An omitted row J_d = c J_kept takes any share mu of the load from the kept rows, lambda - c mu: the reactions of d
     and of all rows with c != 0 follow from the choice mu = 0 alone.
     """
     if not found.dropped:
@@ -126,8 +127,8 @@ def initial_pose(scene: Scene) -> Pose:
 
 
 def constraint_rows(scene: Scene) -> list[ConstraintRow]:
-    """All rows: joints in the order of adding, a drive's own behind the joints; a drive of a function that its joint
-    holds (a distance) takes that row over."""
+    """All rows: joints in the order of adding, those of drives after the joints; a drive of a function that its joint
+    constrains (a distance) replaces that row."""
     rows: list[ConstraintRow] = []
     frames = {id(joint): joint.frames() for joint in scene.joints}
     taken = {(id(d.joint), d.row): d for d in scene.drives if d.row in d.joint.rows}
@@ -158,7 +159,7 @@ def marker_pose(scene: Scene, pose: Pose, port: Any, marker: Marker) -> tuple[np
 
 
 def scene_length(scene: Scene) -> float:
-    """A length [m] of the scene: the largest distance of a joint from a body it holds; where all are zero, or
+    """A length [m] of the scene: the largest distance of a joint from a body that it connects; where all are zero, or
     round-off, the largest radius of gyration, and 1 m of bodies without any."""
     arms = [np.linalg.norm(m.point) for joint in scene.joints for m in joint.frames()]
     arms += [np.linalg.norm(body.center_of_mass) for body in scene.bodies]
@@ -175,8 +176,8 @@ def scene_length(scene: Scene) -> float:
 def constraint_jacobian(
     scene: Scene, rows: list[ConstraintRow], pose: Pose | None = None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Jacobian (rows, unknowns), scaled as the module says, the values (rows,) against the initial ones, scaled alike,
-    and the factors (unknowns,) from scaled to plain unknowns.
+    """Jacobian (rows, unknowns), scaled as in the module docstring, the values (rows,) relative to the initial ones,
+    scaled likewise, and the factors (unknowns,) from scaled to plain unknowns.
 
     Unknowns, body by body: translation of the user origin, rotation vector (world axes), modal coordinates.
     """
@@ -211,8 +212,8 @@ def constraint_jacobian(
 
 
 def held_motions(scene: Scene) -> np.ndarray:
-    """What joints and drives hold of rigid motions (rows, 6 bodies): translations of the user origins, and turns, these
-    counted in `scene_length`."""
+    """Rigid motions that joints and drives constrain (rows, 6 bodies): translations of the user origins, and rotations
+    scaled by `scene_length`."""
     starts = np.cumsum([0] + [6 + body.mode_count for body in scene.bodies])[:-1]
     J, _, factor = constraint_jacobian(scene, constraint_rows(scene))
     L = scene_length(scene)
@@ -246,7 +247,7 @@ def _independent(rows: list[ConstraintRow], J: np.ndarray) -> np.ndarray:
     tolerance = RANK_TOLERANCE * float(np.linalg.norm(J, axis=1).max(initial=0.0))
     for _, members in sorted(blocks.items(), key=lambda item: item[0][0]):
         rest = J[members].T
-        for _ in range(2):  # twice: what the first projection leaves of round-off
+        for _ in range(2):  # twice: the first projection leaves round-off
             rest = rest - basis @ (basis.T @ rest)
         factors: Any = qr(rest, mode="economic", pivoting=True)
         Q, R, order = factors
@@ -257,7 +258,7 @@ def _independent(rows: list[ConstraintRow], J: np.ndarray) -> np.ndarray:
 
 
 def _nearby(scene: Scene, rows: list[ConstraintRow]) -> list[Pose]:
-    """Poses near the initial one in which all undriven rows hold; fewer than asked for where none is found."""
+    """Poses near the initial one in which all undriven rows hold; fewer than `NEARBY_POSES` where none is found."""
     held = [row for row in rows if row.drive is None]
     if not held:
         return []
@@ -300,8 +301,8 @@ SAME_ANGLE = 1e-6  # rad: rounding of a typed angle, as `coincident_within` of a
 
 @dataclass(frozen=True)
 class VelocityDefect:
-    """What the initial velocities leave of a joint or drive: `translation` [m/s] and `rotation` [rad/s]; `driven` where
-    a drive asks for the motion."""
+    """Residual of a joint or drive under the initial velocities: `translation` [m/s] and `rotation` [rad/s]; `driven`
+    where a drive prescribes the motion."""
 
     owner: str
     translation: float
@@ -345,7 +346,7 @@ def velocity_defects(scene: Scene) -> list[VelocityDefect]:
 def refuse_velocities(scene: Scene) -> None:
     """Raises `InputError` with the residual of each joint that the initial velocities contradict.
 
-    Drives are not judged: they say what the velocity is, and a body at rest follows from the first instant.
+    Drives are not checked: they prescribe the velocity, and a body at rest follows from the first instant.
     """
     found = [str(defect) for defect in velocity_defects(scene) if not defect.driven]
     if found:
@@ -357,7 +358,7 @@ def refuse_velocities(scene: Scene) -> None:
 
 
 def refuse_singular_mass(scene: Scene) -> None:
-    """Raises `InputError` for a body that nothing accelerates by a finite amount: no mass, or no inertia about some
+    """Raises `InputError` for a body without a finite acceleration: no mass, or no inertia about some
     axis, as that of a reduced body whose nodes lie on one line."""
     for body in scene.bodies:
         moments = np.linalg.eigvalsh(body.inertia)
@@ -370,7 +371,7 @@ def refuse_singular_mass(scene: Scene) -> None:
 
 
 def refuse_positions(scene: Scene) -> None:
-    """Raises `InputError` where a drive prescribes another position at t = 0 than its joint has."""
+    """Raises `InputError` where a drive prescribes a position at t = 0 other than that of its joint."""
     for drive in scene.drives:
         if drive.quantity != "position":
             continue

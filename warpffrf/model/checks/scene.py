@@ -8,7 +8,8 @@ bodies need not be between flexible ones.
 Signal cover. The signals of a scene: coverage of the simulated time, and shortest time of change.
 
 A `Table` holds its end values outside its times, which suits single evaluations but not a run: a measured load that
-ends early would silently continue as a constant one. `Table(hold=True)` requests this. A `Sine` covers its duration.
+ends early would continue as a constant one without a note. `Table(hold=True)` requests this. A `Sine` covers its
+duration.
 """
 
 from __future__ import annotations
@@ -52,11 +53,11 @@ class SceneCheck:
     redundant_rows: tuple[str, ...] = ()  # 'joint': what its redundant row would hold, axes of the joint
     refused_drives: tuple[str, ...] = ()  # drives of coordinates that joints fix already: such a scene cannot be run
     velocity_defects: tuple[str, ...] = ()  # joints and drives that the initial velocities contradict, and by how much
-    overlaps: tuple[str, ...] = ()  # pairs that lie in one another by more than a run begins with, and by how much
+    overlaps: tuple[str, ...] = ()  # pairs that overlap by more than is allowed at the start, and by how much
     wedge: Wedge | None = None  # pairs whose overlap no small motion opens, the deepest
-    out_of_reach: tuple[str, ...] = ()  # pairs that will hardly touch, and why
+    out_of_reach: tuple[str, ...] = ()  # pairs that will hardly close, and why
     films: dict[str, tuple[float | None, float]] = field(default_factory=dict)  # clearance, smallest initial gap [m]
-    film_notes: tuple[str, ...] = ()  # how films were put on their grids
+    film_notes: tuple[str, ...] = ()  # notes on the discretisation of films
     singular_pose: bool = False  # the constraints lose rank at the initial pose only: a dead centre, a flat loop
 
     def __str__(self) -> str:
@@ -138,7 +139,7 @@ def check_scene(scene: Scene) -> SceneCheck:
 
 
 def _overlaps(scene: Scene, gaps: dict[str, tuple[float, float, float] | None]) -> list[str]:
-    """The pairs whose overlap at the start a run refuses."""
+    """The pairs whose initial overlap a run refuses."""
     told = []
     for contact in scene.finite_sliding:
         gap = gaps[contact.name]
@@ -158,7 +159,7 @@ def _lumped_overlaps(scene: Scene, gaps: dict[str, float]) -> list[str]:
 
 
 def connecting(scene: Scene) -> list[Any]:
-    """All that has two ports, on two bodies or the ground."""
+    """All items with two ports, on two bodies or the ground."""
     return [*scene.joints, *scene.forces, *scene.contacts, *scene.lumped_contacts, *scene.films]
 
 
@@ -208,10 +209,10 @@ def _resists(item: Any, force: Pretension | JointSpringDamper) -> bool:
 
 
 def _loose_preloads(scene: Scene) -> dict[str, str]:
-    """Pretensions, and joint springs with a preload, between two bodies that nothing else connects: what they pull
-    together presses on nothing. By name, with the cure.
+    """Pretensions, and joint springs with a preload, between two bodies without any other connection: their
+    tension has no load path. By name, with the cure.
 
-    A spring with a preload is a suspension as well, whose load is the weight; so this is said, and not refused.
+    A spring with a preload may also be a suspension, loaded by the weight; so this is reported, not refused.
     """
     told = {}
     for force in scene.forces:
@@ -230,7 +231,7 @@ def _loose_preloads(scene: Scene) -> dict[str, str]:
     return told
 
 
-ROUNDING = 1e-9  # of the duration: ends that differ by less were meant to be the same
+ROUNDING = 1e-9  # of the duration: ends that differ by less count as equal
 
 
 def refuse_short_signals(scene: Scene, begin: float, end: float) -> None:
@@ -248,8 +249,8 @@ def refuse_short_signals(scene: Scene, begin: float, end: float) -> None:
 
 
 def quickest_rise(scene: Scene, begin: float, end: float) -> float:
-    """The shortest time [s] in which a signal of a drive or force would pass its whole range, at the largest slope that
-    it has within `begin` to `end` [s]; infinite where nothing changes."""
+    """The shortest time [s] in which a signal of a drive or force would cross its whole range, at its largest slope
+    within `begin` to `end` [s]; infinite where nothing changes."""
     shortest = np.inf
     for item in (*scene.drives, *scene.forces):
         for signal in signals_in(vars(item)):

@@ -4,8 +4,8 @@ A dataset may declare any size, also one of which nothing was ever written: read
 makes at most `RATIO` bytes of one, so a dataset that declares more than its stored bytes can give is wrong, and one
 that claims more stored bytes than the file has. Links to other files and datasets that lie in other files are refused.
 
-Damage that somebody has sealed can make the library loop for ever in code that no signal of Python reaches: `probe`
-lets a child process, which can be ended, look through a file first.
+Damage in a sealed file can cause the library to loop for ever in code that no signal of Python reaches: `probe` first
+reads a file in a child process, which can be ended.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from warpffrf.model.errors import InputError
 RATIO = 1032  # bytes that one byte of deflate can stand for, at most
 REAL = "biufV"  # V: vectors in records
 COMPLEX = REAL + "c"
-LEAST = 1 << 16  # bytes below which a size is not looked at
+LEAST = 1 << 16  # bytes below which a size is not checked
 SECONDS = 15.0  # it takes half a second
 _LOOK = """
 import sys, h5py
@@ -43,7 +43,7 @@ with h5py.File(sys.argv[1], "r") as file:
 def member(file: Any, path: str) -> Any:
     """The group or dataset at `path` of the open `h5py.File`, every step on the way a part of the file itself.
 
-    Raises KeyError where there is none, and `InputError` for links to other places.
+    Raises KeyError where there is none, and `InputError` for links to other locations.
     """
     import h5py
 
@@ -70,8 +70,8 @@ def names(file: Any, path: str) -> list[str]:
 def read(file: Any, path: str, part: Any = (), *, kinds: str = REAL) -> np.ndarray:
     """The numbers at `path` of the open `h5py.File`, or of them the `part` of an index; `kinds` of NumPy's types.
 
-    Raises KeyError where there is none, and `InputError` for what is no dataset of numbers, lies elsewhere, or declares
-    more than the file can hold.
+    Raises KeyError where there is none, and `InputError` for an object that is no dataset of numbers, lies elsewhere,
+    or declares more than the file can hold.
     """
     dataset = _dataset(file, path)
     found = {dataset.dtype[name].kind for name in dataset.dtype.names or ()} or {dataset.dtype.kind}
@@ -132,7 +132,7 @@ def _size(file: Any) -> int:
 
 
 def _memory() -> int:
-    """Bytes of memory that this machine has, 2^62 where it does not say."""
+    """Bytes of memory of this machine, 2^62 where unknown."""
     try:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, ValueError, OSError):

@@ -1,8 +1,8 @@
 """A scene, or another object of warpffrf, as a JSON document and arrays, and back, with all objects it refers to.
 
 An object is stored as its class and attributes; shared objects remain shared. Only classes of warpffrf are created,
-without their constructors, and no code comes with the document, so that a foreign document can at most be wrong
-(whoever reads a scene compares its `content_hash`). A document is read by the version that wrote it.
+without their constructors, and the document contains no code, so that a foreign document can at most be wrong
+(readers of a scene compare its `content_hash`). A document is read by the version that wrote it.
 
     [value, ...]                      the first is the object itself; others refer to each by its number
     null, true, 1.5, "text"           themselves
@@ -33,15 +33,15 @@ PLAIN = (type(None), bool, int, float, str)
 
 def to_arrays(thing: Any) -> tuple[list[Any], dict[str, np.ndarray]]:
     """`thing` as a document and the arrays that it names; they are its own, not copies. Raises `InputError` where it
-    holds what is neither plain data nor of a class of warpffrf."""
+    contains anything other than plain data and objects of warpffrf's classes."""
     packing = _Packing()
     packing.pack(thing)
     return packing.values, packing.arrays
 
 
 def from_arrays(document: list[Any], arrays: Mapping[str, np.ndarray]) -> Any:
-    """What `to_arrays` was given. Raises `InputError` for a document that it did not make, or that names classes which
-    this version does not have."""
+    """The argument of `to_arrays`. Raises `InputError` for a document that it did not write, or that names classes
+    which this version does not have."""
     try:
         return _Unpacking(document, arrays).at(0)
     except (LookupError, TypeError, ValueError, AttributeError, ImportError, OverflowError, RecursionError) as error:
@@ -55,7 +55,7 @@ class _Packing:
         self.known: dict[int, tuple[dict[str, Any], Any]] = {}  # by id, with the object so that the id stays its own
 
     def pack(self, thing: Any) -> Any:
-        """The value that stands for `thing`."""
+        """The value that represents `thing`."""
         if type(thing) in PLAIN:
             return thing
         if id(thing) in self.known:
@@ -102,7 +102,7 @@ class _Unpacking:
         return self.made[number]
 
     def value(self, packed: Any) -> Any:
-        """What a packed value stands for."""
+        """The object that a packed value represents."""
         if type(packed) in PLAIN:
             return packed
         ((kind, what),) = packed.items()

@@ -1,4 +1,4 @@
-"""Files that a user names: ordinary ones on a disk, of a size that can be meant, and no more of them than can be meant.
+"""Files that a user names: regular files on a disk, of a plausible size and number.
 
 All readers of files go through `read_regular`; those whose files include others through one `Budget` for all of them.
 Numbers in text have at most `MOST_DIGITS` digits where they are whole: Python's own conversion ends, with another
@@ -6,11 +6,11 @@ error, at some thousand.
 
 Output paths are checked before a run, and files are written completely or not at all.
 
-Nothing that exists is replaced unless that is asked for, and then only what warpffrf has written, which its files say
-at their beginning or end. A file is written next to its target, under a name of the writing process and machine, and
+Existing files are replaced on request only, and only those that warpffrf has written, which its files state at their
+beginning or end. A file is written next to its target, under a name of the writing process and machine, and
 renamed: so processes do not interfere, and files left by a killed process are removed when the target is next written.
 
-Processes of this machine, of which files tell.
+Processes: whether one that a file names runs on this machine.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ MOST_DIGITS = 18  # of a whole number: below 2^63
 
 
 def read_regular(file: Path, most: int = MOST_BYTES) -> bytes:
-    """The bytes of `file`. Raises `InputError` for a pipe, a device, a file that the system makes up (/proc, /sys), and
-    for one of more than `most` bytes; OSError where it cannot be read."""
+    """The bytes of `file`. Raises `InputError` for a pipe, a device, a file that the system generates (/proc, /sys),
+    and for one of more than `most` bytes; OSError where it cannot be read."""
     # a pipe without a writer would wait for one
     with open(file, "rb", buffering=0, opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as opened:
         found = os.fstat(opened.fileno())
@@ -56,7 +56,7 @@ def read_regular(file: Path, most: int = MOST_BYTES) -> bytes:
 
 
 def read_named(file: Path, kind: str, most: int = MOST_BYTES) -> bytes:
-    """The bytes of `file`, a `kind` of file in messages. Raises `InputError` with its name for whatever is wrong."""
+    """The bytes of `file`, a `kind` of file in messages. Raises `InputError` with its name for any fault."""
     try:
         return read_regular(file, most)
     except FileNotFoundError:
@@ -76,13 +76,13 @@ def exists(file: Path) -> bool:
 
 
 def reason(error: Exception) -> str:
-    """What the system says of a file that it does not open."""
+    """The system's reason for not opening a file."""
     return str(getattr(error, "strerror", None) or error)
 
 
 @dataclass
 class Budget:
-    """What is left for a file and all that it includes."""
+    """Remaining bytes and files for a file and all that it includes."""
 
     bytes_left: int = MOST_BYTES
     files_left: int = MOST_FILES
@@ -99,7 +99,7 @@ class Budget:
         return content
 
 
-# How a format begins, and what warpffrf writes into such a file: its name alone may stand in anybody's
+# Beginning of a format, and the mark that warpffrf writes into such a file: its name alone may occur in any file
 SIGNS = {
     b"\x89HDF": rb"warpffrf sealed\n",
     b"\x89PNG": rb"Software\x00warpffrf",
@@ -120,9 +120,9 @@ log = logging.getLogger("warpffrf")
 def checked_output_path(
     path: str | os.PathLike[str], what: str, *, overwrite: bool, ours: Callable[[Path], bool] | None = None
 ) -> Path:
-    """`path` as a Path that can be written: missing folders are made, an existing file is left as it is.
+    """`path` as a Path that can be written: missing folders are created, an existing file is not changed.
 
-    ours: tells whether warpffrf wrote a file, `written_here` if None. Raises InputError naming `what` (for instance
+    ours: whether warpffrf wrote a file, `written_here` if None. Raises InputError naming `what` (for instance
     "record") when the path is a folder, when a parent is not a folder, when the folder or file cannot be written, and
     for a file that exists, unless warpffrf wrote it and `overwrite` is set.
     """
@@ -166,7 +166,7 @@ def _refuse(target: Path, what: str, overwrite: bool, ours: Callable[[Path], boo
 
 
 def written_here(file: Path) -> bool:
-    """Whether a file says that warpffrf wrote it, or is empty."""
+    """Whether a file states that warpffrf wrote it, or is empty."""
     with file.open("rb") as stream:
         size = stream.seek(0, os.SEEK_END)
         if not size:
@@ -180,7 +180,7 @@ def written_here(file: Path) -> bool:
 
 def check_ending(path: str | os.PathLike[str], what: str, endings: tuple[str, ...]) -> None:
     """Raises `InputError` naming `what` unless `path` ends like one of `endings`: a file whose name promises another
-    format misleads whoever opens it. Folders are left to `checked_output_path`."""
+    format is misleading. Folders are left to `checked_output_path`."""
     if not isinstance(path, str | os.PathLike):
         raise InputError(f"{what} must be the name of a file, got {path!r}")
     if Path(path).suffix.lower() not in endings and not Path(path).is_dir():
@@ -201,32 +201,32 @@ def written_whole(path: Path) -> Iterator[Path]:
 
 
 def _partial(path: Path) -> Path:
-    """A name beside `path` of this process and machine."""
+    """A name next to `path` with this process and machine."""
     host = socket.gethostname().replace(".", "-")
     return path.with_name(f".{path.name}.{host}.{os.getpid()}.{secrets.token_hex(4)}{ENDING}")
 
 
 def remove_left_over(path: Path) -> None:
-    """Remove what processes of this machine that are no more have left beside `path`."""
+    """Remove the partial files next to `path` of processes of this machine that have ended."""
     for file in path.parent.glob(f".{escape(path.name)}.*{ENDING}"):
         _remove_of_the_dead(file, file.name.removeprefix(f".{path.name}.").removesuffix(ENDING).split("."))
 
 
 def remove_left_over_in(folder: Path) -> None:
-    """Remove what processes of this machine that are no more have left in `folder`, whatever it was to be."""
+    """Remove the partial files in `folder` of processes of this machine that have ended, whatever their target."""
     for file in folder.glob(f".*{ENDING}"):
         _remove_of_the_dead(file, file.name.removesuffix(ENDING).rsplit(".", 3)[1:])
 
 
 def _remove_of_the_dead(file: Path, left_by: list[str]) -> None:
-    """Remove `file` if the process that wrote it is no more; left_by: its host, its number, and a random word."""
+    """Remove `file` if the process that wrote it has ended; left_by: its host, its number, and a random word."""
     host = socket.gethostname().replace(".", "-")
     if len(left_by) == 3 and left_by[0] == host and left_by[1].isdecimal() and not lives(int(left_by[1])):
         file.unlink(missing_ok=True)
 
 
 def size_text(size: float) -> str:
-    """A number of bytes as people say it: 14.2 MB."""
+    """A number of bytes as text: 14.2 MB."""
     for unit in UNITS[:-1]:
         if size < 1000:
             return f"{size:.3g} {unit}"
@@ -236,12 +236,12 @@ def size_text(size: float) -> str:
 
 try:
     import fcntl
-except ImportError:  # without it two processes that write one thing are not told apart
+except ImportError:  # without it two processes that write the same file are not distinguished
     fcntl = None
 
 
 def lives(process: int) -> bool:
-    """Whether a process of that number runs on this machine, as far as can be told without touching it."""
+    """Whether a process of that number runs on this machine, as far as can be determined without affecting it."""
     if os.name != "posix":  # there a signal of 0 is one that ends a process
         return True
     try:

@@ -1,13 +1,13 @@
 """Files with a checksum after their last byte, checked before anything else: HDF5 files, and files of named arrays
 without HDF5, which are fast to write, also in parallel, as writing does not hold Python's lock.
 
-The HDF5 library may loop for ever, or allocate what a damaged header asks for, so damage must be detected in the raw
+The HDF5 library may loop for ever, or allocate what a damaged header requests, so damage must be detected in the raw
 bytes. The seal is 96 bytes after the file,
 
-    mark (16), length of what stands before (8), version (4), zeros (4), sha256 of what stands before (32), zeros (16),
-    mark (16),
+    mark (16), length of the preceding bytes (8), version (4), zeros (4), sha256 of the preceding bytes (32), zeros
+    (16), mark (16),
 
-which HDF5 ignores: a file says in its first bytes where it ends. h5py, h5dump, netCDF and xarray open a sealed file as
+which HDF5 ignores: the first bytes of a file state where it ends. h5py, h5dump, netCDF and xarray open a sealed file as
 any other. A user block in front of the file would be as legal, but a file with one no longer begins with the signature
 of HDF5, by which xarray, `file` and we ourselves know it. A program that changes the file overwrites the seal; the
 result counts as damaged until `seal` is called again. A seal detects damage, not manipulation: anyone who writes a file
@@ -15,9 +15,9 @@ can seal it.
 
 A file of arrays is
 
-    mark (16), length of the header (8), header, the bytes of all arrays one behind the other, seal.
+    mark (16), length of the header (8), header, the bytes of all arrays in sequence, seal.
 
-The header is JSON: `about`, what whoever writes the file wants to say, and of each array its name, type and shape.
+The header is JSON: `about`, the writer's own data, and of each array its name, type and shape.
 Sizes are compared with the length of the file before anything is allocated.
 """
 
@@ -48,7 +48,7 @@ UNSEALED = "its checksum is missing: it is truncated, another program has change
 
 @contextmanager
 def written_sealed(path: Path) -> Iterator[Any]:
-    """An open HDF5 file, which is `path`, sealed, when the block ends without an error; else `path` stays as it was.
+    """An open HDF5 file, which is `path`, sealed, when the block ends without an error; else `path` is not changed.
 
     It is made in memory: where a disk is full in the middle of a file, the HDF5 library takes the process with it.
     Raises OSError where it cannot be written.
@@ -99,7 +99,7 @@ def check_schema(found: int, schema: int, subject: str, cure: str) -> None:
 
 
 def _look(file: BinaryIO) -> tuple[int, str]:
-    """The size of an open file, and what is wrong with it, "" for nothing."""
+    """The size of an open file, and its fault, "" for none."""
     size = file.seek(0, 2)
     file.seek(max(size - TRAILER.size, 0))
     end = file.read(TRAILER.size)
@@ -121,7 +121,7 @@ def _look(file: BinaryIO) -> tuple[int, str]:
 
 def write_arrays(path: Path, about: Mapping[str, Any], arrays: Mapping[str, Sequence[np.ndarray]]) -> None:
     """Write `about` (JSON) and `arrays`, each given in blocks, one at least, that follow each other along the first
-    axis. `path` is written whole or stays as it was. Raises OSError where it cannot be written."""
+    axis. `path` is written completely or not changed. Raises OSError where it cannot be written."""
     entries = [
         {"name": name, "type": np.lib.format.dtype_to_descr(blocks[0].dtype), "shape": _shape(blocks)}
         for name, blocks in arrays.items()

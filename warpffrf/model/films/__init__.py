@@ -5,7 +5,7 @@
     forms           LobedForm, BarrelForm, WornForm, MeasuredForm, deviations from the true shape that add up,
                     `warpffrf.model.surfaces.form_deviations`
     roughness       Roughness of a wall, with flow factors; MixedLubrication, asperities in addition, `roughness`
-    CAVITATIONS     what becomes of pressures below that of cavitation, `cavitation`
+    CAVITATIONS     treatment of pressures below that of cavitation, `cavitation`
 
 The oils are in `warpffrf.model.oils`.
 """

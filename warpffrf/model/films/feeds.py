@@ -2,7 +2,7 @@
 
 Positions are in the chart of the first surface (`warpffrf.model.surfaces`): theta [rad, of a plane m] from the
 direction e_0 of its shape, z [m] along its axis; widths and diameters [m] are lengths on the surface. A feed that
-covers no node of the grid takes the nearest one, a groove the nearest column, a ring the nearest row.
+covers no node of the grid applies to the nearest one, a groove to the nearest column, a ring to the nearest row.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ With the gap h between the mean planes, H = h/s, and the sliding v = u_B - u_A, 
 
 and along the same with 1/gamma. The flow by pressure of two patterns is phi_p = sum_i (s_i/s)^2 phi_p(H, gamma_i), as
 roughness of small slope and height has it to second order. The *lag* l is the reduction of transport by valleys: those
-of the wall A, at rest here, retain oil, those of B carry more.
+of the wall A, at rest here, retain oil, those of B transport more.
 
 **Shear.** The shear follows from the condition that the work done on both walls equals the heat
 (`warpffrf_kernels.films.sampling`). The power of the pressure, int p h' dA = int (v/2)(h - l) p_x dA - int phi_p k
@@ -28,7 +28,7 @@ at 1). The sliding contributes
 
 where the paper uses the difference of both walls' Phi_fs for the shear of one wall; including flank pressures it is the
 sum, their loss int k |grad p_local|^2 dA. phi_f is that of the paper: heights with the density (35/96)(1 - (x/3)^2)^3,
-x = height/s, and no oil where less than s/100 is left.
+x = height/s, and no oil where the local gap is below s/100.
 
 **Range.** The fits hold for H >= `LEAST`, 0.5 for most gamma: below, phi_p keeps its value, and below H = 1 l is a
 constant fraction of h. The oil in the film is taken as h, although walls in contact hold more, 0.4 % at H = 2, 8 % at H

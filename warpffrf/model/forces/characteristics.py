@@ -34,9 +34,9 @@ zero at x = 0: there is no stiffness there, and vibrations about it have no freq
 Table. A force given by a table over deformation or rate, from a measurement or another program.
 
 Between the points it is linear, or cubic with the slopes of Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5, 1984):
-without kinks, and without overshooting, so that forces that rise from point to point rise everywhere. Beyond the ends
-it is extrapolated linearly with the end slope; a run that has left the table reports it. Play and stops are tables:
-[(-2e-3, -1e4), (-1e-3, 0), (1e-3, 0), (2e-3, 1e4)] leaves 1 mm of play to either side, before stops of 10 N/um.
+without kinks, and without overshooting, so that forces that increase from point to point increase everywhere. Beyond
+the ends it is extrapolated linearly with the end slope; a run that has left the table reports it. Play and stops are
+tables: [(-2e-3, -1e4), (-1e-3, 0), (1e-3, 0), (2e-3, 1e4)] leaves 1 mm of play to either side, before stops of 10 N/um.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class Pieces:
         return polynomial + self.power[i] * np.abs(xi) ** (self.exponent[i] + 1.0) / (self.exponent[i] + 1.0)
 
     def place(self, x: Any) -> tuple[np.ndarray, np.ndarray]:
-        """The numbers (n,) of the pieces that the x (n,) [m, rad; of a rate m/s, rad/s] lie on, and their distances
+        """The indices (n,) of the pieces that the x (n,) [m, rad; of a rate m/s, rad/s] lie on, and their distances
         (n,) from the origins of these."""
         x = np.asarray(x, dtype=np.float64)
         i = np.searchsorted(self.breaks, x, side="right")

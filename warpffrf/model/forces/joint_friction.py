@@ -4,7 +4,7 @@ A pin in its bush, a slide in its guide are pressed together by the reactions of
 depends on them (formula in `laws.SlipLaw`). Rows of a joint that are omitted as redundant contribute no normal load.
 
 The terms are those of the joint friction of other multibody programs (radial, axial and bending reactions with an arm
-each, and a load-independent part), but for the bending: the pin is supported at two points, whose loads enter
+each, and a load-independent part), except for bending: the pin is supported at two points, whose loads enter
 separately, not as |R| + 2 |M|/L, which they never exceed.
 
 Cylindrical friction. Friction of a cylindrical joint: a pin that rotates and slides in its bush.
@@ -74,7 +74,7 @@ class JointFriction(Force):
         return require_number(value, f"{self.label}: {name}", **demands)
 
     def _length(self, value: Any, name: str) -> float | None:
-        """A length that may be left out."""
+        """An optional length."""
         return None if value is None else self._number(value, name, positive=True)
 
     def _law(
@@ -131,8 +131,8 @@ class CylindricalFriction(JointFriction):
 class PrismaticFriction(JointFriction):
     """Dry friction (sliding or sticking) on the translation of a prismatic joint.
 
-    friction: a coefficient, or a law (`Coulomb`, `RegularisedCoulomb`). bearing_length [m]: distance of the two places
-    at which the guide carries, on either side of the second body's port, with which they move; a bending moment M
+    friction: a coefficient, or a law (`Coulomb`, `RegularisedCoulomb`). bearing_length [m]: distance of the two
+    supports of the guide, on either side of the second body's port, with which they move; a bending moment M
     presses with M/bearing_length on each; None: bending moments do not rub. flank_radius [m]: distance of the flanks
     that carry a moment about the axis; None: such moments do not rub. load_independent [N]: friction force
     without any reaction (a gland, a clamp); it does not depend on the coefficient. Raises `InputError`.
@@ -158,7 +158,7 @@ class PrismaticFriction(JointFriction):
         self.load_independent = self._number(load_independent, "load_independent", non_negative=True)
 
     def slip(self) -> SlipLaw:
-        """What slides, and what presses."""
+        """The sliding coordinates and the normal loads."""
         spin = 0.0 if self.flank_radius is None else 1.0 / self.flank_radius
         return self._law(
             {"translation": 1.0}, radial=1.0, spin=spin, load_independent=self.load_independent,
@@ -172,7 +172,7 @@ class RevoluteFriction(JointFriction):
 
     friction: a coefficient, or a law (`Coulomb`, `RegularisedCoulomb`: of the velocity at the pin's surface).
     pin_radius [m]: arm of the friction by forces across the axis. thrust_radius [m]: arm of that by the force along it.
-    bearing_length [m]: distance of the two places that carry the pin, in the middle of which the joint's point lies; a
+    bearing_length [m]: distance of the two supports of the pin, in the middle of which the joint's point lies; a
     bending moment M presses with M/bearing_length on each; None: bending moments do not rub. load_independent
     [N m]: friction torque without any reaction (a seal, a press fit); it does not depend on the coefficient. Raises
     `InputError`.
@@ -208,7 +208,7 @@ class RevoluteFriction(JointFriction):
             )
 
     def slip(self) -> SlipLaw:
-        """What slides, and what presses."""
+        """The sliding coordinates and the normal loads."""
         arm = (
             self.pin_radius or self.thrust_radius or 1.0
         )  # m; load-independent friction alone: a torque at the arm of 1 m

@@ -13,10 +13,10 @@ Kinds of coordinates:
     "angle", "second_angle", "twist"   see `warpffrf.model.joints.base`, but not limited to one revolution   [rad]
     "bushing"      v[:3] . d + v[3:] . phi                               d = A_a^T (x_b - x_a), exp(phi^) = A_a^T A_b
 
-Forces follow the exact gradients of these, so with K symmetric the
-work of the law on any path is the change of `1/2 (e - reference)^T K (e - reference) + preload . (e - reference)` plus
-the dissipation of the dampers, `de/dt^T D de/dt`. The skew part of K stores nothing: its work depends on the path, and
-the energy ledger counts it as work of forces.
+Forces follow the exact gradients of these, so with K symmetric the work of the law on any path is the change of
+`1/2 (e - reference)^T K (e - reference) + preload . (e - reference)` plus the dissipation of the dampers, `de/dt^T D
+de/dt`. The skew part of K stores no energy: its work depends on the path, and the energy ledger counts it as work of
+forces.
 
 A nonlinear law has *characteristics* F_i of deformation and G_i of rate (`characteristics`) in addition,
 
@@ -55,11 +55,11 @@ class SpringLaw:
     """Coordinates of two markers and their law, see the module.
 
     `ports` carry the markers at `points` (2, 3) [m, user frames] with `axes` (2, 3, 3, columns, user frames); with a
-    `joint` its own markers serve. stiffness [N/m, N m/rad] and damping [N s/m, N m s/rad] (n, n); reference [m, rad]
-    and preload [N, N m] (n,). The first `sprung` coordinates
-    have stiffness, the rest are dampers only. `expand` (k, n) gives the deformation that a result shows from the
-    coordinates; None: the coordinates themselves. `elastic`, `viscous` (n,): the characteristics F_i and G_i, None
-    where there is none; empty of a linear law. With them stiffness and damping are diagonal.
+    `joint` its own markers are used. stiffness [N/m, N m/rad] and damping [N s/m, N m s/rad] (n, n); reference [m, rad]
+    and preload [N, N m] (n,). The first `sprung` coordinates have stiffness, the rest are dampers only. `expand` (k, n)
+    gives the deformation that a result shows from the coordinates; None: the coordinates themselves. `elastic`,
+    `viscous` (n,): the characteristics F_i and G_i, None where there is none; empty of a linear law. With them
+    stiffness and damping are diagonal.
     """
 
     coordinates: tuple[Coordinate, ...]
@@ -217,7 +217,7 @@ def described(law: Any) -> Any:
 
 
 def tension_of(item: Any) -> TensionLaw | None:
-    """The pull in time of a force element, alone or beside its spring law; None where it has none."""
+    """The tension over time of a force element, alone or in addition to its spring law; None where it has none."""
     return item.tension() if hasattr(item, "tension") else None
 
 

@@ -8,7 +8,7 @@ at the nodes, times a signal, rotate with the body:
     force = sum F_k,      torque = sum X_k cross F_k,      f_m = sum_k node_modes_mk . F_k.
 
 Local modes do not move these nodes, so this is the complete load. Rigid and averaging interfaces store only their
-resultant motion; a `PointForce` and a `PointTorque` are all that can be applied to them.
+resultant motion; only a `PointForce` and a `PointTorque` can be applied to them.
 
 Surface load. Pressure on a contact surface of a flexible body.
 
@@ -31,13 +31,13 @@ a joint, the distance of its two sides along the axis, obeys
     lambda = F(t)    until `lock_at`,        s = s_lock    from then on,
 
 lambda the pull on the coordinate, positive where it draws the sides together, and s_lock the value of s at the end of
-the first step, in time or static, that ends at `lock_at` or later, so that locking changes nothing by itself. The other
+the first step, in time or static, that ends at `lock_at` or later, so that locking alone changes nothing. The other
 relative motions are the joint's.
 
 With the joint between the two faces of a cut through the shank of a bolt (`Mesh.cut`) this is the *pretension section*
 of finite-element programs: a Prismatic joint holds five relative coordinates of the faces, tension moves the faces
-into one another by the shortening -s, as tightening the nut shortens the shank. Between head and nut of a bolt that is
-no mesh, `JointSpringDamper` with a preload is the bolt with its stiffness.
+into one another by the shortening -s, as tightening the nut shortens the shank. Between head and nut of a bolt without
+a mesh, `JointSpringDamper` with a preload represents the bolt with its stiffness.
 
 Work of the tension is work of forces, `-(lambda_0 + lambda_1)/2 (s_1 - s_0)` per step, none once the length is locked.
 """
@@ -220,7 +220,7 @@ class SurfaceLoad(Force):
 
     surface: `body['name of the surface']`. pressure: a number or signal [Pa], positive inwards. distribution: None:
     uniform; else the factor: coefficients (columns, rows) of the nodes of the surface's grid, or a function of points
-    (..., 3) [m, user frame] that is taken at the grid's nodes. Raises `InputError`.
+    (..., 3) [m, user frame] that is evaluated at the grid's nodes. Raises `InputError`.
     """
 
     kind = "surface_load"
@@ -307,11 +307,11 @@ class Pretension(Force):
     preload: a number or a signal [N], positive: tension, b is drawn towards a. lock_at [s]: from the end of the first
     step at or after this time on the coordinate is constant; 0 locks the start state of a run, "equilibrium" for one;
     None: the preload acts throughout. coordinate: the joint's, or None where it has one only. A static state has the
-    preload unless its time is beyond lock_at, or it goes on from a run that has locked. Once locked it stays so, in
-    later stages and in runs that go on from a checkpoint.
+    preload unless its time is beyond lock_at, or it continues a run that has locked. Once locked it stays so, in
+    later stages and in runs that continue from a checkpoint.
 
     The force in the results is that on the second body, the deformation the coordinate [m]. Raises `InputError` for a
-    coordinate that is no length, or that the joint holds.
+    coordinate that is no length, or that the joint constrains.
     """
 
     kind = "pretension"
@@ -347,7 +347,7 @@ class Pretension(Force):
         return self.joint.ports
 
     def tension(self) -> TensionLaw:
-        """What the simulation applies."""
+        """The law that the simulation applies."""
         row = self.joint.coordinates[self.coordinate]
         lock_at = np.inf if self.lock_at is None else self.lock_at
         return TensionLaw(self.joint, Coordinate(row.kind, row.i, row.j), self.preload, lock_at)

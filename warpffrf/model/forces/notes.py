@@ -48,7 +48,7 @@ def characteristic_notes(
 def _curves(
     law: SpringLaw, curves: tuple[Characteristic | None, ...]
 ) -> Iterator[tuple[Characteristic, int, str, str]]:
-    """The characteristics that there are: with their coordinate, the words for it where there are several, its unit."""
+    """All characteristics: with their coordinate, its name where there are several, its unit."""
     for i, (curve, coordinate) in enumerate(zip(curves, law.coordinates, strict=False)):
         if curve is not None:
             direction, unit = _named(coordinate)

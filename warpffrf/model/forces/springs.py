@@ -235,8 +235,8 @@ class Bushing(TwoPorts):
         self.preload = np.zeros(6) if preload is None else require_array(preload, f"{label}: preload", (6,))
 
     def law(self) -> SpringLaw:
-        """Coordinates and law, from the initial pose as it is now. Raises `InputError` for ports that lie
-        apart, and a preload in a direction without stiffness and damping."""
+        """Coordinates and law, from the current initial pose. Raises `InputError` for ports that lie apart,
+        and a preload in a direction without stiffness and damping."""
         Q, W, sprung = split_directions(self.stiffness, self.damping) if self.linear else self._own_directions()
         if np.abs(Q @ (W.T @ self.preload) - self.preload).max() > ORTHONORMAL * np.abs(self.preload).max():
             raise InputError(f"{self.label}: preload acts in a direction that has neither stiffness nor damping")
@@ -274,7 +274,7 @@ class Bushing(TwoPorts):
 def _directions(
     value: Any, name: str, required: Callable[[Any, str], float | Characteristic]
 ) -> tuple[np.ndarray, tuple[Characteristic | None, ...]]:
-    """A matrix (6, 6), and the characteristics of the six directions, from what a stiffness or damping may be."""
+    """A matrix (6, 6), and the characteristics of the six directions, from any form of a stiffness or damping."""
     entries = list(value) if isinstance(value, (list, tuple, np.ndarray)) else []
     if not any(isinstance(entry, Characteristic) for entry in entries):
         return matrix_6x6(value, name), (None,) * 6
@@ -284,7 +284,7 @@ def _directions(
     return np.diag(numbers), curves
 
 
-# theta_x carries a sign that the coordinate u_y . w_z has not; the law's matrices are rotated accordingly
+# theta_x has the opposite sign of the coordinate u_y . w_z; the law's matrices are rotated accordingly
 _COORDINATES = (
     Coordinate("translation", 0),
     Coordinate("translation", 1),
@@ -302,9 +302,9 @@ class BearingSpring(TwoPorts):
 
     axis: direction (3,), world, at the initial pose; the law's axes stay with the first port. radial [N/m], axial
     [N/m], tilt [N m/rad], radial_tilt [N/rad] (force per tilt, moment per displacement, in the planes x-z and y-z:
-    d_x with theta_y, -d_y with theta_x), cross [N/m] (skew, as of an oil film:
-    displacement along x pushes along +y, one along y pushes along -x, which drives forward whirl about the axis; its
-    work is counted as work of forces). radial_damping, axial_damping [N s/m], tilt_damping, spin_damping [N m s/rad];
+    d_x with theta_y, -d_y with theta_x), cross [N/m] (skew, as of an oil film: displacement along x
+    pushes along +y, one along y pushes along -x, which drives forward whirl about the axis; its work is counted as work
+    of forces). radial_damping, axial_damping [N s/m], tilt_damping, spin_damping [N m s/rad];
     the last brakes the spin. point as in `Bushing`. Moments follow the sine of the tilt. Raises `InputError`.
     """
 
@@ -352,7 +352,7 @@ class BearingSpring(TwoPorts):
             )
 
     def law(self) -> SpringLaw:
-        """Coordinates and law, from the initial pose as it is now."""
+        """Coordinates and law, from the current initial pose."""
         K = np.diag([self.radial, self.radial, self.axial, self.tilt, self.tilt, 0.0])
         K[0, 4] = K[4, 0] = self.radial_tilt
         K[1, 3] = K[3, 1] = -self.radial_tilt

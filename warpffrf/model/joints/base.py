@@ -14,15 +14,15 @@ A row is a function c of two markers a and b: positions x_a, x_b and axes u_i (o
     direction      c = u_i . w_j
     angle          c = angle of w_j about u_i, from u_j towards u_i x u_j
     second_angle   c = angle of w_j about w_i, measured against u_j
-    twist          c = turn of b against a about the axis i, whatever the axis of b does (swing and twist)
+    twist          c = rotation of b against a about the axis i, for any axis of b (swing and twist)
 
 With dx_a, dx_b the displacements of the material points of either body that lie at x_b, and dTheta their rotations,
 every variation is dc = f.(dx_b - dx_a) + t.(dTheta_b - dTheta_a). A multiplier therefore exerts the wrench -lambda (f,
 t) at x_b on the second body and with its exact opposite on the first. Two angles need a derivation. With P = p.e, Q =
 q.e for a vector e of one body in the orthonormal directions p, q of the other, c = atan2(P, Q) and dc = (Q dP - P
-dQ)/(P^2 + Q^2). For `angle` e = w_j turns against p = u_i x u_j, q = u_j, so that t = e x (Q p - P q)/(P^2 + Q^2); for
-`second_angle` p = w_j x w_i, q = w_j turn against e = u_j, and t is the opposite of the same expression. On the joint
-(e perpendicular to the axis) t is the axis itself.
+dQ)/(P^2 + Q^2). For `angle` e = w_j rotates relative to p = u_i x u_j, q = u_j, so that t = e x (Q p - P q)/(P^2 +
+Q^2); for `second_angle` p = w_j x w_i, q = w_j rotate relative to e = u_j, and t is the opposite of the same
+expression. On the joint (e perpendicular to the axis) t is the axis itself.
 
 Where the axis is not constrained, these angles are those of one particular vector: to first order in the tilt they
 depend on its choice. The *twist* does not. With the quaternion (q_v, q_0) of A_a^T A_b it is 2 atan2(q_i, q_0): the
@@ -138,7 +138,7 @@ def gradient(
     return zero, zero + sign * np.cross(e, Q * p - P * q) / (P * P + Q * Q)
 
 
-# of the largest coordinate or size at hand (1 um at 0.1 m): two ports further apart than this at the initial pose do
+# of the largest coordinate or size involved (1 um at 0.1 m): two ports further apart than this at the initial pose do
 # not meet, closer is rounding of input
 COINCIDENT = 1e-5
 

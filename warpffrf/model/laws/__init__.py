@@ -10,10 +10,9 @@ With the gap g [m] between the deformed surfaces, the depth d = -g and the press
     GreenwoodTripp           p = K E* F(g/s), asperities with Gaussian heights
     HuntCrossley             p = k d^n (1 + chi d_dot)
 
-Laws of force against approach, of lumped contacts, are in `warpffrf.model.laws.lumped` and named here too, and so are
-those of their rolling resistance, in `warpffrf.model.moments`.
-A user-defined law is a subclass of `Law` with a curve of `warpffrf.model.laws.curves`. The laws of friction are in
-`warpffrf.model.friction` and are exported here too.
+Laws of force against approach, of lumped contacts, are in `warpffrf.model.laws.lumped`, those of their rolling
+resistance in `warpffrf.model.moments`; both are exported here too. A user-defined law is a subclass of `Law` with a
+curve of `warpffrf.model.laws.curves`. The laws of friction are in `warpffrf.model.friction` and are exported here too.
 """
 
 from __future__ import annotations
@@ -66,8 +65,8 @@ def __dir__() -> list[str]:
 
 
 def as_law(value: Any, label: str, name: str = "law") -> Law:
-    """`value`, the argument `name` of `label`, if it is a law with a curve; raises `InputError` with the laws there
-    are."""
+    """`value`, the argument `name` of `label`, if it is a law with a curve; raises `InputError` with the existing
+    laws."""
     if isinstance(value, LumpedLaw):
         raise InputError(
             f"{label}: laws.{type(value).__name__} gives a force against the approach of two rigid bodies; use "

@@ -1,10 +1,10 @@
 r"""Rough surfaces whose asperities' heights are Gaussian: the law of Greenwood and Tripp (Proc. Instn Mech. Engrs 185,
 1970).
 
-Both surfaces have eta asperities to the area, paraboloids with the radius beta, and s is the standard deviation of the
-summed heights. Two of them at the distance r across that overlap by w above one another touch as spheres do, with the
-force (4/3) E* (beta/2)^(1/2) (w - r^2/(4 beta))^(3/2); over all neighbours and all heights, at the gap g between the
-mean planes,
+Both surfaces have eta asperities per unit area, paraboloids with the radius beta, and s is the standard deviation of
+the summed heights. Two of them with the lateral distance r that would overlap by w if aligned touch as spheres do, with
+the force (4/3) E* (beta/2)^(1/2) (w - r^2/(4 beta))^(3/2); over all neighbours and all heights, at the gap g between
+the mean planes,
 
     p = K E* F(g/s),      K = (16 sqrt(2) pi/15) (eta beta s)^2 (s/beta)^(1/2),
     F(u) = (2 pi)^(-1/2) int_u^inf (v - u)^(5/2) exp(-v^2/2) dv,      F(0) = 0.6166,
@@ -16,7 +16,7 @@ maintains a gap, so that asperities parallel to it carry at most 0.6166 K E*.
 With v = u + x^2, F = (2 pi)^(-1/2) int x^6 exp(-(u + x^2)^2/2) dx over all x, which the trapezoidal rule integrates to
 round-off, and F'' = (15/4) (2 pi)^(-1/2) int x^2 exp(-(u + x^2)^2/2) dx. The curve has straight pieces between `POINTS`
 of its points, as long as s (8 e F/F'')^(1/2), e the same for all: pressures err by e = 4e-5 of themselves, slopes by
-1 %. It is extended straight below the gap -4 s, and ends at the gap `cut`, where it is shifted to zero; by default
+1 %. It is extrapolated linearly below the gap -4 s, and ends at the gap `cut`, where it is shifted to zero; by default
 where F is 1e-6 F(0), about 4.3 s. The shift adds an equal error to all pressures.
 """
 
@@ -121,7 +121,7 @@ def gaussian_overlap(u: Any, power: int = 6) -> np.ndarray:
 
 @lru_cache(maxsize=16)
 def _points(end: float) -> tuple[np.ndarray, np.ndarray]:
-    """Depths over the deviation, and F less what it is at the end, at the points of the table."""
+    """Depths over the deviation, and F minus its value at the end, at the points of the table."""
     u = np.linspace(-DEEPEST, end, 5 * POINTS)
     share = np.sqrt(gaussian_overlap(u, 2) / gaussian_overlap(u))
     along = np.concatenate([[0.0], np.cumsum(0.5 * (share[1:] + share[:-1]) * np.diff(u))])

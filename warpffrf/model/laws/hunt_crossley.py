@@ -28,7 +28,7 @@ from warpffrf.model.laws.curves.curve import require_exponent
 from warpffrf.model.laws.layers import Law
 from warpffrf.model.messages.named_arguments import named_arguments
 
-BISECTIONS = 200  # halve until neighbouring numbers are left
+BISECTIONS = 200  # bisections down to neighbouring numbers
 ELASTIC = 1e-9  # 1 - e below which the first-order formula is as exact as the difference of two numbers that far apart
 SERIES = 0.1  # up to there ln(1 + x) - x from its series: the difference itself would leave round-off of x
 TERMS = 18  # of the series: 0.1^18 is below round-off

@@ -1,8 +1,8 @@
 r"""Common to all contact laws: the layer between two surfaces, pressure over depth.
 
-With the gap g [m] between the deformed surfaces, negative where they enter one another, d = -g is the *depth* by which
+With the gap g [m] between the deformed surfaces, negative where they penetrate, d = -g is the *depth* by which
 the layer is compressed. A layer is a rising curve p = P(d), zero below a depth d_0 (0 for a layer that begins at touch,
-negative for one that reaches out), and holds the energy
+negative for one that acts at a distance), and stores the energy
 
     W(d) = int_d0^d P(e) de        [J/m^2].
 
@@ -11,14 +11,14 @@ part P(d) alone is elastic; p - P(d) dissipates (p - P) d_dot >= 0. P must then 
 for each pressure.
 
 The solver requires the inverse: contact is solved for pressures (`warpffrf_kernels.layers.weak_layer`), with the layer
-deformation y(p) = P^-1(p). All users, including run checks and test references, read the law's `curve` and `chi`: a law
-consists of a name, its parameters and these.
+deformation y(p) = P^-1(p). All users, including run checks and test references, read the law's `curve` and `chi`: a
+law consists of a name, its parameters and these.
 
-Unilateral. Nothing lies between the surfaces: 0 <= p, g >= 0, p g = 0, without a parameter.
+Unilateral. No layer between the surfaces: 0 <= p, g >= 0, p g = 0, without a parameter.
 
 Linear layer. A layer with the deformation p/k: 0 <= p, g + p/k >= 0, p (g + p/k) = 0, a Winkler bed.
 
-The layer stands for a coating, or for the penalty of other programs. In the weak form it adds the compliance E =
+The layer models a coating, or the penalty of other programs. In the weak form it adds the compliance E =
 M_psi/k on the grid nodes, M_psi the Gram matrix of the shape functions: symmetric positive definite, so that the
 problem is of the same type and never worse conditioned; its energy s.E s/2 is in the contact line of the ledger.
 Limits: k -> infinity is `Unilateral`; for bodies much stiffer than the layer a cylinder of relative radius R pressed in
@@ -160,7 +160,7 @@ class LinearLayer(Law):
 class NonlinearLayer(Law):
     """A layer with the pressure stiffness * depth^exponent; stiffness [Pa/m^exponent] positive, exponent at least 1.
 
-    For exponent 1 the numbers of `LinearLayer`. Raises `InputError`.
+    For exponent 1 it equals `LinearLayer`. Raises `InputError`.
     """
 
     stiffness: float
@@ -221,8 +221,8 @@ class TabulatedLayer(Law):
         return Table(-np.array(self.gaps)[::-1], np.array(self.pressures)[::-1])
 
 
-NEGLIGIBLE = 1e-6  # of the pressure at zero gap: what at which the law is cut by default
-DEEPEST = 300.0  # decay lengths between zero gap and the cut: exponentials of more leave the range of numbers
+NEGLIGIBLE = 1e-6  # of the pressure at zero gap: the default cut of the law
+DEEPEST = 300.0  # decay lengths between zero gap and the cut: exponentials of more exceed the range of numbers
 
 
 @named_arguments
@@ -251,7 +251,7 @@ class ExponentialAsperities(Law):
 
     @property
     def end(self) -> float:
-        """The gap [m] from which on there is no pressure: `cut`, or what stands for it."""
+        """The gap [m] from which on there is no pressure: `cut`, or its default."""
         return float(-np.log(NEGLIGIBLE) * self.decay_length) if self.cut is None else self.cut
 
     @property

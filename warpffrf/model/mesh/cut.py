@@ -6,9 +6,9 @@ cut: a cell set, or a radius about p. The high cells at a node of the cut get th
 that the two sides are connected only by elements added there: facet set NAME_low has the faces of the low cells,
 NAME_high those of the high ones, which face them.
 
-A node on the rim of a cut that ends inside the body is not doubled: a face on the plane that is not of the cut, or a
-cell that the plane goes through, holds low and high cells together there. A plane that intersects cells within the cut
-is refused, as is a cut that separates the body in two.
+A node on the rim of a cut that ends inside the body is not doubled: a face on the plane outside the cut, or a cell that
+the plane intersects, connects low and high cells there. A plane that intersects cells within the cut is refused, as is
+a cut that separates the body in two.
 """
 
 from __future__ import annotations
@@ -45,11 +45,11 @@ def cut(
     """A new mesh that is cut along the plane through `point` (3,) [m] with `normal` (3,), which points to the high
     side, with facet sets NAME_low and NAME_high that face each other.
 
-    cells: a cell set, to cut between cells of it only. radius [m]: to cut no further from `point`. `tolerance` [m] is
-    the largest distance of nodes from the plane, 1e-5 of the diagonal of the bounding box where None. Numbers of cells
-    stay; new nodes follow the others. Raises `InputError` for a used name, an unknown cell set, a body of matrices, a
-    plane that goes through cells or along no faces, with its distance from the nearest node, and where the two sides
-    are not held together elsewhere.
+    cells: a cell set; only faces between its cells are cut. radius [m]: extent of the cut about `point`. `tolerance`
+    [m] is the largest distance of nodes from the plane, 1e-5 of the diagonal of the bounding box where None. Cell
+    numbers are kept; new nodes follow the others. Raises `InputError` for a used name, an unknown cell set, a body of
+    matrices, a plane that intersects cells or contains no faces, with its distance from the nearest node, and where the
+    two sides are not connected elsewhere.
     """
     label = f"cut {name!r}"
     if not mesh.cells:
@@ -80,8 +80,8 @@ def cut(
 
 
 class _Plane:
-    """Where nodes and cells of a mesh are about a plane: distance `d` of nodes (n,) [m], and of cells (N,) whether they
-    are high, whether it goes `through` them, and their centre."""
+    """Position of nodes and cells relative to a plane: distance `d` of nodes (n,) [m], and of cells (N,) whether they
+    are high, whether the plane intersects them (`through`), and their centre."""
 
     def __init__(self, mesh: Mesh, point: Array, normal: Array, limit: float, reach: float) -> None:
         self.mesh, self.point, self.normal, self.limit, self.reach = mesh, point, normal, limit, reach
@@ -93,7 +93,7 @@ class _Plane:
         self.through = (least < -limit) & (most > limit)
 
     def within(self, x: Array) -> Array:
-        """Whether places (n, 3), moved onto the plane, are within the reach of the cut."""
+        """Whether points (n, 3), projected onto the plane, are within the extent of the cut."""
         off = x - self.point
         off = off - np.outer(off @ self.normal, self.normal)
         return np.linalg.norm(off, axis=1) <= self.reach
@@ -107,7 +107,7 @@ class _Plane:
         return np.unique(np.concatenate(parts))
 
     def faces(self, meant: Array, label: str) -> tuple[FacetSet, FacetSet, Array]:
-        """Faces of the cut on the low and the high side, and the nodes where others hold the two sides together."""
+        """Faces of the cut on the low and the high side, and the nodes where other cells connect the two sides."""
         bad = np.flatnonzero(self.through & meant & self.within(self.center))
         if len(bad):
             raise InputError(
@@ -145,7 +145,7 @@ class _Plane:
         return FacetSet(found[0]), FacetSet(found[1])
 
     def _nearest(self, meant: Array) -> str:
-        """How far the corners of the cells that are meant are from the plane, and the cure."""
+        """Distance of the corners of the intended cells from the plane, and the cure."""
         used = self.nodes_of(meant, corners=True)
         near = used[self.within(self.mesh.points[used])]
         if not len(near):
@@ -161,7 +161,7 @@ class _Plane:
 
 
 def _parted(mesh: Mesh, name: str, plane: _Plane, faces: tuple[FacetSet, FacetSet], doubled: Array) -> Mesh:
-    """The mesh with `doubled` nodes (k,), the second of each two for the high cells and what is on them."""
+    """The mesh with `doubled` nodes (k,), the second of each two for the high cells and their facets."""
     twin = np.arange(len(mesh.points))
     twin[doubled] = len(mesh.points) + np.arange(len(doubled))
     cells = {

@@ -179,8 +179,8 @@ class Mesh(reprs.Shown):
         """A new mesh with the facet set `name` on a plane through `point` (3,) [m] with `normal` (3,), user frame.
 
         tolerance [m]: the largest distance of a node, 1e-5 of the diagonal of the box around it where None. from_set:
-        the facet set to choose from; None: all outer facets. Raises `InputError` for a used name, and where nothing
-        lies there, with the distance of the nearest facet.
+        the facet set to choose from; None: all outer facets. Raises `InputError` for a used name, and for an empty
+        selection, with the distance of the nearest facet.
         """
         return selection.plane(self, name, point=point, normal=normal, tolerance=tolerance, from_set=from_set)
 
@@ -195,7 +195,7 @@ class Mesh(reprs.Shown):
         from_set: str | None = None,
     ) -> Mesh:
         """A new mesh with the facet set `name` on a cylinder of `radius` [m] about the axis through axis_point (3,) [m]
-        along axis_direction (3,), user frame; what is None is fitted to the nodes of `from_set`.
+        along axis_direction (3,), user frame; parameters that are None are fitted to the nodes of `from_set`.
 
         tolerance [m], from_set and errors: as for `select_plane`.
         """
@@ -235,11 +235,11 @@ class Mesh(reprs.Shown):
         """A new mesh that is cut along faces of cells on the plane through `point` (3,) [m], with the facet sets
         NAME_low and NAME_high that face each other: a pretension section of a bolt called `name`.
 
-        normal (3,): points to the high side, user frame. cells: a cell set, to cut between cells of it only. radius
-        [m]: to cut no further from `point`. tolerance [m]: the largest distance of nodes from the plane, 1e-5 of the
-        diagonal of the box around the body where None. Raises `InputError` for a used name, an unknown cell set, a body
-        of matrices, a plane that goes through cells or along no faces, and where the two sides are not held together
-        elsewhere.
+        normal (3,): points to the high side, user frame. cells: a cell set; only faces between its cells are cut.
+        radius [m]: extent of the cut about `point`. tolerance [m]: the largest distance of nodes from the plane, 1e-5
+        of the diagonal of the box around the body where None. Raises `InputError` for a used name, an unknown cell set,
+        a body of matrices, a plane that intersects cells or contains no faces, and where the two sides are not
+        connected elsewhere.
         """
         return cutting.cut(self, name, point=point, normal=normal, cells=cells, radius=radius, tolerance=tolerance)
 
@@ -250,11 +250,11 @@ class Mesh(reprs.Shown):
     def with_periodicity(
         self, *, axis_point: Any = None, axis_direction: Any = None, sectors: int | None = None
     ) -> Mesh:
-        """The same body numbered sector by sector, with `cyclic` set: so many `sectors` about the axis through
-        axis_point (3,) [m] along axis_direction (3,), user frame; what is None is found.
+        """The same body numbered sector by sector, with `cyclic` set: `sectors` equal sectors about the axis through
+        axis_point (3,) [m] along axis_direction (3,), user frame; parameters that are None are determined.
 
-        Nodes move by what the file's digits left open, at most 1e-5 of the radius; the largest move is in `notes`.
-        Raises `InputError` saying why where the mesh is not periodic.
+        Nodes move within the precision of the file, at most 1e-5 of the radius; the largest move is in `notes`.
+        Raises `InputError` with the reason where the mesh is not periodic.
         """
         return periodicity.required(self, axis_point=axis_point, axis_direction=axis_direction, sectors=sectors)
 
@@ -269,7 +269,7 @@ class Mesh(reprs.Shown):
         return total
 
     def check(self) -> Mesh:
-        """Raise `InputError` for inverted cells, two cells in one place, unused nodes or disconnected parts;
+        """Raise `InputError` for inverted cells, duplicate cells, unused nodes or disconnected parts;
         else return the mesh itself."""
         if self.cells:
             check_orientation(self.points, self.cells)
@@ -281,7 +281,7 @@ class Mesh(reprs.Shown):
     def report(self, material: Material | Mapping[str, Material] | None = None) -> MeshReport:
         """Size, volume, quality, warnings; with `material`, one or {cell set: Material}, mass and inertia too.
 
-        Where it is None the materials of the mesh's file serve, if they cover every cell. Raises `InputError` for an
+        Where it is None the materials of the mesh's file are used, if they cover every cell. Raises `InputError` for an
         unknown cell set and for cells without material.
         """
         return make_report(self, material)

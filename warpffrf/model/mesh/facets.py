@@ -80,7 +80,7 @@ class FacetSet:
 def outer_faces(cells: Mapping[str, np.ndarray], inner: Mapping[str, int] | None = None) -> FacetSet:
     """Faces of `cells` {kind: (m, k)} that belong to one cell only, outward.
 
-    With `inner`, only the faces of the first `inner[kind]` cells are returned; the others serve as their neighbours.
+    With `inner`, only the faces of the first `inner[kind]` cells are returned; the others are their neighbours only.
     """
     found: list[tuple[str, np.ndarray, np.ndarray]] = []  # facet kind, faces, and which of them are considered
     keys = []

@@ -8,8 +8,8 @@ nodes, hence
 - nodes at one radius and height about the axis form rings, and every ring holds a multiple of N nodes, every kind a
   multiple of N cells: N divides the greatest common divisor of all those counts. Its divisors are tried from the
   largest down;
-- turning maps nodes onto nodes (nearest neighbours, a few nodes first) and cells onto cells. Whether the sets of cells
-  agree is seen from sums of random numbers given to the nodes: two different cells share a sum with probability 2^-64.
+- the rotation maps nodes onto nodes (nearest neighbours, a few nodes first) and cells onto cells. The sets of cells are
+  compared by sums of random numbers assigned to the nodes: two different cells share a sum with probability 2^-64.
 
 The nodes then fall into orbits of N. With x_s the s-th node of an orbit and c its mean, sum_s (x_s - c) x (x_{s+1} - c)
 is parallel to the axis, exactly: summed over the orbits it gives the axis without the error of an eigenvector whose
@@ -23,8 +23,8 @@ Cyclic. Numbering of a mesh of equal sectors, and their axis.
 
 Sector numbering. A rotationally periodic body numbered sector by sector.
 
-A node is known by its orbit o and its place s in it: it is the orbit's first node turned by s phi, at the angle
-`u = k_o + f_o + s` in units of phi, k_o whole and 0 <= f_o < 1. A numbering chooses one whole shift d_o for every
+A node is identified by its orbit o and its index s in it: it is the orbit's first node rotated by s phi, at the angle
+`u = k_o + f_o + s` in units of phi, k_o an integer and 0 <= f_o < 1. A numbering chooses one integer shift d_o for each
 orbit; the node then belongs to sector `sigma = k_o + s - d_o` modulo N. The reduction needs every cell to use nodes of
 two neighbouring sectors at most: over the nodes a, b of each cell
 
@@ -32,7 +32,7 @@ two neighbouring sectors at most: over the nodes a, b of each cell
 
 *Plane cuts*: `d_o = [f_o < c]` puts sector 0 between the half planes at c and c + 1. A cell no wider than phi then
 meets two sectors at most. Cuts are tried in the widest gaps of f, and in front of its most frequent values (the node
-planes of a body that was meshed sector by sector); the one across which the fewest nodes are shared wins.
+planes of a body that was meshed sector by sector); the one across which the fewest nodes are shared is used.
 
 *Bent cuts*, where cells are wider than a sector (skewed sectors): the inequalities are difference constraints on d, and
 raising d where one is violated until none is solves them whenever they can be solved (Bellman 1958, Quart. Appl. Math.
@@ -54,13 +54,13 @@ from warpffrf.model.surfaces.fit import reference_direction, signed_axis
 if TYPE_CHECKING:
     from warpffrf.model.mesh.data import Mesh
 
-# Of the radius: how far a node may move onto its place. Files with 6 digits stay below it, and a contact surface is
-# accepted as round to the same fraction (surfaces.DEFAULT_FIT_FRACTION).
+# Of the radius: how far a node may move onto its place. Coordinates with 6 digits stay below it, and a contact surface
+# is accepted as round to the same fraction (surfaces.DEFAULT_FIT_FRACTION).
 LARGEST_MOVE = 1e-5
 SAME_PLACE = 4.0  # in LARGEST_MOVE: two nodes off by that much each, about an axis found from such nodes
 SAME_MOMENT = 1e-5  # of the largest second moment: what coordinates off by LARGEST_MOVE change it by, at most
 LEAST_SECTORS = 3  # with two, the axis is not an axis of symmetry of the moments, and harmonics 1 and N/2 coincide
-PROBES = 64  # nodes turned before all are: an N that is wrong for a fraction p of them passes with (1 - p)^64
+PROBES = 64  # nodes rotated before all are: an N that is wrong for a fraction p of them passes with (1 - p)^64
 
 Array = np.ndarray
 
@@ -86,10 +86,10 @@ def detect(
     sectors: int | None = None,
     whole: Sequence[str] = (),
 ) -> Detection:
-    """Look for rotational periodicity of the cells of `mesh`; what is None of axis and number of sectors is found.
+    """Detect rotational periodicity of the cells of `mesh`; axis and number of sectors are determined where None.
 
-    `whole` names facet and cell sets that must turn into themselves as well (interfaces, materials): the number of
-    sectors is then the largest for which they do. Raises `InputError` for arguments that make no sense only.
+    `whole` names facet and cell sets that must be mapped onto themselves as well (interfaces, materials): the number of
+    sectors is then the largest for which they are. Raises `InputError` for invalid arguments only.
     """
     point = None if axis_point is None else require_array(axis_point, "periodicity: axis_point", (3,))
     axis = None if axis_direction is None else require_direction(axis_direction, "periodicity: axis_direction")
@@ -222,7 +222,7 @@ def _counts(mesh: Mesh, radius: Array, height: Array, close: float, count: int |
 
 
 def _orbits(mesh: Mesh, local: Array, N: int, close: float, whole: Sequence[str]) -> Orbits:
-    """Orbits of the nodes under a turn by 2 pi/N, once it maps nodes, cells and `whole` sets onto themselves."""
+    """Orbits of the nodes under a rotation by 2 pi/N that maps nodes, cells and `whole` sets onto themselves."""
     from scipy.spatial import KDTree
 
     n = len(local)
@@ -260,7 +260,7 @@ def _orbits(mesh: Mesh, local: Array, N: int, close: float, whole: Sequence[str]
 class Cyclic:
     """Rotational periodicity: `sectors` equal sectors about the line `axis_point` + t `axis_direction` (user frame, m).
 
-    Numbering is sector-major: with `nn` nodes a sector, node `s*nn + i` is node `i` turned by `2 pi s / sectors`,
+    Numbering is sector-major: with `nn` nodes per sector, node `s*nn + i` is node `i` rotated by `2 pi s / sectors`,
     right-handed about `axis_direction`; cells and full facet sets likewise.
     """
 
@@ -279,8 +279,8 @@ CUTS = (
     12  # widest gaps and most frequent angles tried each: a structured sector has as many planes, or a gap is as good
 )
 SAME_ANGLE = 1e-5  # of a sector: node planes that only the file's digits separate; cells are 1e-3 of it wide at least
-MARGIN = 0.1  # of a sector: cells this far outside it are looked at too, so that round-off loses none
-ROUNDS = 500  # of raising shifts; each settles one more row of cells, and a bent cut is a few rows long
+MARGIN = 0.1  # of a sector: cells this far outside it are included, so that round-off loses none
+ROUNDS = 500  # of raising shifts; each satisfies one more row of cells, and a bent cut is a few rows long
 
 
 class NotPeriodic(Exception):
@@ -289,8 +289,9 @@ class NotPeriodic(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Orbits:
-    """`nodes` (N, nn): node s of orbit o is the orbit's first turned by s phi. `base` (nn, 3) [m]: the first node's
-    place, the mean of all turned back, in axes whose third is the axis; `largest_move` [m] of a node onto its place."""
+    """`nodes` (N, nn): node s of orbit o is the orbit's first node rotated by s phi. `base` (nn, 3) [m]: position of
+    the first node, the mean of all nodes rotated back, in axes whose third is the axis of rotation; `largest_move` [m]
+    of a node to its exact position."""
 
     nodes: Array
     base: Array
@@ -315,7 +316,7 @@ class Orbits:
         return cls(np.stack(chain), np.zeros((count, 3)))
 
     def axis(self, local: Array) -> Array:
-        """Unit axis (3,) that the orbits turn about, from positions `local` (n, 3), sign as the third axis."""
+        """Unit axis (3,) of rotation of the orbits, from positions `local` (n, 3), sign as the third axis."""
         x = local[self.nodes] - local[self.nodes].mean(axis=0)
         area = np.cross(x, np.roll(x, -1, axis=0)).sum(axis=(0, 1))
         return area / np.linalg.norm(area)
@@ -329,7 +330,7 @@ class Orbits:
 
 
 def turned(x: Array, s: int, N: int) -> Array:
-    """Positions (n, 3) turned by s/N of a turn about the third axis."""
+    """Positions (n, 3) rotated by s/N of a revolution about the third axis."""
     angle = 2.0 * np.pi * (s % N) / N
     c, sine = np.cos(angle), np.sin(angle)
     return np.stack([c * x[:, 0] - sine * x[:, 1], sine * x[:, 0] + c * x[:, 1], x[:, 2]], axis=1)
@@ -339,8 +340,8 @@ def numbered(mesh: Mesh, orbits: Orbits, origin: Array, frame: Array) -> tuple[M
     """`mesh` numbered by sectors about the third row of `frame` through `origin`, and each node's old number (n,).
 
     Sector 0 begins nearest to the first row of `frame`. Within a sector nodes are numbered by angle, radius and height.
-    Cells, and facet sets that turn into themselves, follow; other facet sets keep their order. Raises `NotPeriodic`
-    where a cell needs more than two sectors.
+    Cells, and facet sets that are mapped onto themselves, follow; other facet sets keep their order. Raises
+    `NotPeriodic` where a cell needs more than two sectors.
     """
     N, nn = orbits.nodes.shape
     angle = np.arctan2(orbits.base[:, 1], orbits.base[:, 0]) * N / (2.0 * np.pi)
@@ -363,7 +364,7 @@ def numbered(mesh: Mesh, orbits: Orbits, origin: Array, frame: Array) -> tuple[M
     new_number[orbits.nodes] = (sector % N) * nn + rank
     old_number = np.argsort(new_number)
     first = np.empty((nn, 3))
-    for s in np.unique(sector[0] % N):  # place of the orbit's node in sector 0: its first one turned back by its sector
+    for s in np.unique(sector[0] % N):  # position of the orbit's node in sector 0: its first one rotated back
         which = sector[0] % N == s
         first[rank[which]] = turned(orbits.base[which], -int(s), N)
     points = np.concatenate([turned(first, s, N) for s in range(N)]) @ frame + origin
@@ -385,7 +386,7 @@ def numbered(mesh: Mesh, orbits: Orbits, origin: Array, frame: Array) -> tuple[M
         facet_sets[name] = FacetSet(
             {kind: nodes if (o := ordered[kind]) is None else o[0] for kind, nodes in moved.blocks.items()}
         )
-    # + 0.0: no minus zero, and round-off of a zero is no news
+    # + 0.0: no minus zero; round-off of a zero is removed
     where = ", ".join(f"{x + 0.0:.6g}" for x in np.round(origin / size, 9) * size)
     along = ", ".join(f"{x + 0.0:.6g}" for x in np.round(frame[2], 9))
     note = (
@@ -413,8 +414,8 @@ def _widest_gap(fractions: Array) -> float:
 
 
 def _one_sector(mesh: Mesh, orbits: Orbits, whole: Array, f: Array) -> list[tuple[Array, Array]]:
-    """Cells about sector 0, every cell of the body at least once up to a turn: per kind the orbits (m, k) of their
-    nodes, and their whole angles k_o + s (m, k), counted on without a jump at a full turn."""
+    """Cells about sector 0, every cell of the body at least once up to a rotation: per kind the orbits (m, k) of their
+    nodes, and their integer angles k_o + s (m, k), continuous across a full revolution."""
     N, nn = orbits.nodes.shape
     orbit, place = np.empty(N * nn, dtype=np.int64), np.empty(N * nn, dtype=np.int64)
     orbit[orbits.nodes] = np.arange(nn)
@@ -481,8 +482,8 @@ def _bent(cells: Sequence[tuple[Array, Array]], d: Array) -> Array:
 
 
 def _by_sector(nodes: Array, N: int, nn: int) -> tuple[Array, Array] | None:
-    """Rows of node numbers (m, k) ordered sector by sector, each with the local order of sector 0's, and the new place
-    of each row (m,). None where they are not N turned copies of one another."""
+    """Rows of node numbers (m, k) ordered sector by sector, each with the local order of sector 0's, and the new index
+    of each row (m,). None where they are not N rotated copies of one another."""
     sector = nodes // nn
     home = sector[:, 0]
     home = np.where(((sector - home[:, None]) % N == N - 1).any(axis=1), home - 1, home) % N

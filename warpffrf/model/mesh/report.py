@@ -122,8 +122,8 @@ class MeshReport:
 def report(mesh: Mesh, material: Material | Mapping[str, Material] | None = None) -> MeshReport:
     """The report of `mesh`; with `material`, one or {cell set: Material}, mass and inertia too.
 
-    Where `material` is None the materials of the mesh's file serve, if they cover every cell. Raises `InputError` for
-    an unknown cell set and for cells without material.
+    Where `material` is None the materials of the mesh's file are used, if they cover every cell. Raises `InputError`
+    for an unknown cell set and for cells without material.
     """
     if material is not None and (not isinstance(material, Material | Mapping) or not material):
         raise InputError(f"mesh report: a Material or {{cell set: Material}} is needed, got {material!r}")
@@ -166,7 +166,7 @@ def report(mesh: Mesh, material: Material | Mapping[str, Material] | None = None
 
 
 def material_warnings(material: Material, name: str = "") -> list[str]:
-    """Warnings where density or sound speed sqrt(E/rho) of `material` is that of no solid: a slip of units."""
+    """Warnings where density or sound speed sqrt(E/rho) of `material` is that of no solid: probably wrong units."""
     label = f"material {material.name!r}" if material.name else f"material of {name!r}" if name else "material"
     E, rho = material.youngs_modulus, material.density
     speed = float(np.sqrt(E / rho))

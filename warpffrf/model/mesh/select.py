@@ -43,7 +43,7 @@ def plane(
     """A new mesh with the facet set `name` on the plane through `point` (3,) [m] with `normal` (3,).
 
     `tolerance` [m] is the largest distance of a node, 1e-5 of the diagonal of the bounding box where None. `from_set`
-    limits the search to a facet set; None looks at all outer facets. Raises `InputError` for a used name and for an
+    limits the search to a facet set; None: all outer facets. Raises `InputError` for a used name and for an
     empty selection, with the distance of the nearest facet.
     """
     label = f"select {name!r}"
@@ -64,7 +64,7 @@ def cylinder(
 ) -> Mesh:
     """A new mesh with the facet set `name` on a circular cylinder; lengths in m.
 
-    What is None of axis and radius is fitted to the nodes of `from_set`, which must then be given: a set that is known
+    Axis and radius are fitted, where None, to the nodes of `from_set`, which must then be given: a set that is known
     to lie on the cylinder, at least for the most part. Other arguments and errors as for `plane`.
     """
     label = f"select {name!r}"
@@ -122,7 +122,7 @@ def feature(mesh: Mesh, name: str, *, seed: Any, angle: float = 30.0, from_set: 
         raise InputError(f"select {name!r}: angle must be below 180 degrees, got {limit:g}")
     source = _source(mesh, name, from_set)
     faces = triangles(source)
-    # number of its facet for each triangle, in the same order
+    # facet number of each triangle, in the same order
     per_facet = [np.full(len(nodes), len(facet_kind(kind).triangles)) for kind, nodes in source.blocks.items()]
     owner = np.repeat(np.arange(len(source)), np.concatenate(per_facet))
     surface = trimesh.Trimesh(vertices=mesh.points, faces=faces, process=False, validate=False)

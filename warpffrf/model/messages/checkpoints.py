@@ -1,6 +1,6 @@
 """Output of a run in progress.
 
-A *keeper* is asked regularly whether it is due, and then receives all rows of the run so far with a checkpoint. A
+A *keeper* is regularly queried whether it is due, and then receives all rows of the run so far with a checkpoint. A
 stopped run continues from the last checkpoint bit for bit: `Unfinished` holds its rows as collected, together with the
 checkpoint, so that results are computed from all rows at once, as in an uninterrupted run.
 """
@@ -14,13 +14,13 @@ from typing import Any, Protocol
 import numpy as np
 
 Rows = dict[str, np.ndarray]
-"""Saved rows by name. Those of later chunks follow along the first axis, in which arrays need not be alike."""
+"""Saved rows by name. Those of later chunks follow along the first axis, in whose length arrays may differ."""
 
 
 @dataclass(frozen=True)
 class Source:
-    """What it takes, beside rows, to make their history: the kind of run ("steps", "check"), the scene, and what
-    of its options the history depends on."""
+    """Data required, in addition to the rows, for their history: the kind of run ("steps", "check"), the scene, and the
+    options that the history depends on."""
 
     kind: str
     scene: Any
@@ -38,30 +38,30 @@ class Plan:
 
 @dataclass(frozen=True)
 class Unfinished:
-    """A run up to its last checkpoint; `rows` in chunks as they came, which nobody changes any more."""
+    """A run up to its last checkpoint; `rows` in chunks as received, not changed any more."""
 
     rows: Sequence[Rows]
     checkpoint: Mapping[str, np.ndarray]
     plan: Plan
-    start: Any = "initial"  # of the run, for one that has to begin anew
+    start: Any = "initial"  # of the run, for one that has to start again
 
 
 class Keeper(Protocol):
-    """Somewhere to put what a run has done so far."""
+    """Storage of the output of a run in progress."""
 
     def begin(self, source: Source) -> None:
-        """Of a run that is about to give something out: what its rows are of."""
+        """The source of the rows that follow, before the first output of a run."""
         ...
 
     def clear(self) -> None:
-        """Forget what was given out: the run begins anew."""
+        """Discard all output: the run starts again."""
         ...
 
     def due(self) -> bool:
-        """Whether it is time to be given something, and the last of it has been put away."""
+        """Whether output is due, and the previous output has been stored."""
         ...
 
     def keep(self, run: Unfinished) -> None:
-        """Take the run so far, of which chunks that were put away before are not taken again. It may be put away later,
-        in another thread."""
+        """Store the run so far, without the chunks that were stored before. It may be written later, in another
+        thread."""
         ...

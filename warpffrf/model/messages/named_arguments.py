@@ -24,7 +24,7 @@ Named = TypeVar("Named", bound=Callable[..., Any])
 
 
 def named_arguments(thing: Named) -> Named:
-    """`thing`, a function or a class with its constructor and public methods, with calls answered as the module says.
+    """`thing`, a function or a class with its constructor and public methods, with errors as in the module docstring.
 
     Calls raise `TypeError` for arguments that do not fit.
     """
@@ -39,7 +39,7 @@ def named_arguments(thing: Named) -> Named:
 
 
 def _of_class(name: str) -> Callable[[tuple], tuple[str, tuple]]:
-    """What a method is called by its users, and the arguments they gave it."""
+    """The name of a method for its users, and the arguments that they passed."""
     if name == "__init__":
         return lambda args: (type(args[0]).__name__, args[1:])
     return lambda args: (f"{type(args[0]).__name__}.{name}", args[1:])
@@ -48,7 +48,7 @@ def _of_class(name: str) -> Callable[[tuple], tuple[str, tuple]]:
 def _answered(
     function: Callable[..., Any], signature: inspect.Signature, seen: Callable[[tuple], tuple[str, tuple]]
 ) -> Callable[..., Any]:
-    """`function`, whose users see `signature`; `seen` tells of all its arguments its name and theirs."""
+    """`function`, whose users see `signature`; `seen`: all its arguments -> its name and theirs."""
 
     @functools.wraps(function)
     def call(*args: Any, **options: Any) -> Any:
@@ -65,8 +65,8 @@ def _answered(
 
 
 def misfit(label: str, signature: inspect.Signature, args: Sequence[Any], options: dict[str, Any]) -> str:
-    """What of `args` and `options` does not fit the `signature` of what is called `label`, and the cure; "" where they
-    fit."""
+    """Message on `args` and `options` that do not fit the `signature` of the callable `label`, with the cure; "" where
+    they fit."""
     parameters = signature.parameters.values()
     if any(p.kind is Parameter.VAR_KEYWORD for p in parameters):
         return ""

@@ -21,8 +21,8 @@ Interruption. Ctrl-C, and SIGTERM, which is treated as Ctrl-C: interrupted work 
 Both raise KeyboardInterrupt where it is expected, between two chunks of steps, and wait where a file or the result is
 being finished. Handlers can be set in the main thread alone; in others both contexts do nothing.
 
-A run that was ended is a result, and the script that asked for it goes on with it. After Ctrl-C it may run more;
-SIGTERM asks the process to end, so that a script may still store what it has, and ends where it would begin another
+An interrupted run returns a result, with which the script continues. After Ctrl-C it may start further runs; SIGTERM
+requests the end of the process, so that a script may still store its results, and exits where it would start another
 run.
 """
 
@@ -52,7 +52,7 @@ UNTIMED = "{l_bar}{bar}| {n_fmt}/{total_fmt}, {elapsed} so far"  # of a bar with
 
 class Progress:
     """Counts towards `total`, from `done`; silent unless `enabled`. `unit`: what is counted, in the singular; timed:
-    the units are alike, so that their pace says how long the rest takes."""
+    the units take equal times, so that their rate predicts the remaining time."""
 
     def __init__(
         self, label: str, total: int, *, enabled: bool, unit: str = "step", done: int = 0, timed: bool = True
@@ -70,7 +70,7 @@ class Progress:
         self.logs = enabled and not terminal
 
     def update(self, done: int) -> None:
-        """Steps done so far."""
+        """Set the number of units done so far."""
         now = time.monotonic()
         if self.first is None and done > self.done:
             self.first = done, now
@@ -90,18 +90,18 @@ class Progress:
             self.next = now + LOG_INTERVAL
 
     def close(self) -> None:
-        """End of the work."""
+        """End the display."""
         if self.bar is not None:
             self.bar.close()
 
 
-notes = logging.getLogger("warpffrf.notes")  # of finished runs: a report has them as well
+notes = logging.getLogger("warpffrf.notes")  # of finished runs: a report has them too
 
 _lowest: ContextVar[int | None] = ContextVar("lowest level heard inside of speaking", default=None)
 
 
 class Lines(logging.Handler):
-    """Writes each record as one line to the standard error of the moment, above a bar of progress if there is one."""
+    """Writes each record as one line to the current standard error, above a progress bar if there is one."""
 
     def __init__(self, form: str = "%(message)s") -> None:
         super().__init__()
@@ -118,21 +118,21 @@ class Lines(logging.Handler):
 
 
 class _Heard(Lines):
-    """Lines of the threads that speak; of others, as of one in the background, warnings. On the logger while anybody
-    speaks and nobody else receives what is said."""
+    """Lines of threads inside `speaking`; of others, such as one in the background, warnings. On the logger while any
+    thread is inside and no other handler receives the records."""
 
     def __init__(self) -> None:
         super().__init__()
         self.calls, self.sets_level = 0, False
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Write the record where its thread hears it."""
+        """Write the record if it is meant for its thread."""
         lowest = _lowest.get()
         if record.levelno >= (logging.WARNING if lowest is None else lowest):
             super().emit(record)
 
     def enter(self) -> None:
-        """One call more, in any thread."""
+        """Count one more call, in any thread."""
         with _lock:
             self.calls += 1
             if self.calls == 1 and not log.hasHandlers():
@@ -142,7 +142,7 @@ class _Heard(Lines):
                     log.setLevel(logging.INFO)
 
     def leave(self) -> None:
-        """One call less."""
+        """Count one call less."""
         with _lock:
             self.calls -= 1
             if not self.calls and self in log.handlers:
@@ -168,8 +168,8 @@ def quiet() -> None:
 def speaking(shown: bool = True) -> Iterator[None]:
     """Lines of the logger "warpffrf" go to stderr inside, where the application does not receive them.
 
-    shown: False for warnings and errors alone. Calls may stand in one another, then the quietest is followed, and in
-    several threads.
+    shown: False for warnings and errors alone. Calls may be nested, where the quietest one applies, and be made
+    in several threads.
     """
     token = _lowest.set(max(_lowest.get() or logging.INFO, logging.INFO if shown else logging.WARNING))
     _heard.enter()
@@ -184,7 +184,7 @@ Handler = Callable[[int, FrameType | None], Any] | signal.Handlers
 
 
 class Asked:
-    """Whether something was asked to end while it could not."""
+    """Whether an interruption was requested while it could not take place."""
 
     def __init__(self) -> None:
         self.asked = False
@@ -198,7 +198,7 @@ _process = Asked()  # by SIGTERM
 
 @contextmanager
 def _handled(handlers: dict[int, Handler]) -> Iterator[None]:
-    """Signals handled in this way inside."""
+    """Installs the signal `handlers` inside."""
     before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
     try:
         yield
@@ -215,7 +215,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 @contextmanager
 def terminated_as_interrupted() -> Iterator[None]:
     """SIGTERM raises KeyboardInterrupt inside, unless the program has a handler of its own. Raises SystemExit where it
-    has come in an earlier such block, which went on."""
+    came in an earlier such block, after which the program continued."""
     free = _in_main_thread() and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
     if free and _process:
         log.error("SIGTERM stopped an earlier run: the process exits before the next run")
@@ -225,14 +225,14 @@ def terminated_as_interrupted() -> Iterator[None]:
 
 
 def what_follows() -> str:
-    """A clause on what comes after a run that was interrupted."""
+    """A clause on what follows an interrupted run."""
     return "a script goes on after it" + (", and ends where it would begin another run (SIGTERM)" if _process else "")
 
 
 @contextmanager
 def deferred_interrupts() -> Iterator[Asked]:
-    """What would raise KeyboardInterrupt waits for the end of the block, which tells it by the answer's truth; a second
-    one comes through."""
+    """Signals that raise KeyboardInterrupt are deferred to the end of the block; the answer is true if one came. A
+    second one is raised at once."""
     answer = Asked()
 
     def wait(number: int, frame: FrameType | None) -> None:
@@ -251,8 +251,8 @@ def deferred_interrupts() -> Iterator[Asked]:
 
 @contextmanager
 def deaf_children() -> Iterator[None]:
-    """Processes that are started inside do not hear Ctrl-C, which a terminal sends to all of them: whoever started them
-    ends them."""
+    """Processes that are started inside ignore Ctrl-C, which a terminal sends to all of them: their parent ends
+    them."""
     with _handled({signal.SIGINT: signal.SIG_IGN} if _in_main_thread() else {}):
         yield
 

@@ -20,7 +20,7 @@ LONGEST = 60  # characters of a list of names
 
 
 class Shown:
-    """Looks made of `_facts`; an entry "name" stands first, by itself."""
+    """Representations made of `_facts`; an entry "name" comes first, without its key."""
 
     _hidden: frozenset[str] = frozenset()  # names that are for other modules, and that completion does not show
 
@@ -70,7 +70,7 @@ class Item(Shown):
 
 
 class Rows(Shown):
-    """Looks of a dataclass of arrays, of which those that are there are told by their shapes."""
+    """Representations of a dataclass of arrays: the shapes of those that are present."""
 
     def _facts(self) -> dict[str, Any]:
         values = {f.name: getattr(self, f.name, None) for f in fields(self)}  # pyright: ignore[reportArgumentType]
@@ -84,7 +84,7 @@ def shape_or_value(value: Any) -> Any:
 
 
 def names(items: Any) -> str:
-    """Names one behind the other, cut where they are many: 'lower', 'upper', ... (12)."""
+    """Names as a list, truncated where there are many: 'lower', 'upper', ... (12)."""
     listed = [getattr(item, "name", item) for item in items]
     text = ", ".join(repr(name) for name in listed)
     if len(text) <= LONGEST:
@@ -96,8 +96,8 @@ HIDDEN = ("Cc", "Cf")  # categories of Unicode: controls, formats
 
 
 def printable(text: str) -> str:
-    """`text` for a terminal: control characters but line feeds and tabs, and those that change the direction of
-    writing, which names in files may hold, as their escapes."""
+    """`text` for a terminal: control characters except line feeds and tabs, and those that change the direction
+    of writing, which names in files may contain, as escapes."""
     return "".join(
         c if c in "\n\t" or unicodedata.category(c) not in HIDDEN else c.encode("unicode_escape").decode() for c in text
     )

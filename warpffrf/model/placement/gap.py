@@ -2,20 +2,20 @@
 
 Gap. A point of the first true surface at chart coordinates (theta, z) is x_1(theta, z) in the world. Its gap is its
 signed normal distance from the second surface, positive in the free space: the chart of the second shape gives it, and
-with it the nearest place there. A point whose nearest place lies beside the second surface's grid has none; a rigid
-surface has no end. Two places *face* each other where n_1.n_2 < 0: the back of a roller does not face the plate it
+with it the nearest point there. A point whose nearest point lies outside the second surface's grid has none; a rigid
+surface has no end. Two points *face* each other where n_1.n_2 < 0: the back of a roller does not face the plate it
 lies on. The smallest gap over the part of the first surface that faces the second is the initial gap of the pair. It is
-found on a grid that is refined about the best point; since the gap is flat there, an error e of the place costs only
-e^2/(2 R) of the value.
+found on a grid that is refined about the best point; since the gap is flat there, an error e of the position causes an
+error of e^2/(2 R) of the value only.
 
 Closing from outside. m(s), the smallest gap when the second body is moved by s along a direction, changes by at most ds
 when s does: from an open gap a step of m(s) - gap never passes the first touch (sphere tracing). Nor does the chord
-through the last two places while m is convex, as it is between convex bodies, and it is much faster along a direction
-that hardly closes the gap. In a hollow m is concave and the chord passes the touch, which then lies between.
+through the last two positions while m is convex, as it is between convex bodies, and it is much faster along a
+direction that hardly closes the gap. In a hollow m is concave and the chord passes the touch, which then lies between.
 
 Closing from within. A pin in a bore is never outside: where a surface is an inside form the search begins where the
-bodies are, along the direction first, then against it. Where they overlap there, the place that is furthest open is
-found first (m is concave in s for a body within a convex hollow), and the search goes back from there.
+bodies are, along the direction first, then against it. Where they overlap there, the position of the largest gap is
+found first (m is concave in s for a body within a convex hollow), and the search returns from there.
 """
 
 from __future__ import annotations
@@ -31,23 +31,24 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_direction, require_number
 
 ZOOM_POINTS = (73, 33)  # grid around and along: 5 degrees first, enough to bracket the one minimum of convex surfaces
-ZOOM_FACTOR = 8.0  # each refinement shrinks the looked-at rectangle by this
-ZOOM_ROUNDS = 9  # 8^8 below the first spacing: the place to 1e-8 rad, the value to round-off
+ZOOM_FACTOR = 8.0  # each refinement shrinks the searched rectangle by this
+ZOOM_ROUNDS = 9  # 8^8 below the first spacing: the position to 1e-8 rad, the value to round-off
 CLOSE_TOLERANCE = 1e-12  # of the size of the surfaces: round-off of coordinates times the condition of the distance
 CLOSE_STEPS = 200  # chords need about ten; more where m bends, as past an edge
-FURTHER_STARTS = 12  # doublings of the reach: a direction at 0.02 degrees to a plane still gets free of it
+FURTHER_STARTS = 12  # doublings of the reach: a direction at 0.02 degrees to a plane still leaves it
 DIRECTION_DIGITS = 3  # of a direction that a message names: 0.03 degrees
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 GOLDEN_STEPS = 50  # 0.618^50 = 4e-11 of the bracket: a hollow that is open by less is full
 UPHILL_STEPS = 40  # doublings from the overlap: it is no larger than the bodies
-SAMPLES = (72, 5)  # places around and along: every 5 degrees
+SAMPLES = (72, 5)  # points around and along: every 5 degrees
 
-Nearest = tuple[float, float, float]  # smallest gap [m] and its place theta, z on the first surface
+Nearest = tuple[float, float, float]  # smallest gap [m] and its position theta, z on the first surface
 
 
 @dataclass(frozen=True)
 class GapSamples:
-    """Gaps (n,) [m] at world places (n, 3) of the first surface, and the second one's normals (n, 3) opposite."""
+    """Gaps (n,) [m] at points (n, 3) of the first surface in the world, and the second one's normals (n, 3)
+    opposite."""
 
     gap: np.ndarray
     place: np.ndarray
@@ -63,13 +64,13 @@ def undeformed_gap(contact: Contact, theta: Any, z: Any, offset: Any = (0.0, 0.0
     """Gap [m] at chart coordinates theta [rad, of a plane m], z [m] of the first surface, at the initial pose; positive
     is open.
 
-    `offset` (3,) [m] moves the second body in the world. NaN where a point lies beside the second surface's grid.
+    `offset` (3,) [m] moves the second body in the world. NaN where a point lies outside the second surface's grid.
     """
     return _gap(contact, theta, z, offset)[0]
 
 
 def smallest_gap(contact: Contact, offset: Any = (0.0, 0.0, 0.0)) -> tuple[float, float, float]:
-    """Smallest undeformed gap [m] and its place (theta [rad, of a plane m], z [m]) on the first surface; negative is
+    """Smallest undeformed gap [m] and its position (theta [rad, of a plane m], z [m]) on the first surface; negative is
     interference.
 
     `offset` (3,) [m] moves the second body in the world. Raises `InputError` where the surfaces do not face each other.
@@ -124,8 +125,8 @@ def closing_distance(contact: Contact, along: Any, gap: float) -> float:
     """Distance [m] to move the second body along the direction `along` (3,), world, until the smallest gap is `gap`
     [m].
 
-    Of several such places it is the one reached from far out on the side of `along`; where a surface is an inside form,
-    the first one from where the body is, along the direction if there is one that way, else against it. Raises
+    Of several such positions it is the one reached from far out on the side of `along`; where a surface is an inside
+    form, the first one from the body's position, along the direction if there is one, else against it. Raises
     `InputError` where the second body passes the first without touching.
     """
     label = f"contact {contact.name!r}: close_gap"
@@ -149,8 +150,8 @@ def closing_distance(contact: Contact, along: Any, gap: float) -> float:
 
 
 def closing_direction(contact: Contact, theta: float, z: float) -> str | None:
-    """A direction to give to `closing_distance`, as text, of surfaces that lie in one another with their deepest place
-    at theta, z of the first: along its normal there, or against it. None where neither brings them to touch."""
+    """A direction for `closing_distance`, as text, of overlapping surfaces with the deepest point at theta, z of the
+    first: along its normal there, or against it. None where neither leads to contact."""
     first = contact.a.body
     normal = first.to_world(contact.a.surface.shape.normal(theta, z)) - first.position
     for direction in (np.round(normal, DIRECTION_DIGITS), np.round(-normal, DIRECTION_DIGITS)):
@@ -196,7 +197,7 @@ def _distance(contact: Contact, direction: np.ndarray, gap: float) -> float | No
 
 
 def _closes(contact: Contact, direction: np.ndarray, gap: float) -> bool:
-    """Would `closing_distance` find a place? For messages."""
+    """Whether `closing_distance` finds a position. For messages."""
     try:
         return _distance(contact, direction, gap) is not None
     except InputError:
@@ -204,7 +205,7 @@ def _closes(contact: Contact, direction: np.ndarray, gap: float) -> bool:
 
 
 def _gap(contact: Contact, theta: Any, z: Any, offset: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Gap [m], NaN beside the second grid, and whether the surfaces face each other there."""
+    """Gap [m], NaN outside the second grid, and whether the surfaces face each other there."""
     first, second = contact.a.surface.shape, contact.b.surface.shape
     body_a, body_b = contact.a.body, contact.b.body
     theta, z = np.broadcast_arrays(np.asarray(theta, float), np.asarray(z, float))
@@ -217,7 +218,7 @@ def _gap(contact: Contact, theta: Any, z: Any, offset: Any) -> tuple[np.ndarray,
 
 
 def _beside(surface: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """True where chart coordinates lie beside the grid of the surface; a rigid surface has none."""
+    """True where chart coordinates lie outside the grid of the surface; a rigid surface has none."""
     grid = surface.grid
     if grid is None:
         return np.zeros(z.shape, dtype=bool)
@@ -233,8 +234,8 @@ def _beside(surface: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def _trace(open_by: Callable[[float], float], s: float, sign: float, reach: float, tolerance: float) -> float | None:
-    """First touch, to `tolerance` [m], from the open place `s` towards `sign`, within `reach` [m]; None where there is
-    none."""
+    """First touch, to `tolerance` [m], from the open position `s` towards `sign`, within `reach` [m]; None where there
+    is none."""
     start, value = s, open_by(s)
     last, last_value = s, -np.inf
     for _ in range(CLOSE_STEPS):
@@ -257,7 +258,7 @@ def _trace(open_by: Callable[[float], float], s: float, sign: float, reach: floa
 def _between(
     open_by: Callable[[float], float], a: float, value_a: float, b: float, value_b: float, tolerance: float
 ) -> float | None:
-    """Touch between the open place `a` and the closed place `b` (false position, Illinois)."""
+    """Touch between the open position `a` and the closed position `b` (false position, Illinois)."""
     for _ in range(CLOSE_STEPS):
         s = b - value_b * (b - a) / (value_b - value_a)
         value = open_by(s)
@@ -311,8 +312,8 @@ def _from_within(contact: Contact, direction: np.ndarray, gap: float) -> float |
 
 
 def _open_place(open_by: Callable[[float], float], here: float) -> float | None:
-    """A place along the direction that is open, from 0, where the gap is short by `here` < 0; None where it is open
-    nowhere: uphill in doubled steps, then golden section between the last ones."""
+    """An open position along the direction, from 0, where the gap is short by `here` < 0; None where there is none:
+    increasing in doubled steps, then golden section between the last ones."""
     step = -here
     sides = [open_by(step), open_by(-step)]
     low, high = -step, step
@@ -344,7 +345,7 @@ def _open_place(open_by: Callable[[float], float], here: float) -> float | None:
 
 
 def _extent(port: SurfacePort) -> float:
-    """Radius [m] of a sphere about the axis point that holds the surface; of a rigid one what it has across."""
+    """Radius [m] of a sphere about the axis point that contains the surface; of a rigid one its extent across."""
     surface = port.surface
     shape, grid = surface.shape, surface.grid
     planar = shape.profile().planar
@@ -356,7 +357,8 @@ def _extent(port: SurfacePort) -> float:
 
 
 def _abreast(port: SurfacePort, point: np.ndarray) -> np.ndarray:
-    """The place (3,) [m], world, on the axis or the plane of a surface without end that lies abreast of `point`."""
+    """The point (3,) [m], world, of the axis or the plane of an infinite surface nearest to `point`; of a crown its
+    centre."""
     shape = port.surface.shape
     c, user = shape.axis_point, port.body.to_user(point)
     if shape.profile().planar:

@@ -65,7 +65,7 @@ def is_ball(port: SurfacePort) -> bool:
 
 
 def lamina_gap(roller: SurfacePort, other: SurfacePort, z: np.ndarray, drop: np.ndarray) -> float:
-    """Smallest gap [m] of laminae of a roller at z (m,) [m], whose profile stands back by drop (m,) [m]."""
+    """Smallest gap [m] of laminae of a roller at z (m,) [m], with the drop (m,) [m] of its profile."""
     shape, width = roller.surface.shape, np.pi
     theta = np.zeros(len(z))
     gap = np.full(len(z), np.inf)

@@ -340,7 +340,7 @@ class CrossCompliance:
         return CrossCompliance(self.source, self.target, **swapped)
 
     def arrays(self) -> dict[str, Array]:
-        """The arrays that there are, by name."""
+        """The existing arrays, by name."""
         return {key: lags for key in FUNCTIONS if (lags := getattr(self, key)) is not None}
 
     def whole(self, key: str = "lags") -> Array:

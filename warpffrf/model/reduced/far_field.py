@@ -10,9 +10,9 @@ Both parts use the same half-space, which is
 Tangential tractions have a far field, too (`FarTangential`), among the same splines. Their half-space is Cerruti's with
 mirror images at the ends, of the same sign around and along, and without coupling of these directions; the effect of a
 free end beyond the images is in S, as far as splines resolve it: not of tractions within about a spacing of the grid
-from an end (`warpffrf.offline.near_field.half_space`). What normal loads move along the surface is taken in the frame
-of the load: a near field that leaves the turning of the tangents out, as H of a flat patch does, lacks u_n/R of the
-half-space in its strain du/ds, and a strain from S has u_n/R of the rest in it.
+from an end (`warpffrf.offline.near_field.half_space`). The tangential displacement under normal loads is taken in the
+frame of the load: a near field that neglects the rotation of the tangents, as H of a flat patch does, lacks u_n/R of
+the half-space in its strain du/ds, and a strain from S includes u_n/R of the remainder.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import numpy as np
 from warpffrf.model.half_space import QuarterSurface
 
 Array = np.ndarray
-# rad between the normals at two places: the half-space has full weight up to WHOLE, and none from NOTHING on.
+# rad between the normals at two points: the half-space has full weight up to WHOLE, and none from NOTHING on.
 # A patch spans less than WHOLE: at a half-width of R/4 Hertz's parabola is off by 2 % of the gap, too.
 WHOLE, NOTHING = 0.5, 1.3
 
@@ -36,12 +36,12 @@ def cutoff(cosine: Any) -> Array:
     return 1.0 - x**3 * (10.0 - 15.0 * x + 6.0 * x * x)
 
 
-# Spacings of a grid along over those across, from which patches of cells are refused: with 38 pressures err by 1.2 %,
-# with 61 by 8 to 18 %, or their compliance is not positive definite, although the far field is that of 38 to 1e-4 of
-# the whole (docs/studies/pressure_ends.md); the cause is unknown.
+# Grid spacing along over that across, from which patches of cells are refused: at 38 pressures err by 1.2 %, at 61 by
+# 8 to 18 %, or their compliance is not positive definite, although the far field equals that at 38 to 1e-4 of the whole
+# (docs/studies/pressure_ends.md); the cause is unknown.
 LONGEST = 40.0
-# Of `FarField.asymmetry`: beyond ASYMMETRIC the mesh's error near a load is no longer alike in both directions, beyond
-# UNUSABLE nobody knows what the far field is.
+# Of `FarField.asymmetry`: beyond ASYMMETRIC the mesh's error near a load differs between the directions, beyond
+# UNUSABLE the far field is unknown.
 ASYMMETRIC, UNUSABLE = 0.02, 0.25
 
 
@@ -58,8 +58,8 @@ class FreeEnd:
 class FarTangential:
     """S of tangential tractions and displacements among the splines, in the layouts of `Tangential`: with the flat
     index `d*c*r + j*r + k` of direction d, spline column j and row k, `lags_tt (sectors, 2 c r, 2 c r)`, symmetric, and
-    `lags_nt (sectors, c r, 2 c r)` [m/N], what tangential loads move along the normal and, transposed, normal ones
-    along the surface. `asymmetry`: of T_tt, as that of `FarField`.
+    `lags_nt (sectors, c r, 2 c r)` [m/N], the normal displacement under tangential loads and, transposed, the
+    tangential one under normal loads. `asymmetry`: of T_tt, as that of `FarField`.
     """
 
     lags_tt: Array
@@ -80,7 +80,7 @@ class FarField:
     poisson_ratio: float
     ends: tuple[FreeEnd, ...]
     asymmetry: float
-    quarter: QuarterSurface | None = None  # what the ends add at the surface; None without ends
+    quarter: QuarterSurface | None = None  # contribution of the ends at the surface; None without ends
     tangential: FarTangential | None = None  # None: of bodies without tangential tractions on cells
 
     def facts(self) -> dict[str, Any]:

@@ -18,11 +18,11 @@ momentum `L = J w + h`, forces f_j on the modes and M on the body:
 the added terms of a mode being Coriolis, Euler and centrifugal forces. (Shabana, Dynamics of Multibody Systems, ch. 5,
 writes the same integrals as inertia shape integrals.) `w.J2_ij w` is the Gram matrix of `w x phi_i`, not negative.
 
-**Levels** omit J1, J2 or G in T itself, and derive the forces from the remainder. Each is therefore a mechanical system
-of its own, and conserves energy and angular momentum: "constant" keeps none, "deformed" J1 and J2, "gyroscopic" J1 and
-G, "full" all three. The terms are called "centrifugal" (J1), "deformed inertia" (J2) and "gyroscopic" (G). Limits: w =
-0 leaves G's Euler forces alone, |q| = 0 the centrifugal load w.J1_j w/2; the terms compare with the elastic force as
-(w/omega_j)^2 (J2) and w/omega_j (G), so slow rotation of a stiff body requires none.
+**Levels** omit J1, J2 or G in T itself; the forces are derived from the remaining T. Each is therefore a mechanical
+system of its own, and conserves energy and angular momentum: "constant" keeps none, "deformed" J1 and J2, "gyroscopic"
+J1 and G, "full" all three. The terms are called "centrifugal" (J1), "deformed inertia" (J2) and "gyroscopic" (G).
+Limits: w = 0 leaves G's Euler forces alone, |q| = 0 the centrifugal load w.J1_j w/2; the terms compare with the elastic
+force as (w/omega_j)^2 (J2) and w/omega_j (G), so slow rotation of a stiff body requires none.
 
 **Geometric stiffening.** A prestress sigma0 adds `sum_c int d_a phi_i^c sigma0_ab d_b phi_j^c dV` to the stiffness;
 sigma0 is linear in its causes, the centrifugal load (products of w) and the loads F on the interfaces:
@@ -68,10 +68,10 @@ that loads stiffen, the geometric stiffness K_c of a unit load (`warpffrf.model.
     d_c = Phi_c.q - q.K_c q/2,      dd_c/dq = Phi_c - K_c q,
 
 as used by the constraint rows (`warpffrf_kernels.bodies.interfaces`). The second part is the shortening by deflection:
-the work of a load F on it is the energy -F.d = F q.K q/2 of the prestress, so that one does not go without the other.
+the work of a load F on it is the energy -F.d = F q.K q/2 of the prestress, so that both are required together.
 
-A *body* here is whatever has `reduced`, a reduced body, and `stiffening`, whether loads stiffen it: a body of a scene
-or a `BodyView` of results.
+A *body* here is any object with `reduced`, a reduced body, and `stiffening`, whether loads stiffen it: a body of a
+scene or a `BodyView` of results.
 """
 
 from __future__ import annotations
@@ -242,7 +242,7 @@ def membrane_amplitudes(forms: Array, q: Array) -> Array:
 def membrane_forms(body: Any) -> Array | None:
     """L (R, k, k) of a body with stiffening, None for others, and for one without membrane energy.
 
-    A *body* is whatever has `reduced` and `stiffening`, as in `warpffrf.model.reduced.inertia`.
+    A *body* is any object with `reduced` and `stiffening`, as in `warpffrf.model.reduced.inertia`.
     """
     terms = body.reduced.inertia_terms if body.stiffening and body.reduced is not None else None
     return None if terms is None or terms.stiffening is None else terms.stiffening.membrane
@@ -290,7 +290,7 @@ class SecondOrderMotion:
 def motion_of(body: Any) -> SecondOrderMotion | None:
     """The second-order motion of a body with stiffening, None for others, and for one reduced without.
 
-    A *body* is whatever has `reduced` and `stiffening`, as in `warpffrf.model.reduced.inertia`.
+    A *body* is any object with `reduced` and `stiffening`, as in `warpffrf.model.reduced.inertia`.
     """
     terms = body.reduced.inertia_terms if body.stiffening and body.reduced is not None else None
     return None if terms is None or terms.stiffening is None else terms.stiffening.motion

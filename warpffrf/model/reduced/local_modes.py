@@ -25,27 +25,27 @@ used here, are K-orthogonal *and* M-orthogonal to Phi_g, M-orthogonal to rigid m
 
 the modes `phi_j = U y_j` are M-orthonormal, K-orthogonal, and Phi_g and they make mass and stiffness diagonal together.
 What is neglected is the inertia of the few directions of U (at most one per attachment mode) that are K-orthogonal to
-L: they follow their load statically, inside `D_rest`. The kinetic energy is that of the part that moves with inertia,
+L: they follow their load statically, within `D_rest`. The kinetic energy is that of the part that moves with inertia,
 so energy and momentum are conserved, and the static response remains exact. The frequencies of Phi_g and L together are
-Rayleigh-Ritz values: each is at or above the mesh's own one of its number, and with r directions held the k-th is at or
+Rayleigh-Ritz values: the k-th is at or above the k-th of the mesh, and with r directions held quasi-static at or
 below the (k+r)-th of the union (Cauchy). More global modes reduce the neglected part.
 
 They are responses to static loads, not eigenmodes: nearly exact in their inertia well below the lowest of them, 10 to
 30 % high in frequency themselves. Where a motion at those frequencies matters, use more global modes.
 
-**The online step.** With `t_j = D y_j` (`trace`, hat coefficients of the outward normal displacement, the same as
+**The online step.** With `t_j = D y_j` (`trace`, nodal coefficients of the outward normal displacement, as
 `mode_normal`) a load of nodal forces f drives mode j by `t_j^T f`, because `phi_j^T B s = t_j^T M_psi s`:
 
     q_j'' + 2 zeta_j omega_j q_j' + omega_j^2 q_j = t_j^T f,       u_n = mode_normal q_g + trace q + D_rest f,
 
     D_rest = D - sum_kept t_j t_j^T / omega_j^2      (positive semidefinite).
 
-At rest `q_j = t_j^T f/omega_j^2` and `u_n` is the exact one at any cut. For a body of L equal sectors everything is
+At rest `q_j = t_j^T f/omega_j^2` and `u_n` is exact for any truncation. For a body of L equal sectors everything is
 computed per harmonic; both real modes of a harmonic are kept or truncated, so that D_rest stays block-circulant.
 
-**Displacement anywhere**: that of the modes is the one of nodal forces `y`. Dynamic modes q and forces f together are
-equivalent to the nodal forces `f + y (q - Omega^-2 t^T f)` (`DynamicModes.equivalent_forces`), to be used in place of f
-wherever a displacement, or the local modes' part of a stress, is recovered.
+**Displacement anywhere**: that of the modes is the response to nodal forces `y`. Dynamic modes q and forces f together
+are equivalent to the nodal forces `f + y (q - Omega^-2 t^T f)` (`DynamicModes.equivalent_forces`), to be used in place
+of f wherever a displacement, or the local modes' part of a stress, is recovered.
 
 Slopes. Contact surfaces whose normals tilt under pressure: their compliance in a scene.
 
@@ -55,7 +55,7 @@ section 4.2), so that its normals tilt by s x/R*, and its compliance becomes (`w
 
     D + s (R/R*) S.
 
-On a rigid plane, and between two equal rollers, s R/R* = 1: all of a patch is pressed in one direction. A pin in a
+On a rigid plane, and between two equal rollers, s R/R* = 1: a whole patch is pressed in one direction. A pin in a
 bore of its own radius has R/R* = 0. A surface in several contacts uses their mean.
 """
 
@@ -71,26 +71,26 @@ from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.reduced.contact_surface import ContactSurface
 
 Array = np.ndarray
-# Eigenvalue of D over its largest below which a direction is too stiff to be told from round-off of D (1e-16 of the
-# largest, seen through the square of what it is divided by); nodes of nodal grids have 1e-6.
+# Eigenvalue of D over its largest below which a direction is too stiff to separate from round-off of D (1e-16 of the
+# largest, amplified by the square of the divisor); nodes of nodal grids have 1e-6.
 DEPENDENT = 1e-12
-# 1/omega^2 over its largest below which a frequency is left to D_rest: 3,000 times the lowest one, where round-off of N
+# 1/omega^2 over its largest below which a mode is assigned to D_rest: 3,000 times the lowest one, where round-off of N
 # (1e-16 of the largest) reaches 1e-9 of the modal mass.
 TOO_STIFF = 1e-7
-# Part of a unit-energy local direction in a global mode, relative to the largest that could be, above which the two
+# Part of a unit-energy local direction in a global mode, relative to the largest possible, above which the two
 # count as coupled. Vibration modes overlap by round-off, 1e-13; attachment modes by 1e-3 and more.
 COUPLED = 1e-8
-SAME_FREQUENCY = 1e-6  # relative distance of frequencies that are one multiple frequency, never cut apart
+SAME_FREQUENCY = 1e-6  # relative distance of frequencies that form one multiple frequency, never split
 
 
 @dataclass(frozen=True, eq=False)
 class DynamicModes:
     """Local modes with inertia, ascending in frequency, and the quasi-static rest (module docstring).
 
-    `omega` (n,) [rad/s]. `trace` (columns rows, n): hat coefficients of the outward normal displacement per unit modal
-    coordinate (modal mass 1 kg); the transpose takes hat forces [N] to modal forces. `shape` (L c rows, n) [N]: hat
-    forces whose static residual response is the mode. `residual_lags` (L, c rows, c rows) [m/N]: D_rest, layout of
-    `lags`. `stiffer`: rad/s of the lowest mode that was cut, inf where none was. `held`: directions that stay
+    `omega` (n,) [rad/s]. `trace` (columns rows, n): nodal coefficients of the outward normal displacement per unit
+    modal coordinate (modal mass 1 kg); the transpose maps nodal forces [N] to modal forces. `shape` (L c rows, n) [N]:
+    nodal forces whose static residual response is the mode. `residual_lags` (L, c rows, c rows) [m/N]: D_rest, layout
+    of `lags`. `stiffer`: rad/s of the lowest truncated mode, inf where there is none. `held`: directions that stay
     quasi-static because their mass couples with the global modes. `dropped`: directions too stiff to resolve.
     """
 
@@ -103,8 +103,8 @@ class DynamicModes:
     dropped: int
 
     def equivalent_forces(self, forces: Array, q: Array) -> Array:
-        """Hat forces (whole columns, rows) [N] with the static response of modal coordinates `q` (n,) and the rest's
-        response to `forces` (columns, rows) [N]; `ContactSurface.recover` takes them. Whole: of the full turn."""
+        """Nodal forces (columns, rows) [N] on the full revolution, for `ContactSurface.recover`: static response of
+        modal coordinates `q` (n,) and response of the rest to `forces` (columns, rows) [N]."""
         f = np.asarray(forces, dtype=np.float64)
         rows = f.shape[1]
         out = np.zeros((len(self.shape) // rows, rows))
@@ -117,7 +117,7 @@ def dynamic_modes(
     surface: ContactSurface, *, count: int | None = None, max_frequency: float | None = None
 ) -> DynamicModes:
     """The local modes of `surface` with inertia: the lowest `count`, those up to `max_frequency` [Hz], or the fewer of
-    both; neither: all. Multiple frequencies are never cut apart: for `count` that means some more.
+    both; neither: all. Multiple frequencies are never split, so that `count` may be exceeded by a few.
 
     Raises `InputError` for a body that was reduced without the mass of its local modes, and for bad limits.
     """
@@ -161,7 +161,7 @@ def dynamic_modes(
 
 @dataclass
 class _Block:
-    """Modes of one harmonic: omega (p,) ascending, trace and shape (size, p), and the directions left out."""
+    """Modes of one harmonic: omega (p,) ascending, trace and shape (size, p), and the omitted directions."""
 
     omega: Array
     trace: Array
@@ -247,8 +247,8 @@ def _real(waves: Array, k: int, L: int) -> Array:
 
 
 def leaning(contact: Any, port: Any) -> float:
-    """s R/R* of the surface of `port` in `contact`; 0 of surfaces that are touched in points, and of bodies that do
-    not say their material."""
+    """s R/R* of the surface of `port` in `contact`; 0 of surfaces in point contact, and of bodies
+    without a stated material."""
     if any(other.surface.shape.profile().crown for other in contact.ports):
         return 0.0
     own, whole = compliance(port), sum(compliance(other) for other in contact.ports)
@@ -287,7 +287,7 @@ def _radius(surface: Any) -> float:
 
 
 def compliance(port: Any) -> float:
-    """(1 - nu^2)/E [1/Pa]; 0 of a rigid body, and of one that does not say its material."""
+    """(1 - nu^2)/E [1/Pa]; 0 of a rigid body, and of one without a stated material."""
     reduced = port.body.reduced
     known = {} if reduced is None else reduced.provenance
     material = known.get("contact_materials", {}).get(port.surface.name)

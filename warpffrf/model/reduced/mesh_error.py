@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 NARROW = 0.005  # of the smallest radius of curvature, or of the extent of a plane: the default half-width
-PLACES = 5  # around the surface
+PLACES = 5  # points around the surface
 POINTS = 33  # of the load along it
 SAME = 1e-3  # of the size of a surface: two meshes of one body agree to this
 CUSP, BENDS = 1.0 / 12.0, 0.06  # `own_mesh_error`: of an approach of some twelve P'(1 - nu^2)/(pi E); measured
@@ -39,7 +39,7 @@ CUSP, BENDS = 1.0 / 12.0, 0.06  # `own_mesh_error`: of an approach of some twelv
 def mesh_error(
     body: ReducedBody, finer: ReducedBody, half_width: float | None = None, interface: str | None = None
 ) -> dict[str, float]:
-    """`ReducedBody.mesh_error`; the largest of `PLACES` around each surface."""
+    """`ReducedBody.mesh_error`; the largest at `PLACES` points around each surface."""
     if half_width is not None:
         half_width = require_number(half_width, "mesh_error: half_width", positive=True)
     held = interface if interface is not None else next(iter(body.interfaces), None)
@@ -91,7 +91,7 @@ def _error(body: ReducedBody, finer: ReducedBody, name: str, held: str | None, h
 
 
 def _beyond(body: ReducedBody, name: str, held: str | None, theta: float, z: Array, weight: Array) -> float:
-    """Mean displacement [m/N], without the half-space, of a unit force spread over places z (n,) [m] by `weight`."""
+    """Mean displacement [m/N], without the half-space, of a unit force distributed over z (n,) [m] by `weight`."""
     surface = body.contact_surfaces[name]
     splines = surface.splines
     P = np.outer(splines.around([theta])[0], weight @ splines.along(z)).ravel()
@@ -122,15 +122,16 @@ def _far(surface: ContactSurface) -> FarField:
 
 
 def own_mesh_error(body: ReducedBody, name: str, half_widths: tuple[float, float], *, line: bool) -> float:
-    r"""The same of a surface with a far field without another mesh, its size: a fraction of the force at an approach.
+    r"""Magnitude of the same error, estimated without another mesh, for a surface with a far field: a fraction of the
+    force at a given approach.
 
-    half_widths [m] of the patch around and along the surface; line: whether it goes on to the ends. The splines of the
-    far field, h apart, see what is not smooth in it as if it were spread over h, the cusp of a curved surface above
-    all (docs/studies/coarse_points.md), of a line `CUSP` (1 - 2 nu)/(1 - nu) h/(2 R) of the approach, of a point
-    4 (1 - 2 nu)^2/(6 pi (1 - nu)) (a/R) ln(h/a), and what bends with the wall t behind the surface, `BENDS` (h/t)^2.
-    What cells make of that wall the reduction has found, too ("wall_error" of its report): the larger of both counts.
-    Within a factor of three of second meshes, of hollow and of thin rollers with 2 to 10 mm cells of any kind, and of
-    solid balls; not of a cell or two on a radius, nor of slender linear tetrahedra.
+    half_widths [m] of the patch around and along the surface; line: whether it extends to the ends. The splines of the
+    far field, h apart, spread its non-smooth parts over h. These are mainly the cusp of a curved surface
+    (docs/studies/coarse_points.md), for a line `CUSP` (1 - 2 nu)/(1 - nu) h/(2 R) of the approach, for a point
+    4 (1 - 2 nu)^2/(6 pi (1 - nu)) (a/R) ln(h/a), and the bending of the wall t behind the surface, `BENDS` (h/t)^2.
+    The reduction also computes the error of the cells in that wall ("wall_error" of its report): the larger one is
+    used. Within a factor of three of a second mesh, for hollow and thin rollers with 2 to 10 mm cells of any kind, and
+    solid balls; not for one or two cells on a radius, nor for slender linear tetrahedra.
     """
     surface = body.contact_surfaces[name]
     far, grid = _far(surface), surface.grid
@@ -143,6 +144,6 @@ def own_mesh_error(body: ReducedBody, name: str, half_widths: tuple[float, float
     if line or not 0.0 < a < h / np.e:
         cells = body.report.get("contact", {}).get(name, {}).get("far_field", {}).get("wall_error", 0.0)
         return float(max(CUSP * soft * 0.5 * h * k + BENDS * (h / wall) ** 2, cells))
-    spread = a / wall  # of what a point yields the far field is so much less
+    spread = a / wall  # fraction of a point's approach that the far field has
     cusp = 4.0 * soft * (1.0 - 2.0 * far.poisson_ratio) / (6.0 * np.pi) * a * k * np.log(h / a)
     return float(cusp + BENDS * (h / wall) ** 2 * min(10.0 * spread, 1.0))

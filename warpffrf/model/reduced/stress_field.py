@@ -21,15 +21,15 @@ user axes, with `f_k` the harmonics of the forces and w_k = 1/N for k = 0 and N/
 
 Skin strain. Strains of a body's skin, from the motion of its nodes.
 
-An edge X of a triangle that goes over into X + u is stretched, of second order, by
+An edge X of a triangle that deforms into X + u has the second-order strain
 
     e = (X.u + v.v/2)/|X|^2,      u of Phi q + Theta(q, q),      v of Phi q,
 
-v.v/2 less what Theta relieves of it (`warpffrf.model.reduced.inertia`); of bodies without Theta by the
-linear strain, as in their equations. It is the mean of the strain along the edge, right on quadratic cells that bend,
-where shears of flat triangles are not: across a deep bend of cells much longer than thick these would be several times
-the strain there is. Pressures on contact surfaces, local modes and notches inside are not in it, and of shear only what
-is along edges.
+v.v/2 reduced by the part that Theta relieves (`warpffrf.model.reduced.inertia`); of bodies without Theta the linear
+strain, as in their equations. It is the mean strain along the edge, correct on bending quadratic cells, where shears of
+flat triangles are not: across a deep bend of cells much longer than thick these would be several times the actual
+strain. Pressures on contact surfaces, local modes and internal notches are not included, and of shear only the part
+along edges.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ SUMMED = 8  # points per position up to which a harmonic sum per point costs les
 @named_arguments
 @dataclass(frozen=True, eq=False)
 class StressPoints:
-    """Places of stress: `points` (p, 3) [m, user frame], or the name of a facet set, whose stress is averaged over the
+    """Points of stress: `points` (p, 3) [m, user frame], or the name of a facet set, whose stress is averaged over the
     cells of one `cell_set` only."""
 
     points: Any
@@ -95,7 +95,7 @@ def max_shear(stress: np.ndarray) -> np.ndarray:
 
 
 def sector_frames(axes: np.ndarray, sector: np.ndarray, sectors: int) -> np.ndarray:
-    """Axes (p, 3, 3, in columns, user axes) of the sectors with the numbers `sector` (p,), turned about the third."""
+    """Axes (p, 3, 3, in columns, user axes) of the sectors with the numbers `sector` (p,), rotated about the third."""
     angle = 2.0 * np.pi * np.asarray(sector) / sectors
     turn = np.zeros((len(angle), 3, 3))
     turn[:, 0, 0] = turn[:, 1, 1] = np.cos(angle)
@@ -107,9 +107,9 @@ def sector_frames(axes: np.ndarray, sector: np.ndarray, sectors: int) -> np.ndar
 
 @dataclass(frozen=True)
 class GridSpan:
-    """The whole grid that covers the facets, and where the grid of the surface lies in it: nodes on an arc are cut out
-    of a full turn (`closed`), on which the Gram matrix is inverted then, or of a larger arc with half nodes at its
-    ends, which carry no traction. `columns` of the whole grid; column 0 of the surface is its column `first`."""
+    """The whole grid that covers the facets, and the position of the surface's grid in it: an arc is part of a full
+    revolution (`closed`), on which the Gram matrix is then inverted, or of a larger arc with half nodes at its ends,
+    which carry no traction. `columns` of the whole grid; column 0 of the surface is its column `first`."""
 
     first: int
     columns: int
@@ -328,7 +328,7 @@ Array = np.ndarray
 
 def skin_strain(body: Any, q: Array) -> Array:
     """Strains (t, 3) [-] of the edges of each triangle of the skin of a flexible body at modal coordinates q (m,) [m].
-    A *body* is whatever has `reduced` and `stiffening`."""
+    A *body* is any object with `reduced` and `stiffening`."""
     surface = body.reduced.surface
     corners = np.asarray(surface.triangles)
 

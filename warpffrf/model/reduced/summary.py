@@ -17,7 +17,7 @@ ROUND_OFF = 1e-12  # of the size: coordinates below it are rounding and shown as
 
 
 def summary(body: ReducedBodyData) -> str:
-    """Lines about mass, modes, interfaces, contact surfaces, materials, the path taken, and quality."""
+    """Lines about mass, modes, interfaces, contact surfaces, materials, the reduction path, and quality."""
     f = body.frequencies
     near = ROUND_OFF * float(np.ptp(body.surface.points, axis=0).max()) if len(body.surface.points) else 0.0
     lines = [
@@ -138,7 +138,7 @@ def _materials(contact: dict[str, Any]) -> list[str]:
 
 
 def _inertia_terms(body: ReducedBodyData, terms: InertiaTerms, modes: int) -> str:
-    """Which modes have them, whether these hold the response to turning, and what stiffens them."""
+    """The modes with inertia terms, whether these include the response to rotation, and what stiffens them."""
     text = f"of {'all' if terms.modes == modes else f'the first {terms.modes} of {modes}'} global modes"
     if body.report.get("inertia", {}).get("centrifugal"):
         text += ", with the static response to rotation"
@@ -211,7 +211,7 @@ def _stages(stages: dict[str, float]) -> str:
 
 
 def bytes_text(size: int) -> str:
-    """A number of bytes with a fitting unit."""
+    """A number of bytes with a suitable unit."""
     value = float(size)
     for unit in ("B", "KiB", "MiB"):
         if value < 1024.0:

@@ -1,7 +1,7 @@
 """Small-sliding contact (joint interfaces): its options in a scene, and its cells in a reduced body.
 
-SmallSliding  options of a `Contact` with small sliding
-MatchedSurface    the cells of a matched face of a reduced body
+SmallSliding    options of a `Contact` with small sliding
+MatchedSurface  the cells of a matched face of a reduced body
 """
 
 from __future__ import annotations

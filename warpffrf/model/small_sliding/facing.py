@@ -1,18 +1,18 @@
 r"""Facing parts of two triangulated surfaces: the triangles of the first, cut by those of the second.
 
-Triangle b of the second surface is seen from triangle a of the first along a's normal n: where their normals look
-against each other, `n.n_b < -cos 60 deg`, and b is neither behind a, by more than what meshes of round faces and press
-fits overlap, nor far away, the shadow of b on the plane of a cuts a convex polygon out of it (`clipping`). The polygons
-of all b fill the part of a that is covered; cut into triangles they are the *pieces*, each with one triangle on either
-side.
+Triangle b of the second surface is projected onto triangle a of the first along a's normal n: where their normals are
+opposed, `n.n_b < -cos 60 deg`, and b is neither behind a, by more than the overlap of meshes of round faces and
+press fits, nor far away, the projection of b onto the plane of a cuts a convex polygon out of it (`clipping`). The
+polygons of all b fill the part of a that is covered; cut into triangles they are the *pieces*, each with one triangle
+on either side.
 
 Clipping. Convex polygons in the plane cut by one another (Sutherland and Hodgman 1974, Commun. ACM 17, 32), many at a
 time.
 
 Pairing. Opposite cells of two faces at the initial pose, and the transfer of a cell's forces to the other face.
 
-Triangles of the first face are cut by those of the second, seen along the normals of the first (`facing`). A cell of
-the first face that is covered is a cell of the matched face; its force acts on the cells of the second face in
+Triangles of the first face are cut by those of the second, projected along the normals of the first (`facing`). A cell
+of the first face that is covered is a cell of the matched face; its force acts on the cells of the second face in
 proportion to the shared areas, and its opposite displacement is the mean of theirs with the same weights, so that the
 two are conjugate. Cells of the second face have a mean displacement each and no slope, so that weights by shared area
 alone would misplace the force where cells do not nest, and two cells on one cell of the second face would have the same
@@ -21,10 +21,9 @@ displacements that are linear along the face,
 
     sum w = 1,        sum w x = x of the cell,
 
-with the cells x of the second face that it shares area with and the `NEAR` nearest ones; weights below 0 may be among
-them. At the outline of the overlap cells of the first face are taken whole: the force acts on all
-of the cell, and on the cells of the second face that it covers. The gap of a cell is the mean distance along its
-normal.
+over the cells x of the second face that it shares area with and the `NEAR` nearest ones; weights may be negative. At
+the outline of the overlap cells of the first face are taken whole: the force acts on all of the cell, and on the cells
+of the second face that it covers. The gap of a cell is the mean distance along its normal.
 """
 
 from __future__ import annotations
@@ -40,8 +39,8 @@ from warpffrf.model.errors import InputError
 
 Array = np.ndarray
 FACING = -0.5  # cosine between normals of triangles that face each other, at most
-# Of the extent of the smaller face: how far the face across may lie inside, as with press fits, beside what the flat
-# facets of round faces cut off. Sheets are thicker, whose other side must not be taken for it.
+# Of the extent of the smaller face: how far the opposite face may lie inside, as with press fits, in addition to what
+# the flat facets of round faces cut off. Sheets are thicker, whose other side must not be taken for it.
 BEHIND = 1e-3
 FAR = 0.5  # of the extent of the smaller face: further apart they do not face each other
 ROUND_OFF = 1e-10  # of a triangle's area: remainders of cuts along shared edges
@@ -52,15 +51,15 @@ PAIRS = 200_000  # triangle pairs tested at once: some 100 MB
 
 @dataclass(frozen=True, eq=False)
 class Triangles:
-    """A surface: corners `x` (t, 3, 3) [m] of its triangles, outwards, and numbers `nodes` (t, 3), alike where corners
-    of neighbours are one."""
+    """A surface: corners `x` (t, 3, 3) [m] of its triangles, outwards, and numbers `nodes` (t, 3), equal where corners
+    of neighbours coincide."""
 
     x: Array
     nodes: Array
 
     @classmethod
     def of(cls, x: Array) -> Triangles:
-        """Triangles that do not say which of their corners are one."""
+        """Triangles without numbers of coincident corners."""
         corners = x.reshape(-1, 3)
         size = max(float(np.ptp(corners, axis=0).max()), 1e-300)
         number = np.unique(np.round(corners / (TOGETHER * size)), axis=0, return_inverse=True)[1]
@@ -97,8 +96,8 @@ class Triangles:
 
     @cached_property
     def bulge(self) -> Array:
-        """How far (t,) [m] the surface that a triangle stands for may lie beside it: its reach times the angle between
-        its normal and the mean normals at its corners."""
+        """Largest distance (t,) [m] of a triangle from the surface that it represents: its reach times the angle
+        between its normal and the mean normals at its corners."""
         total = np.zeros((int(self.nodes.max()) + 1, 3))
         np.add.at(total, self.nodes.ravel(), np.repeat(self.normal, 3, axis=0))
         mean = total[self.nodes]
@@ -153,7 +152,7 @@ def facing(first: Triangles, second: Triangles) -> Facing:
 
 
 def why_apart(first: Triangles, second: Triangles, covered: tuple[float, float]) -> str:
-    """What is to be said of surfaces that do not face each other: how much does, how far apart they are, and why."""
+    """Message on surfaces that do not face each other: the covered parts, the distance, and the reason."""
     apart = float(KDTree(second.x.reshape(-1, 3)).query(first.x.reshape(-1, 3))[0].min())
     means = []
     for surface in (first, second):
@@ -188,7 +187,7 @@ def _candidates(first: Triangles, second: Triangles) -> tuple[Array, Array]:
     widest = float(second.reach.max())
     smaller = min(first.extent, second.extent)
     near = np.minimum(tree.query(first.center)[0], FAR * smaller)
-    # the place across is no further than the gap along n, which is at most twice the distance between the faces
+    # the opposite point is no further than the gap along n, which is at most twice the distance between the faces
     radius = first.reach + widest + (near + widest) / abs(FACING)
     one, other = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
     for start in range(0, len(first.center), CENTERS):
@@ -208,10 +207,10 @@ def _candidates(first: Triangles, second: Triangles) -> tuple[Array, Array]:
 
 
 def clipped(polygons: Array, count: Array, windows: Array) -> tuple[Array, Array]:
-    """The parts of convex polygons that lie inside convex windows, one window a polygon.
+    """The parts of convex polygons that lie inside convex windows, one window per polygon.
 
     `polygons` (p, k, 2), of which the first `count` (p,) corners count, and `windows` (p, l, 2), all corners, run
-    counter-clockwise. Returns polygons (p, k', 2) and their count, 0 where nothing is left.
+    counter-clockwise. Returns polygons (p, k', 2) and their count, 0 where none remains.
     """
     for edge in range(windows.shape[1]):
         a, b = windows[:, edge], windows[:, (edge + 1) % windows.shape[1]]
@@ -238,7 +237,7 @@ def fans(polygons: Array, count: Array) -> tuple[Array, Array]:
 
 
 def _half(polygons: Array, count: Array, a: Array, b: Array) -> tuple[Array, Array]:
-    """What lies to the left of the line from a to b (p, 2)."""
+    """The part to the left of the line from a to b (p, 2)."""
     p, k = polygons.shape[:2]
     there = np.arange(k) < count[:, None]
     along = b - a
@@ -251,7 +250,7 @@ def _half(polygons: Array, count: Array, a: Array, b: Array) -> tuple[Array, Arr
     crosses = there & ((side >= 0.0) != (next_side >= 0.0))
     share = np.where(crosses, side / np.where(crosses, side - next_side, 1.0), 0.0)
     crossing = polygons + share[:, :, None] * (next_corner - polygons)
-    # each corner, then the crossing behind it, as far as they are kept
+    # each corner, then the crossing after it, where they are kept
     kept = np.stack([inside, crosses], axis=2).reshape(p, 2 * k)
     corners = np.stack([polygons, crossing], axis=2).reshape(p, 2 * k, 2)
     found = kept.sum(axis=1)
@@ -261,7 +260,7 @@ def _half(polygons: Array, count: Array, a: Array, b: Array) -> tuple[Array, Arr
 
 
 def _next(k: int, count: Array) -> Array:
-    """Number (p, k) of the corner behind each, that behind the last being the first."""
+    """Index (p, k) of the corner after each, that after the last being the first."""
     following = np.arange(1, k + 1)[None, :]
     return np.where(following < count[:, None], following, 0)
 
@@ -269,7 +268,7 @@ def _next(k: int, count: Array) -> Array:
 LEAST = 1e-2  # of a cell's area: a smaller covered share counts as none
 NEAR = 5  # a cell and its neighbours on a grid
 AT_PLACE = 1e-6  # of a cell's edge: admissible offset of its force
-SHORT = 1e-6  # of how far the cells at hand lie apart: directions in which they do not differ
+SHORT = 1e-6  # of the distances of the cells considered: directions in which they do not differ
 
 
 @dataclass(frozen=True, eq=False)
@@ -288,8 +287,8 @@ class Pairing:
 def pair_faces(label: str, first: Array, cell: Array, normals: Array, second: Array, other: Array) -> Pairing:
     """The pairing of two faces in common axes.
 
-    first (t, 3, 3), second (u, 3, 3): corners of their triangles [m], outwards; cell (t,), other (u,): the cells that
-    these are of; normals (cells of the first face, 3). Raises `InputError`, naming `label`, where they do not face each
+    first (t, 3, 3), second (u, 3, 3): corners of their triangles [m], outwards; cell (t,), other (u,): their
+    cells; normals (cells of the first face, 3). Raises `InputError`, naming `label`, where they do not face each
     other.
     """
     a, b = Triangles.of(first), Triangles.of(second)
@@ -320,8 +319,8 @@ def _centers(triangles: Triangles, cell: Array) -> Array:
 
 
 def _at_their_places(weights: sp.csr_matrix, x: Array, edge: Array, normals: Array, others: Array) -> sp.csr_matrix:
-    """The weights (c, cells of the second face) changed as the module docstring says; x (c, 3), edge (c,), normals
-    (c, 3) of the cells, others (cells of the second face, 3): places."""
+    """The weights (c, cells of the second face) corrected as in the module docstring; x (c, 3), edge (c,), normals
+    (c, 3) of the cells, others (cells of the second face, 3): positions."""
     tree, near = KDTree(others), min(NEAR, len(others))
     aside = weights @ others - x
     aside -= np.einsum("ci,ci->c", aside, normals)[:, None] * normals

@@ -13,7 +13,8 @@ body
 
     delta = modes^T q_g + C s,        C = B^T G_res B,
 
-C the `matched_compliance` of the body: the static flexibility under inertia relief without what the global modes do.
+C the `matched_compliance` of the body: the static flexibility under inertia relief without the part of the global
+modes.
 
 Face loads. Transformation of the forces of a small-sliding contact's cells to the cells of its faces.
 
@@ -54,7 +55,7 @@ class MatchedSurface:
     covered: tuple[float, float]  # of pairs the share of each face's area that faces the other one; of faces 1, 1
     distance: tuple[float, float]  # m: mean and largest of `gap`
     size: tuple[float, float]  # m: smallest and largest edge of a square of a cell's area
-    by: str = "facets"  # what a cell is made of: "facets" or "nodes"
+    by: str = "facets"  # kind of cells: "facets" or "nodes"
 
     @property
     def cells(self) -> int:

@@ -4,7 +4,8 @@ Cells of the first face have fixed partners on the other; rolling and large slid
 sheets, leaves of a spring, a hub on its shaft. Contact is unilateral, friction is Coulomb's with its history, and cells
 have the static compliance of their relative motion (`surfaces.Matched`), coupled over all matched faces of a body.
 
-Preload. Interfaces with initial interference or gap: how the preload is equilibrated, and which hardly touch.
+Preload. Interfaces with initial interference or gap: how the preload is equilibrated, and which interfaces hardly
+touch.
 
 Interference presses faces apart. A hub on its shaft is self-equilibrated, as the pressures cancel around the
 circumference; two plates require a bolt, a joint or a load. Bodies that no joint, spring or contact connects make a
@@ -61,7 +62,7 @@ class SmallSliding:
     interference [m]: initial penetration of the second face into the first, as in a press fit, added to that of the
     geometry. tangential_stiffness [Pa/m]: that of a layer (`laws.LinearLayer`) along the face, None for its normal
     stiffness; without a layer the value is tangential only, and None means rigid. Raises `InputError` for numbers that
-    cannot be used.
+    are not admissible.
     """
 
     interference: float = 0.0

@@ -54,7 +54,7 @@ SHAPES: dict[str, type[Any]] = {shape.kind: shape for shape in _KINDS}
 
 
 def from_description(description: dict[str, Any]) -> Any:
-    """The shape whose `description` `describe()` wrote, of any class that is defined. Raises `InputError` for a kind
+    """The shape from a `description` by `describe()`, of any class that is defined. Raises `InputError` for a kind
     that does not exist."""
     kind = description["kind"]
     shapes = {shape.kind: shape for shape in _subclasses(Shape)}

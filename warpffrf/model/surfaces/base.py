@@ -27,7 +27,7 @@ class Shape(ABC):
     set.
 
     fit_tolerance [m] is the largest distance of a node that is accepted, 1e-5 of the size where None. `deviation` [m],
-    the largest distance there was, is set by `fitted`.
+    the largest distance found, is set by `fitted`.
     """
 
     fit_tolerance: float | None = None
@@ -45,7 +45,7 @@ class Shape(ABC):
 
     @property
     def resolved(self) -> bool:
-        """True when nothing is left to fit."""
+        """True when no parameter remains to be fitted."""
         return not self.missing
 
     @property
@@ -74,7 +74,7 @@ class Shape(ABC):
 
     @abstractmethod
     def profile(self) -> SurfaceProfile:
-        """The surface's numbers. Raises `InputError` while something is left to fit."""
+        """The surface's numbers. Raises `InputError` while parameters remain to be fitted."""
 
     @abstractmethod
     def chart(self, points: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -145,8 +145,8 @@ class Shape(ABC):
 
         normals (n, 3), where given, are the outward normals of the facets at the points: they define the side of a
         plane, and detect a surface with the material inside that was requested on a bore. Raises `InputError` when the
-        largest distance of a point exceeds the tolerance, the points do not determine what is left open, or the normals
-        show that the material lies on the other side.
+        largest distance of a point exceeds the tolerance, the points do not determine all parameters that are None, or
+        the normals show that the material lies on the other side.
         """
         points = require_array(points, f"surface {self.kind}: points", (None, 3))
         if normals is not None:
@@ -189,7 +189,7 @@ class Shape(ABC):
     def _keep_direction(self, name: str) -> None:
         given = getattr(self, name)
         unit = require_direction(given, f"surface {self.kind}: {name}")
-        same = np.array(given, dtype=np.float64)  # one that is a unit vector stays as it is: a file gives it back
+        same = np.array(given, dtype=np.float64)  # a unit vector is not changed: a file returns it exactly
         object.__setattr__(self, name, same if np.max(np.abs(same - unit)) <= UNIT else unit)
 
     def _unknown(self, what: str) -> InputError:

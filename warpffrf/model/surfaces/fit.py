@@ -12,8 +12,8 @@ that is known, R(z) = R + t z - s(z) - T(z), the columns of the Jacobian are
 
 Each step re-linearises about the current axis. It starts from each principal direction of the point cloud with an
 algebraic circle fit (Kasa 1976: u^2 + v^2 = 2 a u + 2 b v + k is linear in a, b, k), of a free arc from a straight
-profile and from the same kind of fit in the meridian, and the best fit wins: which of the principal directions is the
-axis depends on the width and on the arc that the points cover.
+profile and from the same kind of fit in the meridian, and the best fit is used: which of the principal directions is
+the axis depends on the width and on the arc that the points cover.
 """
 
 from __future__ import annotations
@@ -62,10 +62,10 @@ def fit_revolution(
     tangent: float | None = 0.0,
     table: Table | None = None,
 ) -> Revolution:
-    """Fit what is None to `points` (n, 3) [m]; `kind` names the surface in errors.
+    """Fit the parameters that are None to `points` (n, 3) [m]; `kind` names the surface in errors.
 
-    The free origin along the axis of a straight or conical profile is put in the middle of the points; a fitted axis
-    points towards its first largest component. Raises `InputError` when the points do not determine the unknowns.
+    The free origin along the axis of a straight or conical profile is placed in the middle of the points; a fitted
+    axis points towards its first largest component. Raises `InputError` when the points do not determine the unknowns.
     """
     unknowns = 2 * (axis_point is None) + 2 * (axis_direction is None) + (radius is None) + (tangent is None)
     unknowns += 0 if curvature is not None else 1
@@ -237,7 +237,7 @@ def _gauss_newton(
             curvature=kappa + step["curvature"],
             tangent=fit.tangent + step["tangent"],
         )
-        # every step as a length: tilts, tangent and curvature by their displacement at a distance R
+        # all steps as lengths: tilts, tangent and curvature by their displacement at a distance R
         lengths = {"tilt_0": fit.radius, "tilt_1": fit.radius, "tangent": fit.radius, "curvature": fit.radius**2}
         if max(abs(v) * lengths.get(k, 1.0) for k, v in step.items()) <= FIT_STALLED * abs(fit.radius):
             break

@@ -7,7 +7,7 @@ Round form. A form deviation around a rigid surface of revolution in lumped cont
 roundness.
 
 A form of `warpffrf.films` is the missing material, w(theta) [m], which adds to the gap. Here it depends on the angle
-theta about the axis alone, and is kept as the periodic cubic spline through STEPS places: a wave of order 60 has an
+theta about the axis alone, and is kept as the periodic cubic spline through STEPS points: a wave of order 60 has an
 error of 1e-5 of its amplitude, and of 0.1 % of its curvature. Its effect on gap, normal and curvature, of first order
 in the slope, is derived in `warpffrf_kernels.lumped.form`.
 
@@ -57,8 +57,8 @@ class Form(ABC):
 @named_arguments
 @dataclass(frozen=True)
 class LobedForm(Form):
-    """Waves around, amplitude cos(count (theta - phase)); amplitude [m], phase [rad] of a place where material is
-    missing. Two make a surface oval. Raises `InputError`."""
+    """Waves around, amplitude cos(count (theta - phase)); amplitude [m], phase [rad] of a point where material is
+    missing. A count of 2 gives an oval surface. Raises `InputError`."""
 
     amplitude: float
     count: int
@@ -82,7 +82,7 @@ class LobedForm(Form):
 @named_arguments
 @dataclass(frozen=True)
 class BarrelForm(Form):
-    """A parabola along the axis: nothing is missing at `middle` [m], `drop` [m] at half the `length` [m] from it;
+    """A parabola along the axis: zero at `middle` [m], `drop` [m] at half the `length` [m] from it;
     hollow where the drop is negative. Raises `InputError`."""
 
     drop: float
@@ -133,7 +133,7 @@ class WornForm(Form):
 @named_arguments
 @dataclass(frozen=True, eq=False)
 class MeasuredForm(Form):
-    """MeasuredForm deviations, `values` (n, m) [m] at theta (n,) [rad, of a plane m] and z (m,) [m], both rising,
+    """Measured deviations, `values` (n, m) [m] at theta (n,) [rad, of a plane m] and z (m,) [m], both rising,
     straight between them; beyond the outermost z their value.
 
     periodic: over the full revolution, with the first theta after the last; otherwise constant beyond the outermost
@@ -194,7 +194,7 @@ class MeasuredForm(Form):
 @named_arguments
 @dataclass(frozen=True)
 class CompositeForm(Form):
-    """Several forms at once; what `+` makes. Raises `InputError` for parts that are no forms."""
+    """The sum of several forms, the result of `+`. Raises `InputError` for parts that are no forms."""
 
     parts: tuple[Form, ...]
     kind: ClassVar[str] = "composite_form"
@@ -228,7 +228,7 @@ FORMS: dict[str, type[Any]] = {
 
 
 def as_form(value: Any, label: str) -> Form | None:
-    """`value` as a form, None for none; raises `InputError` naming `label`, with the forms there are."""
+    """`value` as a form, None for none; raises `InputError` naming `label`, with the existing forms."""
     if value is None or isinstance(value, Form):
         return value
     raise InputError(f"{label} must be one of {_names()}, or a sum of them, got {value!r}")
@@ -244,7 +244,8 @@ def _keep_number(form: Form, name: str, unit: str, *, positive: bool = False) ->
 
 
 def _piece(places: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The piece between rising `places` (n,) in which each `at` lies, and how far along it, 0 to 1; of one place 0."""
+    """The piece between ascending `places` (n,) that contains each `at`, and the fraction along it, 0 to 1; of one
+    place 0."""
     if len(places) == 1:
         return np.zeros(at.shape, dtype=int), np.zeros(at.shape)
     i = np.clip(np.searchsorted(places, at, side="right") - 1, 0, len(places) - 2)
@@ -252,7 +253,7 @@ def _piece(places: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 STEPS = 4096  # around
-AGREES = 1e-4  # of the largest deviation: how near the spline comes to the form between its places
+AGREES = 1e-4  # of the largest deviation: admissible distance of the spline from the form between its points
 
 
 @dataclass(frozen=True, eq=False)
@@ -308,7 +309,7 @@ class RoundForm:
         return c0 + t * (c1 + t * (c2 + t * c3)), c1 + t * (2.0 * c2 + 3.0 * t * c3), 2.0 * c2 + 6.0 * t * c3
 
     def turned(self, angle: float) -> RoundForm:
-        """The same form, farther around by `angle` [rad]."""
+        """The same form, rotated by `angle` [rad]."""
         return RoundForm(self.form, self.start + angle)
 
     @property
@@ -322,7 +323,7 @@ class RoundForm:
 
 
 def refuse_form(port: Any, label: str) -> None:
-    """Raises `InputError` for a surface whose form deviation would be left out."""
+    """Raises `InputError` for a surface whose form deviation would be ignored."""
     if port.surface.form is not None:
         raise InputError(
             f"{label}: {port.label} has a form deviation, which only lumped contacts support; leave it out, or give a "

@@ -20,14 +20,14 @@ class Matched:
     ----------
     second: None for a face in contact with another body's; or the facet set of this body that faces it. The cells are
         then those of the overlap of the two faces, the first of which defines the cells and their frames.
-    size [m]: facets are gathered into cells up to about this size; None: each facet is a cell, or as `growth` says.
-    growth: cells grow away from the outline of the overlap, outer edges and holes alike: at a distance d from it they
+    size [m]: facets are gathered into cells up to about this size; None: each facet is a cell, or as `growth` defines.
+    growth: cells grow away from the outline of the overlap, outer edges and holes: at a distance d from it they
         are as large as a facet plus `growth` times d, and at most `size`. None: the same size everywhere.
     by: "facets": a cell is a facet of the first set, cut by the outline of the second, or several of them. "nodes": a
-        cell is a node of the first set, its load a nodal force; the nodes of the second have to lie opposite.
-    fine: facet sets from whose outlines d is measured in the place of that of the overlap, seen along the normals of
-        the first face: those under heads of bolts, at whose edges the pressure is steep, through the sheet.
-    first: facet set of the face; None: the one that has the name of the surface.
+        cell is a node of the first set, its load a nodal force; the nodes of the second must lie opposite.
+    fine: facet sets from whose outlines, projected along the normals of the first face, d is measured instead of from
+        that of the overlap: those under heads of bolts, at whose edges the pressure is steep, through the sheet.
+    first: facet set of the face; None: the one with the name of the surface.
 
     Raises `InputError` for invalid names, sizes that are not positive, sizes of cells by nodes, and `fine` without
     `growth`.

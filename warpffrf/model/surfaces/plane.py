@@ -13,7 +13,7 @@ from warpffrf.model.surfaces.base import Shape
 from warpffrf.model.surfaces.fit import reference_direction
 from warpffrf.model.surfaces.profile import SurfaceProfile
 
-ACROSS = 1e-6  # length of `direction` within the plane below which it says nothing: it is the normal
+ACROSS = 1e-6  # length of `direction` within the plane below which it is undefined: it is the normal
 IN_LINE = 1e-9  # second singular value of the nodes over the first, below which they lie on one line
 
 
@@ -23,8 +23,9 @@ class Plane(Shape):
     """A plane; parameters that are None are fitted to the nodes of the facet set.
 
     origin (3,) [m]: a point of it, the middle of the nodes where None. outward (3,): its normal, away from the
-    material; where None it is found from the nodes and from the facets' side. direction (3,): that of z, made to lie in
-    the plane; where None it is such that theta runs along +x, or +y where the normal is near x. User frame of the body.
+    material; where None it is found from the nodes and from the facets' side. direction (3,): that of z, projected
+    onto the plane; where None it is such that theta runs along +x, or +y where the normal is near x. User frame of the
+    body.
     fit_tolerance [m]: 1e-5 of the extent of the nodes where None. theta [m] is a length along e_1 = e_a x outward.
     """
 
@@ -125,7 +126,7 @@ class Plane(Shape):
         return replace(self, origin=origin, outward=outward)
 
     def _axes(self) -> np.ndarray:
-        """e_a: `direction` within the plane, or what makes e_1 the reference direction of the normal."""
+        """e_a: `direction` within the plane, or such that e_1 is the reference direction of the normal."""
         normal = self.outward if self.outward is not None else self._known()[1]
         if self.direction is None:
             return np.cross(normal, reference_direction(normal))

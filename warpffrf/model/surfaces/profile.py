@@ -31,8 +31,8 @@ from warpffrf.model.surfaces.fit import crown_drop
 SMALLEST_COSINE = 1e-150  # slope of an arc at its very end: large, and its square is still a number
 NEAR_POLE = 0.5  # cosine of the arc's slope below which R/cosine loses digits faster than the other form
 FOOT_STEPS = 25  # Newton from a node of the table takes about five; more where curvature jumps near by
-FOOT_STALLED = 1e-15  # of the scale of the table: nothing moves any more
-FLATTEST = 0.1  # of 1 + R'^2, least derivative of F: beyond a centre of curvature F turns back, go on more slowly
+FOOT_STALLED = 1e-15  # of the scale of the table: smaller steps end the iteration
+FLATTEST = 0.1  # of 1 + R'^2, least derivative of F: beyond a centre of curvature F decreases; smaller steps are taken
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ Profiled cylinder. Outside of a cylinder with a profile by a table: R(z) = R_0 -
 slope.
 
 The pieces are Hermite polynomials through the drops: with the slopes of the table, else with those of PCHIP (Fritsch
-and Carlson 1980), which overshoot nowhere. Beyond the table the profile is extrapolated linearly.
+and Carlson 1980), which do not overshoot. Beyond the table the profile is extrapolated linearly.
 
 Logarithmic profile (Lundberg 1939; the form with a finite end is that of Fujiwara and Kawase 2007)
 
@@ -39,7 +39,7 @@ from warpffrf.model.surfaces.base import Shape
 from warpffrf.model.surfaces.fit import Revolution, fit_revolution, reference_direction, rms_distance
 from warpffrf.model.surfaces.profile import SurfaceProfile
 
-# A fitted arc must be seen: nodes that a straight profile fits as well, or to their round-off, show none.
+# A fitted arc must be significant: nodes that a straight profile fits as well, or to their round-off, have none.
 BETTER = 0.9  # rms distance over that of the straight profile: one unknown more explains noise of n nodes by 1 - 1/n
 ROUND_OFF = 1e-9  # of the radius
 
@@ -164,7 +164,7 @@ LOGARITHMIC_NODES = 129  # with exact slopes: error (step)^4/384 of the fourth d
 @named_arguments
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ProfiledCylinder(RevolutionShape):
-    """Outside of a cylinder whose radius drops by a table; what else is None is fitted to the nodes.
+    """Outside of a cylinder whose radius drops by a table; other parameters that are None are fitted to the nodes.
 
     table: arrays (z, drop) or (z, drop, slope) (n,) [m, m, -], z increasing and counted from `axis_point`, drop the
     distance below `radius`. Not symmetric: `axis_direction` should then be given. Other arguments as for `Cylinder`.
@@ -260,7 +260,7 @@ class ProfiledCylinder(RevolutionShape):
                        axis_direction=fit.axis_direction)  # fmt: skip
 
     def _completed_level(self, points: np.ndarray) -> Any:
-        """With a table that drops nowhere: a cylinder, and the middle of the table in the middle of the nodes."""
+        """With a table without drop: a cylinder, with the middle of the table in the middle of the nodes."""
         drop, middle = float(np.mean(self.table[1])), 0.5 * float(self.table[0, 0] + self.table[0, -1])
         radius = None if self.radius is None else self.radius - drop
         fit = fit_revolution(points, self.kind, radius, self.axis_point, self.axis_direction, curvature=0.0)

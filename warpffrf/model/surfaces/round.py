@@ -14,7 +14,7 @@ Conical bore. Inside of a circular cone: R(z) = R_0 + tan(alpha) z, the material
 Sphere. Outside of a sphere: R(z) = sqrt(R_0^2 - z^2), a crown of radius R_0.
 
 Fit. |x|^2 = 2 c.x + (R^2 - c.c) is linear in c and R^2 - c.c; Gauss-Newton on f = |x - c| - R, with the columns
--(x - c)/|x - c| and -1, makes it the least-squares fit of distances.
+-(x - c)/|x - c| and -1, refines it to the least-squares fit of distances.
 
 Cup. Inside of a sphere: R(z) = sqrt(R_0^2 - z^2), the material outside.
 
@@ -87,7 +87,7 @@ class CrownedCylinder(RevolutionShape):
         return self._completed_arc(points, "crown_radius", 1.0, "crown; use Cylinder()")
 
 
-# Of a mesh: a steeper cone is a disc, its chart counts along an axis that it hardly follows
+# Of a mesh: a steeper cone is a disc, the axis of its chart is nearly normal to it
 STEEPEST = np.radians(80.0)
 FLATTEST = np.radians(89.99)  # of a rigid surface in lumped contact, which needs no chart: the face of a rib
 STRAIGHT = 1e-9  # tangent below which points show no cone: round-off of nodes over their width
@@ -175,7 +175,7 @@ RIGID_AXIS = (0.0, 1.0, 0.0)  # as of a roller: a ball on a floor has its poles 
 @named_arguments
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sphere(RevolutionShape):
-    """Outside of a sphere, a ball; `axis_point` (3,) [m] is its centre. What is None is fitted to the nodes.
+    """Outside of a sphere, a ball; `axis_point` (3,) [m] is its centre. Parameters that are None are fitted.
 
     axis_direction (3,): of the chart's axis, whose two poles cannot be in contact; where None it is perpendicular to
     the middle of the nodes seen from the centre, z where they lie all around, and y of a rigid surface.
@@ -217,7 +217,7 @@ def _across(direction: np.ndarray) -> np.ndarray:
 def _fit_sphere(
     points: np.ndarray, kind: str, center: np.ndarray | None, radius: float | None
 ) -> tuple[np.ndarray, float]:
-    """Centre (3,) [m] and radius [m], fitted where None. Raises `InputError` for points that leave them open."""
+    """Centre (3,) [m] and radius [m], fitted where None. Raises `InputError` for points that do not determine them."""
     unknowns = 3 * (center is None) + (radius is None)
     if len(points) < max(unknowns, 1):
         raise InputError(f"surface {kind}: {len(points)} points cannot determine {unknowns} unknowns")
@@ -260,7 +260,7 @@ class Cup(Sphere):
 class Groove(RevolutionShape):
     """Circular groove of radius `groove_radius` [m] around a shaft, the inner raceway of a ball bearing.
 
-    `radius` is that of the bottom of the groove, the smallest, at `axis_point`. What is None is fitted to the nodes.
+    `radius` is that of the bottom of the groove, the smallest, at `axis_point`. Parameters that are None are fitted.
     """
 
     groove_radius: float | None = None
@@ -285,7 +285,7 @@ class Groove(RevolutionShape):
 class Ring(RevolutionShape):
     """Inside of a ring with a circular groove of radius `groove_radius` [m], the outer raceway of a ball bearing.
 
-    `radius` is that of the bottom of the groove, the largest, at `axis_point`. What is None is fitted to the nodes.
+    `radius` is that of the bottom of the groove, the largest, at `axis_point`. Parameters that are None are fitted.
     """
 
     groove_radius: float | None = None

@@ -7,9 +7,8 @@ reveals its rank. With A in the span of Phi, for every basis,
     Phi Omega^-2 Phi^T F = G F,        F^T (G - Phi Omega^-2 Phi^T) = 0:
 
 the static response to interface loads is exact and the residual local modes leave the interface coordinates at rest.
-The same holds for the loads of rotation, if requested.
-If a basis does not contain A by itself, `static_completion` measures the gap: the largest energy norm of a unit-energy
-attachment mode outside its span.
+The same holds for the loads of rotation, if requested. If a basis does not already contain A, `static_completion`
+measures the gap: the largest energy norm of a unit-energy attachment mode outside its span.
 """
 
 from __future__ import annotations

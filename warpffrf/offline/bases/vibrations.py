@@ -25,8 +25,8 @@ The residual-flexibility attachment modes are the part of the static response to
 
     A_res = G F - V Omega^-2 V^T F,      G = P^T K^+ P.
 
-MacNeal's method uses them in the stiffness only, without mass; Rubin's, and Craig and Chang's as a basis, project mass
-and stiffness alike, which is what the Rayleigh-Ritz step here does. Since V Omega^-2 V^T F is in the span of V,
+MacNeal's method uses them in the stiffness only, without mass; Rubin's, and Craig and Chang's as a basis, project both
+mass and stiffness, as the Rayleigh-Ritz step here does. Since V Omega^-2 V^T F is in the span of V,
 
     span [V, A_res] = span [V, G F]:
 

@@ -52,7 +52,7 @@ from warpffrf.model.reduced.stress_field import GridSpan
 from warpffrf.offline.fe import Sparse
 
 SAME_PLACE = 1e-6  # nodes closer than this fraction of the extent (chart coordinates) are on the same line of the grid
-ROUND_SPACING = 1e-9  # a spacing that divides a length up to this round-off is taken to divide it
+ROUND_SPACING = 1e-9  # a spacing that divides a length up to this round-off counts as dividing it
 FULL_TURN = 2.0 * np.pi
 RADII = 33  # points along a meridian at which its radius is evaluated, to determine the number of columns only
 FEWEST_COLUMNS = 4  # of a grid other than the mesh's own: fewer on a full revolution would overlap on both sides
@@ -60,8 +60,9 @@ FEWEST_COLUMNS = 4  # of a grid other than the mesh's own: fewer on a full revol
 
 @dataclass(frozen=True)
 class GridPlan:
-    """A full rectangle of nodes before those that reach over its edge are dropped: `columns` at `theta_start + j*pitch`
-    (the full revolution if `periodic`, otherwise an arc with a node on both edges), rows at `z` (rows,) [m]."""
+    """A full rectangle of nodes before those with supports beyond its edge are dropped: `columns` at `theta_start +
+    j*pitch` (the full revolution if `periodic`, otherwise an arc with a node on both edges), rows at `z` (rows,)
+    [m]."""
 
     theta_start: float
     pitch: float
@@ -451,5 +452,5 @@ def grid_values(theta: Array, z: Array, grid: Any, span: GridSpan, turn: float) 
 
 
 def _interval(z: Array, lines: Array) -> Array:
-    """Number of the interval between `lines` that holds z, the outermost for places beyond."""
+    """Number of the interval between `lines` that contains z, the outermost for positions beyond."""
     return np.clip(np.searchsorted(lines, z, side="right") - 1, 0, len(lines) - 2)

@@ -241,7 +241,7 @@ def selected_dofs(name: str, dofs: Array, size: int) -> CyclicObserver:
 class ObservedModes:
     """An observer's values of the global modes: waves [(k, (rows, p))] of the harmonics that have modes, `rows` values.
 
-    `combine` turns complex waves (n, p) of these harmonics into real fields (n, m) of the body's modes.
+    `combine` converts complex waves (n, p) of these harmonics into real fields (n, m) of the body's modes.
     """
 
     waves: list[tuple[int, Array]]

@@ -83,14 +83,13 @@ def reduce_general(
     `spacing` of the contact grid by surface [m] (None: the mesh's own); `options`: the basis of the global modes;
     `traction`, `tangential`: kind of the functions of normal and of tangential tractions ("nodes", "cells"; None: no
     tangential ones); `observers`: observed quantities of modes and responses in addition to the skin;
-    `sloping`: surfaces for which the compliance of slopes is stored;
-    `local_dynamics`: also compute the mass of the normal local modes; `inertia_modes`: number of modes with inertia
-    terms (None: `invariants.MODES`); `stiffening`: also their geometric stiffness, "membrane": and the membrane energy
-    of the first `membrane_modes` (None: `membrane.MODES`); `centrifugal`: also attachment modes of rotation; `matched`:
-    joint faces with cells, by name; `solver`: a name in `solvers.SOLVERS`, None: the default; `checkpoint`: work file
-    of finished parts, whose context is entered by the caller.
-    Raises `InputError` for a memory limit that is too small, a model that can move without deforming, a solver that is
-    not installed.
+    `sloping`: surfaces for which the compliance of slopes is stored; `local_dynamics`: also compute the mass of the
+    normal local modes; `inertia_modes`: number of modes with inertia terms (None: `invariants.MODES`); `stiffening`:
+    also their geometric stiffness, "membrane": and the membrane energy of the first `membrane_modes` (None:
+    `membrane.MODES`); `centrifugal`: also attachment modes of rotation; `matched`: joint faces with cells, by name;
+    `solver`: a name in `solvers.SOLVERS`, None: the default; `checkpoint`: work file of finished parts, whose context
+    is entered by the caller. Raises `InputError` for a memory limit that is too small, a model that can move without
+    deforming, a solver that is not installed.
     """
     # contact grids and observers; results that exceed the memory limit are refused first
     checkpoint = checkpoint or Checkpoint()

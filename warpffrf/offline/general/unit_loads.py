@@ -54,7 +54,7 @@ from warpffrf.offline.progress import Progress, worker_count
 # Right-hand sides per block: with 64 each is 6 times cheaper than one alone, with 128 another 10 %, more gain nothing.
 BLOCK = 128
 LEAST = 16  # smaller blocks cost so much per side that fewer threads with larger blocks are faster
-COPIES = 3  # arrays of a block's rows that exist at once besides the solver's: response, directions' part, product
+COPIES = 3  # arrays of a block's rows that exist at once, without the solver's: response, directions' part, product
 MASS_COPIES = 3  # arrays (n, block) that exist at once for the inertia: response, M times it, response to that
 SOLVER_COPIES = 2  # arrays (n, block) inside a solve: the loads in elimination order, and a front's part or a copy
 

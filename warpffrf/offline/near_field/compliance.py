@@ -23,7 +23,7 @@ the distance of each point of the one function from each of the other. With the 
 
 which needs, on a surface curved in one direction, one more load per node. With distances from the centre of the node,
 without that load, the strain under a patch of 0.6 x 8 mm on a roller of 50 mm is in error by 0.2 % of the half-space's,
-on every mesh alike; without any rotation of tangents, by 2 to 4 %, depending on the mesh.
+on every mesh; without any rotation of tangents, by 2 to 4 %, depending on the mesh.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ def near_compliance(
     Raises `InputError` if other materials lie under the surface."""
     f, g = functions, functions.grid
     c, rows = g.columns_per_sector, g.rows
-    total = sectors * c  # columns that lags tell apart
+    total = sectors * c  # columns that lags distinguish
     first = 0
     if sectors > 1 and not g.periodic:  # an arc: a sector in its middle, with facets on both sides
         first = (g.columns // 2) // c * c

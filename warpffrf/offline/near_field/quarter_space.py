@@ -105,7 +105,7 @@ FULL = Resolution()
 class QuarterSpace:
     """The correction w of a quarter space of one Poisson ratio (module docstring: frame, signs, equations).
 
-    All lengths are in one unit, say m; results are per unit load and *times Young's modulus*: multiply by F/E for a
+    All lengths are in one unit, such as m; results are per unit load and *times Young's modulus*: multiply by F/E for a
     displacement. `QuarterSpace(nu)` reads its table from the cache folder, or computes it (some 8 s) and stores it
     there; `cached=False` neither reads nor writes. Raises `InputError` unless `0 <= poisson_ratio <= 0.495`.
     """

@@ -1,13 +1,13 @@
 r"""Facets grouped into cells, of a size that may grow with the distance from an outline.
 
 A set of facets that is longer than the target length of any of them, or whose normals differ by more than `TURN`, is
-split in two across the direction in which it is too long most, so that both halves have the same area, and so on.
+split in two across the direction in which it exceeds the target most, into halves of equal area, and so on.
 Directions are along and across an edge of its middle facet, so that cells follow the rows of a structured mesh. At the
 distance d of a facet from the outline, the target in either direction is
 
     length = min(size, length of the facet + growth d),
 
-and a set that is one facet wide cannot be split there: long facets make cells that are as wide as they are.
+and a set that is one facet wide cannot be split there: long facets give cells of their own width.
 
 The outline is that of the overlap: the edges that belong to one covered facet only and the partially covered facets.
 Alternatively it is that of other facet sets, as of heads of bolts, whose edges press through the sheet: d is then the

@@ -44,7 +44,7 @@ class Face:
 
     @property
     def starts(self) -> Array:
-        """Number of the first facet of each block, and behind the last."""
+        """Number of the first facet of each block, and that after the last."""
         return np.concatenate([[0], np.cumsum([len(nodes) for _, nodes in self.blocks])]).astype(np.int64)
 
     @cached_property

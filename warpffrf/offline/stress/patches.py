@@ -213,7 +213,7 @@ def _around(cells: Mapping[str, Array], vertices: Array, n: int, rings: int) -> 
 
 
 def _shares(cells: Mapping[str, Array], wanted: Array, n: int) -> Sparse:
-    """csr (K, n): the vertices around each wanted node, rows with the sum one."""
+    """csr (K, n): the vertices around each requested node, rows with the sum one."""
     rows, columns, values = [], [], []
     missing = np.ones(len(wanted), dtype=bool)
     place = np.full(n, -1)
@@ -235,8 +235,8 @@ def _shares(cells: Mapping[str, Array], wanted: Array, n: int) -> Sparse:
 
 
 def _donors(cells: Mapping[str, Array], count: Array, steps: int) -> Sparse:
-    """csr (n, n): whose polynomials replace that of each vertex, up to `steps` edges away, rows with the sum one;
-    `count` (n,) cells of the patches."""
+    """csr (n, n): vertices whose polynomials replace that of each vertex, up to `steps` edges away, rows with the sum
+    one; `count` (n,) cells of the patches."""
     n = len(count)
     edges = [_edges(kind, block) for kind, block in cells.items()]
     a, b = np.unique(np.sort(np.concatenate(edges), axis=1), axis=0).T

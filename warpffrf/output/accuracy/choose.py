@@ -61,10 +61,10 @@ def run_to_accuracy(
     scene: Scene, duration: float, limits: Limits, longest: float | None, run: Run, *, local_modes: Any,
     energy_tolerance: float | None, start: Any, progress: bool,
 ) -> Result:  # fmt: skip
-    """The run of `scene` over `duration` [s] that is within `limits`, or the last one that got through. longest:
-    step [s] that the user allows. run: makes a run of the scene with a setting. local_modes: the treatment
-    that the user asked for. energy_tolerance: that of the user, None: left to the program. start: where it begins;
-    one that goes on from another run has the options of that, and only its steps are chosen."""
+    """The run of `scene` over `duration` [s] that is within `limits`, or the last one that completed. longest: step [s]
+    that the user allows. run: runs the scene with a setting. local_modes: the treatment that the user requested.
+    energy_tolerance: that of the user, None: chosen by the program. start: initial state; a continuation of another run
+    has the options of that run, and only its steps are chosen."""
     begin = time.perf_counter()
     continued = isinstance(start, History)
     at = time_of(start.checkpoint) if isinstance(start, History) else 0.0

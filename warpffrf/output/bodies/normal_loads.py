@@ -21,14 +21,15 @@ surrounding cells.
 The pressure of an oil film is given at nodes, and acts on its first surface as that of a contact; for a flexible second
 surface there are nodal forces too.
 
-Lap faces. Fields of a small-sliding contact at the nodes of the skin of either of its bodies.
+Matched faces. Fields of a small-sliding contact at the nodes of the skin of either of its bodies.
 
 The first face carries the tractions of the contact's cells, the second face of a pair the opposite ones, and the second
 face of another body the forces on its own cells (`model.small_sliding.face_loads`) over their areas, so that both
 bodies carry the same force also for different meshes. A node has the mean of the adjacent cells (`SkinNodes`); the
 state is that of the one nearest to sliding.
 
-Lap loads. The forces of small-sliding contacts on one flexible body at saved steps, as inputs of its responses.
+Small-sliding loads. The forces of small-sliding contacts on one flexible body at saved steps, as inputs of its
+responses.
 
 Pressure and traction of a cell times its area are its forces s on the second face; `model.small_sliding.face_loads`
 converts them to the cells of a body. Skin and stress follow from these and the body's local responses, beyond its

@@ -5,12 +5,11 @@ r"""The deformed skin of a body at a saved step, and the pressure on it.
 Theta is the second-order motion of bodies with membrane energy and stiffening (`model.second_order_motion`). `recover`
 is the local modes' response to outward nodal forces, those of `normal_loads`; with friction the tangential forces of
 `patch_on_skin` are recovered in the same way, for bodies reduced with tangential modes. Oil films load their first body
-by their pressure; their shear is neglected. `laps` is the local response to the forces s on the cells of small-sliding
-contacts (`small_sliding_loads`); if it is too large for a body's file, results state that it is missing
-(`small_sliding_loads.left_out`). Pressure, traction and state of small-sliding contacts are those of `faces_on_skin`.
-Slip speed and wear are those of other
-contacts: small-sliding contacts have slip distances, in `result.contact(name)`. Stress is that of `skin_stress`, if the
-body was reduced with it.
+by their pressure; their shear is neglected. sum_i matched_i s_i is the local response to the forces s on the cells
+of small-sliding contacts (`small_sliding_loads`); if it is too large for a body's file, results state that it is
+missing (`small_sliding_loads.left_out`). Pressure, traction and state of small-sliding contacts are those of
+`faces_on_skin`. Slip speed and wear are those of other contacts: small-sliding contacts have slip distances, in
+`result.contact(name)`. Stress is that of `skin_stress`, if the body was reduced with it.
 
 Skin stress. Stress at the nodes of a skin, for bodies reduced with stress points there.
 
@@ -141,7 +140,7 @@ class Skin:
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """Fields of this body's skin besides its displacement: `contact_fields`, and "von_mises" if the body was
+        """Fields of this body's skin in addition to its displacement: `contact_fields`, and "von_mises" if the body was
         reduced with stress points on it."""
         return (*self.contact_fields, *([VON_MISES] if self.stress.count else []))
 

@@ -66,9 +66,9 @@ def is_main(line: BudgetLine) -> bool:
 
 
 def figures(history: History, view: SceneView) -> dict[str, Quantity]:
-    """All quantities of a report by name, besides those of `quantities`, relative to their largest value, or to `LIGHT`
-    of the largest of their kind, torques to forces with `ARM` of the machine; quantities that are zero, or round-off,
-    in all rows are omitted."""
+    """All quantities of a report by name, in addition to those of `quantities`, relative to their largest value, or to
+    `LIGHT` of the largest of their kind, torques to forces with `ARM` of the machine; quantities that are zero, or
+    round-off, in all rows are omitted."""
     found, most = list[tuple[str, Quantity]](), dict[str, float]()
     for kind, owner, values in _values(history, view):
         v = np.asarray(values, dtype=float).reshape(len(history.time), -1)

@@ -1,6 +1,6 @@
 """The histories of a run as a table: one row per saved step, one column per scalar history.
 
-A history has no dimension besides time and a few named components: forces, motions, approaches, losses, sensors and
+A history has no dimension except time and a few named components: forces, motions, approaches, losses, sensors and
 energies, but no pressure fields and no modal coordinates. Column names consist of quantity, component and owner:
 
     contact_force_z[roller on plate]      [N]
@@ -15,7 +15,7 @@ Dataset. A run as an xarray dataset: the names, units and frames of the results 
 Quantities. One quantity of a run by its name, without evaluating any other.
 
 A name is a column name of `to_dataframe`, the same without component for all components, or a field of the results
-file, which has dimensions besides time:
+file, which has dimensions in addition to time:
 
     contact_force_z[roller on plate]     (T,)
     contact_force[roller on plate]       (T, axis)

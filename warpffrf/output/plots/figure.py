@@ -391,8 +391,7 @@ def about_kinds() -> dict[str, str]:
 
 def summary(result: Any, contact: str | None = None, film: str | None = None, row: int | None = None) -> Any:
     """A matplotlib Figure with every plot for which the run has data; contact, film, row and errors raised: as of
-    `plot`, which says what
-    is raised, too."""
+    `plot`."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

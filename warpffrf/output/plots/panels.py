@@ -213,8 +213,8 @@ def draw_numbers(ax: Any, numbers: Mapping[str, str], title: str) -> None:
 
 
 def numbers_of(result: Any, contact: Any, friction: Any, film: Any, small: Any) -> dict[str, str]:
-    """Values of the histories of a run in its only row; contact, friction, film, lap: those to list, or None (friction:
-    the contact with friction)."""
+    """Values of the histories of a run in its only row; contact, friction, film, small: those to list, or None
+    (friction: the contact with friction)."""
     found: dict[str, str] = {}
     if contact is not None and contact.touching[0]:
         found["half-width"] = f"{contact.half_width[0] * 1e3:.4g} mm"

@@ -49,8 +49,8 @@ class ContactColors:
     has."""
 
     def __init__(self, contacts: list[Any], films: list[Any], small_sliding: list[Any], rows: np.ndarray) -> None:
-        """films, laps: their pressures, and the tractions of small-sliding contacts, have the colours of those of
-        contacts."""
+        """films, small_sliding: their pressures, and the tractions of small-sliding contacts, have the colours of those
+        of contacts."""
         rubbing = [c.friction for c in contacts if c.has_friction]
         pressing = "contact" if contacts else "film" if films else "small-sliding contact"
         self.fields = (["pressure"] if contacts else []) + (list(FRICTION_FIELDS) if rubbing else [])

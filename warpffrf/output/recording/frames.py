@@ -166,8 +166,8 @@ def in_memory(stream: Any, blueprint: Any) -> Any:
 def close_stream(owner: Any) -> None:
     """Flush `owner.stream`, close it and remove it from the owner.
 
-    rerun ends the threads of unreferenced streams when it is initialised again, which makes no recording here and does
-    not affect the user's recordings.
+    rerun ends the threads of unreferenced streams when it is initialised again, which creates no recording here and
+    does not affect the user's recordings.
     """
     import rerun as rr
 

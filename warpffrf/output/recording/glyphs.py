@@ -1,4 +1,5 @@
-r"""Elements of a recording besides deforming skins: rigid bodies, and arrows of joint reactions and applied forces.
+r"""Elements of a recording in addition to deforming skins: rigid bodies, and arrows of joint reactions and applied
+forces.
 
 A rigid body is drawn as its box of inertia (`geometry.inertia_box`), with a bar from its centre of mass to each anchor
 of a joint or a force.

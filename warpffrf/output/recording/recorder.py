@@ -5,8 +5,8 @@ frame with the displacement times the deformation factor, coloured by displaceme
 and `bars`. `/world/joint_arrows`, `/world/force_arrows`, `/world/lumped_arrows` show forces of joints, force elements
 and lumped contacts, see `glyphs`. `/world/contacts/<pair>` is a frame that follows the patch (x along the arc, y along
 the axis, z outwards) and carries the pressure relief, `/patch_map/<pair>` is the unwrapped patch, see `contact_scene`;
-`/world/forces/<pair>` has the contact's arrows; `/world/laps/<lap>` the cells of a small-sliding contact, see
-`small_sliding_scene`; `/plots` and `/solver` are scalars over all saved rows.
+`/world/forces/<pair>` has the contact's arrows; `/world/small_sliding/<contact>` the cells of a small-sliding contact,
+see `small_sliding_scene`; `/plots` and `/solver` are scalars over all saved rows.
 
 Every array is passed as a fresh copy: rerun sends data after the call returns, so a buffer modified in between would be
 sent modified.

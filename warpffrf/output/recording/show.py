@@ -34,7 +34,7 @@ RIGID_NAMES = ("translation x", "translation y", "translation z", "rotation x", 
 SCALE = 0.05  # of the largest extent: well visible and still a small displacement
 CYCLE_SECONDS = 2.0  # on the screen
 MAX_POINTS = 8000  # 96 kB a frame
-MAX_MODES = 20  # shown one after the other: 20 modes of 60 frames of 8000 points are 115 MB
+MAX_MODES = 20  # shown in sequence: 20 modes of 60 frames of 8000 points are 115 MB
 EYE_DISTANCE = 1.9  # from the middle, in largest extents of the body
 
 

@@ -1,8 +1,8 @@
 r"""Interface of a curve of pressure against depth.
 
-p = P(d) rises from zero at the depth `begins`, negative for a layer that reaches out, and stores the energy W(d) =
-int P dd. The separated solver requires the inverse y = P^-1, evaluated on the device by the *form* of the curve and its
-numbers (`warpffrf_kernels.layers.layer_laws.FORMS`). Checks on the host and references of the tests use the methods
+p = P(d) rises from zero at the depth `begins`, negative for a layer that acts at a distance, and stores the energy W(d)
+= int P dd. The separated solver requires the inverse y = P^-1, evaluated on the device by the *form* of the curve and
+its numbers (`warpffrf_kernels.layers.layer_laws.FORMS`). Checks on the host and references of the tests use the methods
 below, which share no code with the device. P must rise strictly, with a slope that is nowhere zero: curves whose slope
 would vanish at touch are shifted by a negligible depth, which their description states.
 
@@ -19,7 +19,7 @@ compliance can represent. The power is taken of a depth that begins at `SHIFT` i
 
 which differs from k d^n by the fraction n e/d: 1.5e-6 at a depth of a micrometre and n = 1.5. At n = 1 it is k d.
 
-Exponential. An exponential of the gap that ends, p = p_0 exp(-g/lambda) from the gap g = `end` inwards.
+Exponential. An exponential of the gap, cut off: p = p_0 exp(-g/lambda) from the gap g = `end` inwards.
 
 The curve is shifted to zero at its end,
 
@@ -29,8 +29,8 @@ The curve is shifted to zero at its end,
 
 so that the pressure errs by eps p_0.
 
-Table. Points with straight pieces between them: pressure, slope and energy follow from the table alone, and nothing
-overshoots it. The last piece is extended.
+Table. Points with straight pieces between them: pressure, slope and energy follow from the table alone, without
+overshoot. The last piece is extrapolated.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Curve(ABC):
 
     form: its name on the device. compliance [m/Pa]: of a straight line through touch, which is constant and part of
     the bodies' compliance; 0 of all others. e_folding [m]: the depth over which the pressure grows by the
-    factor e, of curves that are exponentials; else 0. convex: whether its slope never falls.
+    factor e, of exponential curves; else 0. convex: whether its slope never decreases.
     """
 
     form: ClassVar[str]

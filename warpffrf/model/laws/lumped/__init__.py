@@ -6,7 +6,7 @@ With the approach a [m] of the undeformed surfaces, i.e. their penetration, and 
     PalmgrenLine    F = (a l^0.8/3.84e-5)^(1/0.9) in N and mm, steel rollers of length l, by laminae
     IsoLamina       F = sum over laminae c a_k^(10/9), ISO/TS 16281, with the roller's profile
     PowerForce      F = K a^n
-    TabulatedForce      F(a) from a table
+    TabulatedForce  F(a) from a table
 
 each times (1 + chi a_dot) where damping is given, never tensile.
 """
@@ -28,7 +28,7 @@ __all__ = [
 
 
 def as_lumped_law(value: Any, label: str) -> LumpedLaw:
-    """`value` if it is a law of lumped contacts; raises `InputError` naming `label` and the laws there are."""
+    """`value` if it is a law of lumped contacts; raises `InputError` naming `label` and the existing laws."""
     if not isinstance(value, LumpedLaw):
         names = ", ".join(f"laws.{law.__name__}" for law in LUMPED_LAWS.values())
         raise InputError(

@@ -9,13 +9,13 @@ half-spaces and a circular patch k_n = 2 b E*, k_t = 8 b G* (Mindlin 1949), b th
 
     kappa = 4 G*/E*,      1/G* = sum (2 - nu)/G,      1/E* = sum (1 - nu^2)/E,
 
-which is 2 (1 - nu)/(2 - nu) for like materials, 0.8235 at nu = 0.3. A longer patch has another one by a few per cent.
+which is 2 (1 - nu)/(2 - nu) for like materials, 0.8235 at nu = 0.3. For an elongated patch it differs by a few per
+cent.
 
-Power force. A force that is a power of the approach, F = K a^n: a stop, a bumper, a contact whose law is known
-otherwise.
+Power force. A force that is a power of the approach, F = K a^n: a stop, a bumper, a contact with a known law.
 
-Tabulated force. A force that is given by a table against the approach, straight between its points; the last piece goes
-on.
+Tabulated force. A force that is given by a table against the approach, straight between its points; the last piece is
+extrapolated.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ STEEL_SHEAR = 2.0 * (1.0 - 0.3) / (2.0 - 0.3)  # kappa of like materials with nu
 
 @dataclass(frozen=True)
 class Meeting:
-    """Contact data for a law: its name, the relative principal curvatures [1/m] where the surfaces are nearest, the
-    smaller one first, and the radius [m] of the first surface."""
+    """Contact data for a law: its name, the relative principal curvatures [1/m] at the nearest points, the smaller
+    one first, and the radius [m] of the first surface."""
 
     label: str
     curvatures: tuple[float, float]
@@ -50,8 +50,8 @@ class Approach:
     """A law as the kernels read it (`warpffrf_kernels.lumped.approach_laws`).
 
     F = stiffness a^exponent, or straight between the lines of `table` (n, 2) of approach [m] and force [N]. Of a law by
-    laminae `z` (m,) [m] are their places on the first surface from its middle, `drop` (m,) [m] by how much its profile
-    stands back there, and every lamina has the m-th part of the force; others have none. shear: kappa.
+    laminae `z` (m,) [m] are their positions on the first surface from its middle, `drop` (m,) [m] is the drop of its
+    profile there, and every lamina has the m-th part of the force; other laws have none. shear: kappa.
     """
 
     stiffness: float = 0.0
@@ -104,8 +104,8 @@ class LumpedLaw(ABC):
         """The law between two surfaces with the contact data `meeting`. Raises `InputError` where it does not apply."""
 
     def patch(self, meeting: Meeting) -> Patch | None:
-        """Size of the patch of each place between two surfaces that meet as `meeting` says, None of a law that is not
-        about one. Raises `InputError` as `approach`."""
+        """Size of the patch at each point between two surfaces with the contact data `meeting`, None for a law without
+        a patch. Raises `InputError` as `approach`."""
         return None
 
     def describe(self) -> dict[str, Any]:

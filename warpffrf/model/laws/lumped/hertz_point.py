@@ -16,8 +16,8 @@ Palmgren's line contact of steel rollers (A. Palmgren, Ball and Roller Bearing E
     delta = 3.84e-5 F^0.9/l^0.8        in N and mm, at one contact
 
 so that F = (delta l^0.8/3.84e-5)^(10/9), which is proportional to l^(8/9), not quite to l. Laminae share F evenly: a
-skewed roller has a moment, and an aligned one the force of the formula. It is measured on steel and
-holds for no other material.
+skewed roller has a moment, and an aligned one the force of the formula. It was measured on steel and holds
+for no other material.
 
 The patch of a lamina of the width w is Hertz's of a line, b = sqrt(4 F/(pi E* kappa w)), kappa the relative curvature
 across.
@@ -54,7 +54,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.moments import Patch
 
-SLENDEREST = 1e-4  # ratio of the half-axes down to which an ellipse is looked for; it is a line beyond
+SLENDEREST = 1e-4  # ratio of the half-axes down to which an ellipse is searched for; below it is a line
 AHEAD = 3.0 / 16.0  # moment of the pressure ahead of the middle of an ellipse, over F and the half-axis ahead
 ROUND = 1e-12  # difference of the curvatures, of the larger one, below which the patch is a circle
 
@@ -64,7 +64,7 @@ ROUND = 1e-12  # difference of the curvatures, of the larger one, below which th
 class HertzPoint(LumpedLaw):
     """Hertz's law of a point contact, for surfaces that are curved against each other in both directions.
 
-    material_a, material_b: of the two bodies, of which E and nu count; None for a rigid one. The stiffness is
+    material_a, material_b: of the two bodies, of which E and nu are used; None for a rigid one. The stiffness is
     that of the curvatures at the nearest points at the initial pose and remains constant. damping, restitution and
     impact_speed as in `LumpedLaw`. Raises `InputError`.
     """
@@ -207,7 +207,7 @@ class IsoLamina(LumpedLaw):
 
 
 def iso_profile(x: np.ndarray, length: float, diameter: float) -> np.ndarray:
-    """P [m] at the places x [m] from the middle of a roller, inside its length [m]."""
+    """P [m] at the positions x [m] from the middle of a roller, inside its length [m]."""
     if length <= SHORT * diameter:
         return -SHORT_DROP * diameter * np.log(1.0 - (2.0 * x / length) ** 2)
     beyond = np.maximum(2.0 * np.abs(x) - (length - SHORT * diameter), 0.0)

@@ -110,7 +110,7 @@ def gauss(points: int) -> tuple[Array, Array]:
 
 
 def triangle_rule(points: int) -> tuple[Array, Array]:
-    """Product rule on the unit triangle by Duffy's map, `points` a direction: exact to degree 2 points - 2."""
+    """Product rule on the unit triangle by Duffy's map, `points` per direction: exact to degree 2 points - 2."""
     x, w = gauss(points)
     x, w = 0.5 * (x + 1.0), 0.5 * w
     a, b = (v.ravel() for v in np.meshgrid(x, x, indexing="ij"))

@@ -1,15 +1,15 @@
-"""Gmsh's .msh files, versions 2.x and 4.1, as text and binary, read here and strictly.
+"""Strict reader of Gmsh's .msh files, versions 2.x and 4.1, as text and binary.
 
 meshio reads the numbers of a file as one long row, loses groups of reversed entities, refuses groups on some of the
-entities and stops at partitions. Here each line has as many numbers as its kind needs (Gmsh reference manual, "MSH file
-format"), and declared counts are compared with the contents.
+entities and fails on partitions. This reader requires the number of values per line that the format defines (Gmsh
+reference manual, "MSH file format"), and compares declared counts with the contents.
 
 Elements get the names of the physical groups of their entity (in version 2 those in their line; an element that is
-there once for each of its groups is one element): `surface_<tag>` and `volume_<tag>` where a group has no name. Of a
-partition without groups those of the entity that it was cut from count. A group's number is negative where an entity is
+listed once for each of its groups is one element): `surface_<tag>` and `volume_<tag>` where a group has no name. A
+partition without groups has those of the entity from which it was cut. A group's number is negative where an entity is
 reversed in it. Points, curves and data stored with nodes and elements are omitted and counted in notes.
 
-Gmsh scanner. The numbers of a .msh file, line by line of a text or one behind the other in a binary file.
+Gmsh scanner. The numbers of a .msh file: by lines in a text file, as one sequence in a binary file.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from warpffrf.model.mesh.files.raw_mesh import RawMesh
 
 Array = np.ndarray
 
-# of Gmsh's element types: dimension, nodes, kind here, and for each node of that kind its place in Gmsh's order
+# Gmsh's element types: dimension, nodes, kind here, and for each node of that kind its index in Gmsh's order
 _QUADRATIC_HEX = [*range(9), 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15]
 TYPES: dict[int, tuple[int, int, str, list[int]]] = {
     2: (2, 3, "tri3", [*range(3)]),
@@ -44,7 +44,7 @@ TYPES: dict[int, tuple[int, int, str, list[int]]] = {
     17: (3, 20, "hex20", _QUADRATIC_HEX),
     18: (3, 15, "wedge15", [*range(7), 9, 7, 12, 14, 13, 8, 10, 11]),
 }
-# what has no kind here: dimension, nodes, name
+# unsupported element types: dimension, nodes, name
 OTHERS = {
     1: (1, 2, "lines"), 8: (1, 3, "lines"), 15: (0, 1, "points"), 26: (1, 4, "lines"), 27: (1, 5, "lines"),
     28: (1, 6, "lines"), 7: (3, 5, "pyramid"), 13: (3, 18, "wedge18"), 14: (3, 14, "pyramid14"),
@@ -54,14 +54,14 @@ OTHERS = {
 }  # fmt: skip
 SUPPORTED = "hexahedron, hexahedron20, hexahedron27, wedge, wedge15, tetra, tetra10"
 SAVE = "save it from Gmsh with Mesh.MshFileVersion = 4.1"
-# sections that say nothing of a body's cells and groups, and are left out without a note
+# sections without data of a body's cells and groups, omitted without a note
 SKIPPED = {"$Comments", "$Periodic", "$GhostElements", "$Parametrizations", "$InterpolationScheme"}
 
 
 @dataclass
 class _Found:
-    """What the sections say. `elements` {(type, dimension, entity): rows (m, 1 + nodes)}, and for files that give them
-    by the element the physical group (m,) of each row; `groups` {(dimension, entity): tags}."""
+    """Data of the sections. `elements` {(type, dimension, entity): rows (m, 1 + nodes)}, and for files that list them
+    per element the physical group (m,) of each row; `groups` {(dimension, entity): tags}."""
 
     names: dict[tuple[int, int], str] = field(default_factory=dict)
     numbers: Array | None = None
@@ -73,8 +73,8 @@ class _Found:
 
 
 def read_gmsh(path: Path) -> RawMesh:
-    """What a .msh file holds. Raises `InputError`, for text with the number of the line, for what is not of the format,
-    for volume cells of a kind that is not supported, and where there are none."""
+    """The contents of a .msh file. Raises `InputError`, for text with the number of the line, for contents that violate
+    the format, for volume cells of an unsupported kind, and where there are no cells."""
     scan, found = Scanner(path, read_named(path, "mesh file")), _Found()
     while (word := _section(scan)) is not None:
         reader = _SECTIONS.get((scan.version[:1], word.decode("latin-1")))
@@ -183,7 +183,7 @@ def _entities(scan: Scanner, found: _Found) -> None:
 
 
 def _entity(scan: Scanner, found: _Found, dim: int, tag: int, what: str) -> None:
-    """The groups of an entity and what bounds it."""
+    """The groups of an entity and its bounding entities."""
     found.groups[dim, tag] = [abs(g) for g in _several(scan, what)]
     if dim:
         _several(scan, what)
@@ -382,14 +382,14 @@ TYPES_BY_KIND = {kind: dim for dim, _, kind, _ in TYPES.values()}
 
 
 def _once(rows: Array, tables: list[tuple[tuple[int, int], Array, Array | None]]) -> tuple[Array, Array]:
-    """Rows that count, and for each row which of those it is: version 2 gives an element once for each group."""
+    """Distinct rows, and the index of each row among them: version 2 lists an element once for each group."""
     if all(group is None for _, _, group in tables):
         return np.arange(len(rows)), np.arange(len(rows))
     marks = np.concatenate(
         [np.full((len(rows), 1), 0) if group is None else group[:, None] for _, rows, group in tables]
     )
     _, alike = np.unique(rows[:, 1:], axis=0, return_inverse=True)
-    # twice in one group is two cells in one place, which is refused later
+    # twice in one group: two cells at the same position, which is refused later
     _, times = np.unique(np.column_stack([alike.ravel(), marks]), axis=0, return_counts=True)
     if times.max() > 1:
         return np.arange(len(rows)), np.arange(len(rows))

@@ -5,19 +5,19 @@ has no materials. A card is a line of up to 10 fields, in one of three formats, 
 
     free         fields between commas
     small field  8 columns each
-    large field  the name ends in *: 8 columns, then 16 each, half as many fields a line
+    large field  the name ends in *: 8 columns, then 16 each, half as many fields per line
 
 A continuation begins with +, *, a blank field or a comma; where the tenth field of a line and the first of the next one
 both name it, the names are the same. Reals may drop the E of their exponent: 7.-2 is 0.07. A card = repeats the
-previous one, with = for an unchanged field, *d for one that grows by d, == for all others; a card =n repeats that n
-times.
+previous one, with = for an unchanged field, *d for one that is increased by d, == for all others; a card =n repeats
+that n times.
 
 Densities are multiplied by PARAM,WTMASS: a deck may give weights. The nodes of a solid may run in either sense.
 
 Solids with property p form the cell set `property_p`, shells on their surface the facet set of that name. A local
 system (CORD2R, CORD2C, CORD2S) is given by three points in its reference system: the origin A, B on its third axis e_3
 and C in the half plane of e_1 and e_3; `x = A + x_1 e_1 + x_2 e_2 + x_3 e_3` for the Cartesian coordinates that
-(r, theta, z) or (r, theta, phi), angles in degrees, stand for.
+(r, theta, z) or (r, theta, phi), angles in degrees, represent.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from warpffrf.model.mesh.files.raw_mesh import RawMesh, system_of
 SUFFIXES = (".bdf", ".nas", ".fem", ".dat")
 MOST_LISTED = 20  # kinds of unused cards in the note; control decks have a handful
 
-# linear kind, quadratic kind, place in the card of each node of the quadratic kind (Nastran puts the vertical edges
+# linear kind, quadratic kind, position in the card of each node of the quadratic kind (Nastran puts the vertical edges
 # before those of the top)
 _SOLIDS = {
     "CTETRA": ("tet4", "tet10", list(range(10))),
@@ -201,7 +201,7 @@ def _add(deck: _Deck, kind: str, card: _Card, fields: list[int]) -> None:
 
 
 class _Systems:
-    """Places in local coordinate systems, in basic ones."""
+    """Positions in local coordinate systems, in basic ones."""
 
     def __init__(self, deck: _Deck) -> None:
         self._cards = deck.systems

@@ -1,7 +1,7 @@
-"""A mesh as a pyvista grid: the cells, and the facets of all sets beside them, with one array per set.
+"""A mesh as a pyvista grid: the cells, and in addition the facets of all sets, with one array per set.
 
-A cell array with the name of a set is 1 on the members of the set and 0 elsewhere, on cells and facets alike. Written
-as a .vtu file and read again with `mesh.read` the arrays become the same sets.
+A cell array with the name of a set is 1 on the members of the set and 0 elsewhere, for cells and facets. Written as a
+.vtu file and read again with `mesh.read` the arrays become the same sets.
 """
 
 from __future__ import annotations

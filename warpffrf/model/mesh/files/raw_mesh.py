@@ -5,17 +5,17 @@ outwards whatever the file's order was. A wedge whose triangles run the other wa
 disagree with VTK and everyone else about its first triangle) is reversed, other cells only where the format does not
 define their orientation. Cells with repeated nodes become the cells that remain.
 
-Units of files without units: lengths, and the consistent system of stress and density that goes with them.
+Units of files without units: lengths, and the corresponding consistent system of stress and density.
 
-With newton and second, a length unit fixes the rest:
+With newton and second, the unit of length defines the others:
 
     m:  N, kg, s   stress Pa = N/m2,    density kg/m3
     mm: N, t, s    stress MPa = N/mm2,  density t/mm3 = 1e12 kg/m3
 
 For other units of length there is no usual system, and the materials of a file are not used.
 
-Collapsed. Cells with repeated nodes: a hexahedron or wedge whose edges are collapsed is the wedge or tetrahedron that
-is left.
+Collapsed. Cells with repeated nodes: a hexahedron or wedge whose edges are collapsed is the remaining wedge or
+tetrahedron.
 
 Programs without wedges write them in this form: `1, 2, 3, 3, 4, 5, 6, 6` as eight nodes. The faces of the cell, without
 repeated corners, are those of the remaining cell: two triangles and three quadrilaterals form a wedge, four triangles a
@@ -47,7 +47,7 @@ class RawMesh:
     """Contents of a file. `points` (n, 3) in the file's unit; `blocks`: kinds of cells or facets with their nodes (m,
     k) as numbers of points; `groups`: {name: member numbers in each block}; `materials` in SI units.
 
-    `stray_facets`: facets that are no faces of a cell are left out with a note (shells of a larger model) instead of
+    `stray_facets`: facets that are no faces of a cell are omitted with a note (shells of a larger model) instead of
     refused. `either_hand`: the format does not define the orientation of cells. `labels`: the numbers that the
     file gives the members of each block, None where it gives none.
     """
@@ -187,7 +187,7 @@ def _upright(kind: str, raw: RawMesh, nodes: Array, notes: list[str]) -> Array:
 
 
 def _cell_numbers(raw: RawMesh, volumes: list[int], kept: dict[int, Array], kinds: list[str]) -> dict[int, Array]:
-    """Number in the mesh of each cell of each volume block, -1 for those left out."""
+    """Number in the mesh of each cell of each volume block, -1 for omitted ones."""
     counts = {kind: sum(int(kept[b].sum()) for b in volumes if raw.blocks[b][0] == kind) for kind in kinds}
     start = dict(zip(kinds, np.cumsum([0, *counts.values()])[:-1].tolist(), strict=True))
     number = {}
@@ -203,7 +203,7 @@ def _cell_numbers(raw: RawMesh, volumes: list[int], kept: dict[int, Array], kind
 def _facet_sets(
     raw: RawMesh, cells: dict[str, Array], new_number: Array, label: str
 ) -> tuple[dict[str, FacetSet], list[str]]:
-    """Facet sets on the outer faces of `cells`, and notes about facets that are left out."""
+    """Facet sets on the outer faces of `cells`, and notes about omitted facets."""
     surfaces = [b for b, (kind, nodes) in enumerate(raw.blocks) if kind not in CELL_KINDS and len(nodes)]
     if not surfaces:
         return {}, []

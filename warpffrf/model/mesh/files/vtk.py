@@ -1,4 +1,4 @@
-"""VTK's legacy files of unstructured grids (.vtk), versions 1 to 5, as text or binary, read here and strictly.
+"""VTK's legacy files of unstructured grids (.vtk), versions 1 to 5, as text or binary: a strict reader.
 
 meshio reads 32-bit integers of binary files as 64-bit ones, drops unsupported cells and has no sets of `SCALARS`. Here
 each table has as many numbers as its heading declares (VTK file formats, vtk.org).

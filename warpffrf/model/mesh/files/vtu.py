@@ -1,4 +1,4 @@
-"""VTK's XML files of unstructured grids (.vtu), read here and strictly (VTK file formats, vtk.org).
+"""VTK's XML files of unstructured grids (.vtu): a strict reader (VTK file formats, vtk.org).
 
 meshio keeps the cells of the last piece only, drops unsupported cells, and unpacks arrays of any declared size. Here
 the length of each array follows from the numbers of points and cells of its piece and is compared with the sizes in

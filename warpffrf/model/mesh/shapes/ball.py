@@ -1,15 +1,15 @@
-r"""A solid ball with a small fine patch around +x, for a contact whose place on the ball is known.
+r"""A solid ball with a small fine patch around +x, for a contact at a known position on the ball.
 
-User frame: centre in the origin. On the patch nodes stand on lines of equal theta and of equal z of the sphere's chart
+User frame: centre in the origin. On the patch nodes lie on lines of equal theta and of equal z of the sphere's chart
 about the axis y, with e_0 = +x and e_1 = -z as for every body of revolution about y,
 
     x = R D,      D = cos(phi) cos(theta) e_0 + cos(phi) sin(theta) e_1 + sin(phi) e_y,      sin(phi) = z/R,
 
 so that they are the contact grid. The rest is a ball in seven parts: a cube in the middle and a part on each of its
-faces, with nodes on the rays D = c/|c| of the points c of a cube whose lines stand at equal angles, on the face +x
+faces, with nodes on the rays D = c/|c| of the points c of a cube whose lines are at equal angles, on the face +x
 c = (1, tan a, tan b) along e_0, e_1, e_y. That part is a nest (`lattice`): a fine brick under the patch, with shells to
 the part's other five sides, made in the coordinates (D, r): lines between the unit vectors, scaled back to unit length,
-and between the radii. Nodes that belong on the sphere are on it.
+and between the radii. Nodes of the surface lie exactly on the sphere.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def ball(radius: float, *, patch_half_width: Any, cell: float, growth: float = 1
     growth: of the shells around it, above 1.
     order: 1 for hex8, 2 for curved hex27.
 
-    `surfaces.Sphere` on `patch` has the nodes as its contact grid. For a ball that rolls on, a roller with
+    `surfaces.Sphere` on `patch` has the nodes as its contact grid. For a ball that rolls farther, a roller with
     `crown_radius=outer_radius` is fine all around. Raises `InputError` for impossible sizes.
     """
     R = require_number(radius, "ball: radius", positive=True)

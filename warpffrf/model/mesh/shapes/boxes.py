@@ -1,14 +1,14 @@
 r"""Bodies of rectangular cells: a box, and everything that can be cut from a grid of boxes (beams, frames, trusses).
 
-Grid lines x_0 < x_1 < ..., y_0 < ..., z_0 < ... make cells; `filled[i, j, k]` states whether the one between x_i and
-x_(i+1), y_j and y_(j+1), z_k and z_(k+1) exists. Nodes that no cell uses are left out. The map of every cell to its
+Grid lines x_0 < x_1 < ..., y_0 < ..., z_0 < ... define cells; `filled[i, j, k]` states whether the one between x_i and
+x_(i+1), y_j and y_(j+1), z_k and z_(k+1) exists. Nodes that no cell uses are omitted. The map of every cell to its
 reference cube is linear, so volume and mass are exact for any order of cells.
 
-Block. A block with a small fine patch in the middle of its top face, for a contact whose place is known.
+Block. A block with a small fine patch in the middle of its top face, for a contact at a known position.
 
 User frame: the top face lies in z = 0 with its middle in the origin, the body below it. A nest (`lattice`): a fine
-brick under the patch, shells from it to the sides and the bottom. In corresponding points of brick and block the shells
-run straight, so that all nodes on the top stay in z = 0.
+brick under the patch, shells from it to the sides and the bottom. Between corresponding points of brick and block the
+shells are straight, so that all nodes on the top stay in z = 0.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def grid(x: Any, y: Any, z: Any, *, filled: Any = None, order: int = 2, name: st
     x, y, z: increasing grid lines [m], (nx + 1,), (ny + 1,), (nz + 1,); filled: (nx, ny, nz) bool, None for all of
     them; order: 1 for hex8, 2 for hex27; name: of the mesh. Facet sets `x_min` to `z_max` are the sides on the
     outermost used planes; further ones are cut out by `select_plane` and `select` of the mesh. Cells that meet only in
-    an edge or a corner make a hinge; `Mesh.check()` refuses a body in several pieces. Raises `InputError` for lines
+    an edge or a corner form a hinge; `Mesh.check()` refuses a body in several pieces. Raises `InputError` for lines
     that do not increase, a `filled` of another shape, and a grid with no cell filled.
     """
     if order not in KINDS:
@@ -126,7 +126,7 @@ def block(
     growth [-]: of the shells around it, above 1.
     order: 1 for hex8, 2 for hex27.
 
-    Sets `patch` and `bottom` serve as contact surface (`surfaces.Plane`) and as interface. Raises `InputError` for
+    Sets `patch` and `bottom` are for a contact surface (`surfaces.Plane`) and an interface. Raises `InputError` for
     impossible sizes.
     """
     extent = require_array(size, "block: size", (3,))

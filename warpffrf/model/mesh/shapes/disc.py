@@ -7,13 +7,13 @@ Plane coordinates (p, q) in radii of the disc; quadrilaterals run round counter-
 
         p0    p1    p2    p3    p4
         |      \    |    /      |
-        |  q1 --- q2 --- q3     |          six quadrilaterals in the place of four
+        |  q1 --- q2 --- q3     |          six quadrilaterals instead of four
         |  /        |      \    |
         A --------- M --------- B
 
   so that the number of cells around halves while their size doubles. Cells in excess of a multiple of four continue
-  unchanged, spread between the blocks. The quarters of the disc have equal meshes, and its inertia is that of a round
-  body.
+  unchanged, distributed between the blocks. The quarters of the disc have equal meshes, and its inertia is that of a
+  round body.
 - A *core* of k x k cells that fills a square with bulging sides, one side for each quarter of the revolution,
 
         p = s u sqrt(1 - B v^2/2),     q = s v sqrt(1 - B u^2/2),       -1 <= u, v <= 1,
@@ -25,10 +25,10 @@ Plane coordinates (p, q) in radii of the disc; quadrilaterals run round counter-
 Nodes in the middle of edges and cells have the mean radius and angle in the rings, so that all circles are true ones,
 and the mean position in the core.
 
-Lattice. Meshes put together from lattices: bricks of points, hexahedra between them, equal points merged.
+Lattice. Meshes assembled from lattices: bricks of points, hexahedra between them, equal points merged.
 
-A lattice (a, b, c, 3) holds the nodes of (a - 1)/o x (b - 1)/o x (c - 1)/o hexahedra of order o, wherever a smooth map
-has put them; a left-handed one is reversed. Neighbouring lattices share the points of their common face, found by
+A lattice (a, b, c, 3) holds the nodes of (a - 1)/o x (b - 1)/o x (c - 1)/o hexahedra of order o, at positions given by
+a smooth map; a left-handed one is reversed. Neighbouring lattices share the points of their common face, found by
 their coordinates, so that no numbering is required.
 
 A *nest* is the mesh around a small contact patch: a fine brick of equal cells under the patch, and shells around it
@@ -187,7 +187,7 @@ class _Plan:
 
 
 def _spread(blocks: int, others: int) -> list[bool]:
-    """`blocks` times True and `others` times False, those spread evenly."""
+    """`blocks` times True and `others` times False, distributed evenly."""
     total = blocks + others
     row = [True] * total
     for i in range(others):
@@ -246,7 +246,7 @@ def _mean_polar(corners: Array, radius: Array, nodes: Array) -> Array:
     return _plane(radius[nodes].mean(axis=1), angle)
 
 
-# --- the solid that stands on a disc ---
+# --- the solid over a disc ---
 
 
 def standing_points(points: Array, radius: Array, y: Array) -> Array:
@@ -257,7 +257,7 @@ def standing_points(points: Array, radius: Array, y: Array) -> Array:
 
 def standing_cells(section: Disc, axial: int, order: int) -> tuple[dict[str, Array], dict[str, FacetSet]]:
     """Cells, and facet sets `rim`, `ends`, `end_low`, `end_high`, `journal_low`, `journal_high`, of nodes numbered by
-    node of the disc and axial row: `axial` cells stand on each of the disc's."""
+    node of the disc and axial row: `axial` cells on each of the disc's."""
     kind = cell_kind(KINDS[order])
     # reference coordinates -1, 0, 1 become grid offsets 0, (1,) order
     offset = np.rint(0.5 * order * (kind.nodes + 1.0)).astype(np.int64)
@@ -349,8 +349,8 @@ def _merged(points: Array) -> tuple[Array, Array]:
 def nested(inner: Array, outer: Array, fractions: Array) -> list[Array]:
     """The brick `inner` (a, b, c, k) and the five shells' lattices around it, in the coordinates of the two arrays.
 
-    The third axis runs down from the top, which both share. `outer` has the shape of `inner`, of which only the five
-    faces count; `fractions` (s,) run from 0 to 1. Lattice axes of the shells: two along the face, then outwards.
+    The third axis runs down from the top, which both share. `outer` has the shape of `inner`; only its five faces are
+    used; `fractions` (s,) run from 0 to 1. Lattice axes of the shells: two along the face, then outwards.
     """
     faces = [np.s_[0, :, :], np.s_[-1, :, :], np.s_[:, 0, :], np.s_[:, -1, :], np.s_[:, :, -1]]
     f = fractions[:, None]
@@ -358,7 +358,7 @@ def nested(inner: Array, outer: Array, fractions: Array) -> list[Array]:
 
 
 def nest_tops(first: int = 0) -> list[Face]:
-    """Faces of a nest's lattices, numbered from `first`, that make its top: the brick's, and those of the shells."""
+    """Faces of a nest's lattices, numbered from `first`, that form its top: the brick's, and those of the shells."""
     return [(first, 2, 0), *((first + shell, 1, 0) for shell in range(1, 5))]
 
 

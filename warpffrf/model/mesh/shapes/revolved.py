@@ -21,7 +21,7 @@ between the two edges where it meets the bore. A node at fraction f of the wall 
 grow from the inside outwards.
 
 With a `fine_arc` the cells around are equal only within that angle on both sides of theta = 0 (+x) and grow towards
-the back by `ARC_GROWTH`, up to `LARGEST_ANGLE`: for a contact that stays there. Such a mesh is not periodic.
+the back by `ARC_GROWTH`, up to `LARGEST_ANGLE`: for a contact that remains there. Such a mesh is not periodic.
 """
 
 from __future__ import annotations
@@ -170,7 +170,7 @@ def profile_radius(profile: Any, y: np.ndarray, label: str, *, above: float) -> 
 
 
 def _along(shape: Any, y: np.ndarray, label: str) -> np.ndarray:
-    """Positions z (n,) [m] of a shape's meridian at `y`; raises `InputError` where its axis is not y, or still open."""
+    """Positions z (n,) [m] of a shape's meridian at `y`; raises `InputError` where its axis is not y, or not given."""
     if not shape.resolved:
         raise InputError(
             f"{label}: the shape must be complete; give radius, axis_point=(0, 0, 0), axis_direction=(0, 1, 0)"
@@ -243,7 +243,7 @@ def sleeve(
     inner_radius, outer_radius, width: of the bore, of the outside, and along the axis.
     sectors, axial, layers: cells around, along the axis, through the wall. `sectors` cells would fill a full
         revolution, also where only a part of it is fine.
-    grading: growth of the layer thickness from the bore outwards. `layers` and `grading` left out: a first layer as
+    grading: growth of the layer thickness from the bore outwards. `layers` and `grading` not given: a first layer as
         deep as the smaller side of a cell, growth 1.4 for chosen and solved for with given layers, as in `mesh.roller`.
     fine_arc: half the angle [rad] about +x that has cells of that size; behind it they grow. It adds the facet set
         `patch`, the bore within that arc. None: equal cells around, rotationally periodic.

@@ -20,10 +20,10 @@ cells per half-width, have half-width and peak pressure off by -40 % and +76 % w
 
 A solid roller has layers down to 0.4 of its radius, of which the deep ones halve the number of cells around, and a core
 of a few square cells (`disc`). Nodes on its axis belong to no sector: it is not periodic and takes the general path.
-A crown draws the whole cross section in, as r_i = 0 above says: r = f R(y).
+A crown reduces the whole cross section, as above with r_i = 0: r = f R(y).
 
-Counts left out follow from the wanted contact half-width b. With weak gaps on linear cells the measured rolling ripple
-is below 1 % from 2 cells per half-width on; quadratic cells carry the same number of nodes at 1 cell.
+Counts not given follow from the requested contact half-width b. With weak gaps on linear cells the measured rolling
+ripple is below 1 % from 2 cells per half-width on; quadratic cells carry the same number of nodes at 1 cell.
 """
 
 from __future__ import annotations
@@ -92,16 +92,16 @@ def roller(
         facet set `tread`: for a contact that is narrow compared with the roller, and for balls. None: the whole width.
         The rim layer is then as deep as the smaller side of a cell.
     grading: growth of the layer thickness from one layer to the next, from the rim inwards; 1.0 is uniform. None:
-        graded towards the rim by itself, so that the rim layer is as deep as a cell is wide around (as the cell that
-        `half_width` requires, where given): growth solved for given `layers`, 1.4 for chosen ones. Layers too few for
-        that with a growth of 2 are logged as a warning.
+        graded towards the rim automatically, so that the rim layer is as deep as a cell is wide around (as the cell
+        that `half_width` requires, where given): growth solved for given `layers`, 1.4 for chosen ones. Layers too few
+        for that with a growth of 2 are logged as a warning.
     order: 1 for hex8, 2 for curved hex27 (isoparametric, nodes on the true circles).
     half_width: expected contact half-width; gives 2 linear or 1 quadratic cells per half-width around.
 
     The first node plane of sector 0 lies in the half plane x > 0, z = 0. In a plane nodes are numbered from the bore to
     the rim with the axial index fastest; a sector of hex27 holds a corner plane, then a mid plane. A solid roller is
     not periodic (`cyclic` None): `reduce` takes the general path.
-    Raises `InputError` for impossible sizes and for counts left out without `half_width`.
+    Raises `InputError` for impossible sizes and for missing counts without `half_width`.
 
     >>> mesh = wf.mesh.roller(0.02, 0.01, 0.01, sectors=96, layers=4, axial=2, order=1)  # m
     >>> sorted(mesh.facet_sets)

@@ -92,7 +92,7 @@ class Block:
 def read_blocks(path: Path) -> list[Block]:
     """The blocks of a deck and of the files that it includes, in the order of the lines.
 
-    Raises `InputError` when a file is missing or includes itself, and when text stands before the first keyword.
+    Raises `InputError` when a file is missing or includes itself, and when text precedes the first keyword.
     """
     blocks: list[Block] = []
     _Reader(path, blocks).read(_lines(read_named(path, "mesh file")), path, [])

@@ -104,7 +104,7 @@ class SurfaceDefinition:
 
 @dataclass(frozen=True)
 class Section:
-    """A *Solid Section: which material an element set is made of."""
+    """A *Solid Section: the material of an element set."""
 
     elset: str
     material: str

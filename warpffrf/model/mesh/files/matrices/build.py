@@ -15,7 +15,7 @@ are multiplied by `F/L` and lengths by L:
 Dofs. Rows of matrices in the order of a mesh: dof `3*node + component`, three displacements per node.
 
 With `s(3 a + i)` the row that belongs to component i of node a, the ordered matrix is `A'_rc = A_s(r),s(c)`. Rows of
-rotations are left out where they are empty, as those of solid elements in a Nastran g-set are; one that carries
+rotations are omitted where they are empty, as those of solid elements in a Nastran g-set are; one that carries
 stiffness or mass belongs to shells, beams or rigid elements and cannot be dropped without changing the body.
 
 Checks of K and M without the elements: size, symmetry, sign.
@@ -92,7 +92,7 @@ def from_matrices(
     facets: {set name: FacetSet, or nodes (m, k) as positions in `nodes`, or {kind: nodes}}, in the node order of VTK
         with outward normals; the width k determines the kind (3 tri3, 4 quad4, 6 tri6, 8 quad8, 9 quad9). Orientation
         is checked against K: the nodes that are coupled with a facet lie behind it.
-    length_unit: "m", "cm", "mm", "in" or "ft", with the units of force and mass that go with it (module docstring).
+    length_unit: "m", "cm", "mm", "in" or "ft", with the corresponding units of force and mass (module docstring).
     matrix_units: the same for M and K, where they differ from the nodes' (nodes of a mesh that was read are in m).
 
     Returns a `Mesh` with `matrices` [N/m, kg] and without cells; `notes` list omitted and rounded data. Raises
@@ -243,7 +243,7 @@ def numbered_dofs(dofs: np.ndarray, node_numbers: np.ndarray, what: str) -> np.n
 
 
 def ordered(matrix: Any, dofs: np.ndarray, node_count: int, what: str) -> tuple[Any, int]:
-    """csr (3 n, 3 n) in the order `3*node + component`, and the number of empty rotation rows left out.
+    """csr (3 n, 3 n) in the order `3*node + component`, and the number of omitted empty rotation rows.
 
     Raises `InputError` for a rotation with nonzero entries, a dof with two rows, and one without.
     """

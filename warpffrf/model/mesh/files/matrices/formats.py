@@ -2,7 +2,7 @@
 
 Text table. Tables of numbers in text files, with the number of the line that cannot be read.
 
-Matrix Market files, coordinate or array (Boisvert, Pozo, Remington 1996, NISTIR 5935), read here and strictly.
+Strict reader of Matrix Market files, coordinate or array (Boisvert, Pozo, Remington 1996, NISTIR 5935).
 
 SciPy's reader ends a number at the first unknown character, so that it reads 1.5D6 as 1.5, and a truncated file can
 crash the interpreter. Here every line must conform to the format completely: real, integer or pattern;
@@ -78,8 +78,8 @@ SHOWN = 60  # characters of a bad line in a message
 def read_table(file: Path, columns: tuple[int, ...], meaning: str) -> np.ndarray:
     """Numbers (m, c) of the lines of `file`, with c the first of `columns` that the first line has.
 
-    Numbers are separated by blanks or commas; lines that begin with `*` and empty lines are left out; Fortran's D
-    exponents are understood. Raises `InputError` naming the first line that has another number of columns, a word, or
+    Numbers are separated by blanks or commas; lines that begin with `*` and empty lines are skipped; Fortran's D
+    exponents are supported. Raises `InputError` naming the first line that has another number of columns, a word, or
     a value that is not finite, and `meaning`, what a line should hold.
     """
     text = read_named(file, "matrix file").decode("latin-1")  # any byte is a character: comments may contain any
@@ -132,7 +132,7 @@ FIELDS = ("real", "integer", "pattern")
 SYMMETRIES = ("general", "symmetric", "skew-symmetric")
 _INTEGER = rb"[+-]?+[0-9]++"
 _EXPONENT = rb"[eEdD][+-]?+[0-9]++"
-_WIDE_EXPONENT = rb"[+-][0-9]{3}(?![0-9])"  # of three digits Fortran leaves out the letter
+_WIDE_EXPONENT = rb"[+-][0-9]{3}(?![0-9])"  # of three digits Fortran omits the letter
 _POINT = rb"(?>[0-9]++\.[0-9]*+|\.[0-9]++)(?>" + _EXPONENT + rb"|" + _WIDE_EXPONENT + rb")?+"
 _REAL = rb"[+-]?+(?>" + _POINT + rb"|[0-9]++(?>" + _EXPONENT + rb")?+)"
 _WIDE = re.compile(rb"(\.[0-9]*)([+-][0-9]{3})(?=\s)")
@@ -211,7 +211,7 @@ def _array_entries(symmetry: str, rows: int, columns: int) -> int:
 
 
 def _numbers(file: Path, text: bytes, head: _Head) -> np.ndarray:
-    """The numbers of the lines (entries, numbers a line), all of them read exactly."""
+    """The numbers of the lines (entries, numbers per line), all of them read exactly."""
     index, value = rb"[0-9]++", {"real": _REAL, "integer": _INTEGER, "pattern": b""}[head.field]
     words = [index, index] if head.layout == "coordinate" else []
     words += [value] if value else []

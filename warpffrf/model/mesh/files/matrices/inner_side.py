@@ -1,4 +1,4 @@
-r"""On which side of a facet the body lies, from K alone.
+r"""The side of a facet on which the body lies, from K alone.
 
 Two nodes of one cell are coupled: their block of K is not zero. The corners of a face of a cell are therefore coupled
 with one another, and the nodes that are coupled with all of them are those of the cells at the face (in meshes of
@@ -17,7 +17,7 @@ Surfaces. Facet sets of a body without cells.
 Where there are cells a facet takes its orientation from the cell it lies on. Here the given orientation is used
 and checked: neighbours pass their common edge in opposite directions, a surface without edges
 encloses a positive volume, `V = 1/3 sum x . n A > 0` over its triangles, and the nodes that K couples with a facet lie
-behind it (`inner_side`). With a dense, condensed K an open surface that is completely inside out is not detected.
+behind it (`inner_side`). With a dense, condensed K an open surface that is completely inverted is not detected.
 
 Motion. Test of the order of nodes and dofs: rigid motion has no strain energy and the total mass.
 
