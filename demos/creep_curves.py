@@ -150,14 +150,9 @@ def build(
 
 def roll(scene: wf.Scene, run: Sequence[Stair], size: Size, *, progress: bool = True) -> wf.Result:
     """All stairs, from the static state under the press."""
-    return wf.simulate(
-        scene,
-        float(ends(run)[-1]),
-        step=size.step,
-        start="equilibrium",
-        options=wf.RunOptions(integrator=wf.integrators.GeneralizedAlpha(RHO_INF)),
-        progress=progress,
-    )
+    options = wf.RunOptions(integrator=wf.integrators.GeneralizedAlpha(RHO_INF))
+    end = float(ends(run)[-1])
+    return wf.simulate(scene, end, step=size.step, start="equilibrium", options=options, progress=progress)
 
 
 def rows(result: wf.Result, run: Sequence[Stair]) -> list[int]:

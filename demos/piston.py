@@ -145,13 +145,8 @@ def run(scene: wf.Scene, degrees: float, *, turns: float = TURNS, progress: bool
     """From the start, in steps of so many degrees of the crank."""
     step = np.radians(degrees) / SPEED
     duration = round(360.0 * turns / degrees) * step
-    return wf.simulate(
-        scene,
-        duration,
-        step=step,
-        options=wf.RunOptions(integrator=wf.integrators.GeneralizedAlpha(RHO_INF)),
-        progress=progress,
-    )
+    options = wf.RunOptions(integrator=wf.integrators.GeneralizedAlpha(RHO_INF))
+    return wf.simulate(scene, duration, step=step, options=options, progress=progress)
 
 
 def place(result: wf.Result) -> tuple[np.ndarray, np.ndarray]:

@@ -139,14 +139,8 @@ def build(size: Size = BIG_CELLS, *, progress: bool = True) -> wf.Scene:
 
 def run(scene: wf.Scene, size: Size, *, progress: bool = True) -> wf.Result:
     """The whole schedule from the static state under the press."""
-    return wf.simulate(
-        scene,
-        schedule().end,
-        step=size.step,
-        start="equilibrium",
-        options=wf.RunOptions(save_every=4),
-        progress=progress,
-    )
+    end, options = schedule().end, wf.RunOptions(save_every=4)
+    return wf.simulate(scene, end, step=size.step, start="equilibrium", options=options, progress=progress)
 
 
 def settled(result: wf.Result, values: np.ndarray, end: float) -> float:

@@ -32,14 +32,14 @@ MODULES = {
     "hertz_and_ripple": "studies.contact.straight_rollers",
     "inertia_levels": "studies.bodies.inertia_levels",
     "joint_bases": "studies.small_sliding.joint_bases",
-    "lap_acceptance": "studies.small_sliding.acceptance",
-    "lap_nodes": "studies.small_sliding.nodes",
     "oil_film": "studies.films.oil_film",
     "patch_cells": "studies.contact.patch_cells",
     "patch_rolling": "studies.rolling.patch_rolling",
     "pressure_ends": "studies.contact.pressure_ends",
     "roller_end": "studies.contact.roller_end",
     "rolling_patches": "studies.rolling.rolling_patches",
+    "small_sliding_acceptance": "studies.small_sliding.acceptance",
+    "small_sliding_nodes": "studies.small_sliding.nodes",
     "speed_error": "studies.speed_error_pages.page",
     "stability": "studies.hard_cases",
 }
@@ -47,7 +47,7 @@ MODULES = {
 
 def listed() -> str:
     """Names of all studies, each with the first line of its module."""
-    return "\n".join(f"{name:18}{_first_line(module)}" for name, module in MODULES.items())
+    return "\n".join(f"{name:26}{_first_line(module)}" for name, module in MODULES.items())
 
 
 def make(name: str, folder: str | Path, cases: Sequence[str] = (), *, quick: bool = False) -> list[Path]:

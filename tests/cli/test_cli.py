@@ -103,7 +103,7 @@ def test_wrong_input_is_one_line_and_exit_1(coarse: Path, tmp_path: Path, capsys
         (["reduce", str(coarse), *mm, *STEEL, "--poisson-ratio", "0.5", *target], "--poisson-ratio must lie between"),
         (["reduce", str(coarse), *mm, *STEEL, "--contact", "tread", *target], "known: 'rim', 'bore'"),
         (["reduce", str(coarse), *mm, *STEEL, "-o", str(blocked / "body.h5")], "cannot be written"),
-        (["info", str(DATA / "assembly.inp"), *mm], "say --part one of 'Brick-1', 'Brick-2', 'Peg-1'"),
+        (["info", str(DATA / "assembly.inp"), *mm], "select one with --part, one of 'Brick-1', 'Brick-2', 'Peg-1'"),
         (["info", str(DATA / "flat.inp"), *mm, "--part", "2"], "part 2 does not exist, it has 1 connected part(s)"),
         (["reduce", str(coarse), *mm, *STEEL, "-o", str(tmp_path / "x.txt")], "must end in .h5 or .hdf5"),
         (["reduce", str(coarse), *mm, *STEEL, "-o", str(other)], "or replace it with --overwrite\n"),

@@ -153,7 +153,7 @@ def test_nothing_is_replaced_unasked(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "# mine" not in changed.read_text() and (tmp_path / "new" / "roll.toml").exists()
     changed.write_text("[materials]\n")
     assert cli.main(["example", "copy", "press", folder, "--overwrite"]) == 1  # a file of the user's own
-    assert "stays" in capsys.readouterr().err
+    assert "is not replaced" in capsys.readouterr().err
 
 
 def test_an_unknown_example_is_answered_with_the_nearest(capsys: pytest.CaptureFixture) -> None:

@@ -66,7 +66,7 @@ def in_options(text: str, options: dict[str, str]) -> str:
     for name, option in known.items():
         text = re.sub(rf"\b{name}=True( \({option}\))?", option, text)
         text = re.sub(rf"\b{name}='([^']*)'", rf"{option} \1", text)
-        text = re.sub(rf"(?<![-\w]){name}=(?=\S)", f"{option} ", text)
+        text = re.sub(rf"(?<![-\w]){name}=(?=[^\s,;.)])", f"{option} ", text)
         text = re.sub(rf"(?<![-\w]){name}=", option, text)
         if "_" in name:
             text = re.sub(rf"(?<![-\w.'\"]){name}(?![\w'\"])", option, text)

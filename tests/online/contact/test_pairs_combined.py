@@ -161,7 +161,7 @@ RUNS: dict[str, dict[str, Any]] = {
     "every third": {"friction": 0.3, "save_every": 3},
     "projected": {"friction": 0.3, "integrator": GeneralizedAlpha(0.8, project_velocities=True)},
     "adaptive": {"friction": 0.3, "step_error": 1e-5},
-    "impulsive": {"local": "hht"},
+    "impulsive": {"local_modes": "hht"},
     "damped": {"law": DAMPED},
 }
 CONTACT = ("law", "friction")

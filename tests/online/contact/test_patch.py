@@ -329,7 +329,7 @@ def test_what_a_patch_cannot_is_refused(roller) -> None:
         grid=wf.ContactGrid(contact_fixed=False), cache=False, progress=False,
     )  # fmt: skip
     with pytest.raises(
-        InputError, match="grid='contact_fixed' needs the far field of .*reduce\\(..., contact_fixed=True\\)"
+        InputError, match="grid='contact_fixed' needs the far field of .*grid=ContactGrid\\(contact_fixed=True\\)"
     ):
         pair(plain, 1e-5)
     with pytest.raises(InputError, match="grid 'mesh' does not exist; known: 'auto', 'body_fixed', 'contact_fixed'"):

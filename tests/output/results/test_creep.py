@@ -233,7 +233,9 @@ def test_too_fast_patches_are_told_of_their_strips(patch: Result) -> None:
 def test_too_fast_patches_are_in_the_budget(patch: Result) -> None:
     """Where a patch advances 4 cells, friction errs by 1.6 times what it does at 2.5: a shorter step cures it."""
     contacts = [SimpleNamespace(name=PAIR, friction=SimpleNamespace(acts=True))]
-    run = SimpleNamespace(history=SimpleNamespace(scene=SimpleNamespace(contacts=contacts)), contact=patch.contact)
+    run = SimpleNamespace(
+        history=SimpleNamespace(scene=SimpleNamespace(finite_sliding=contacts)), contact=patch.contact
+    )
     friction = patch.contact(PAIR).friction
     friction.cells_per_step[:] = 2.0
     assert friction_lines(run) == []

@@ -21,7 +21,7 @@ from warpffrf.output.simulate import equilibrium, simulate
 class SceneOfHistory:
     """A scene that is empty and has the hash of another one."""
 
-    bodies = joints = contacts = films = ()
+    bodies = joints = contacts = finite_sliding = small_sliding = films = ()
 
     def __init__(self, digest: str) -> None:
         self.digest = digest
