@@ -48,5 +48,5 @@ def test_who_forbids_it_is_told() -> None:
 
 def test_stresses_that_waver_are_named() -> None:
     _, (warning,) = said("tet10", rubber(), stress={"skin": "skin"})
-    assert "the mean stress in 48 tet10 cells wavers" in warning and "use hex8, hex20 or hex27" in warning
+    assert "the mean stress in 48 tet10 cells oscillates" in warning and "use hex8, hex20 or hex27" in warning
     assert not said("hex20", rubber(), stress={"skin": "skin"})[1]

@@ -170,7 +170,7 @@ def test_a_sitting_says_what_it_was_beside() -> None:
     facts = {"machine": on, "versions": {"numpy": "2"}, "unit_seconds": 4e-5, "load_before": 0.1}
     assert "quiet machine" in stated(facts)
     assert "preliminary" in stated({**facts, "load_before": 1.7})
-    assert "not known" in stated({**facts, "load_before": None})
+    assert "is unknown" in stated({**facts, "load_before": None})
     assert unit_of([facts, {**facts, "unit_seconds": 5e-5}]) == 4e-5
     assert unit_of([facts, {**facts, "machine": {**on, "processor": "Q"}}]) is None
 
@@ -210,7 +210,7 @@ def test_refusals_name_the_thing_and_the_cure() -> None:
         wf.study.speed_error(pendulum, progress=False)
     with pytest.raises(InputError, match="must be a run in time"):
         wf.study.speed_error(pendulum, wf.equilibrium, progress=False)
-    with pytest.raises(InputError, match="no choice of a Scene"):
+    with pytest.raises(InputError, match="cannot be chosen for a Scene"):
         wf.study.speed_error(pendulum(), in_time(0.1, 1e-3), choices={"arm": [0.4, 0.5]}, progress=False)
 
 

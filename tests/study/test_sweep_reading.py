@@ -135,7 +135,7 @@ def test_a_surface_through_a_grid_has_polynomials_exactly_and_finds_their_least_
     assert largest.value == pytest.approx(2.7**2 + 2.0, rel=ROUND_OFF) and largest.parameters == {"x": 4.0, "z": 2.0}
     with pytest.raises(InputError, match=r"x is swept from 0 to 4.*got 4\.5"):
         found({"x": 4.5, "z": 1.0})
-    with pytest.raises(InputError, match="say z too"):
+    with pytest.raises(InputError, match="give z too"):
         found({"x": 1.0})
 
 

@@ -172,7 +172,7 @@ def _prepared(
 ) -> tuple[Any, Outputs]:
     """Where a run begins, and its files, both checked."""
     if resume and results is None:
-        raise InputError(f"{caller}: resume goes on from what stands beside the results; give results")
+        raise InputError(f"{caller}: resume continues from the files of a run; give results")
     beginning, outputs = _start(caller, scene, start), Outputs(overwrite, resume)
     outputs.check(results, record)
     return beginning, outputs

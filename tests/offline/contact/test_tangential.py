@@ -146,5 +146,5 @@ def test_mixed_facets_are_reduced_in_both_kinds():
 
 def test_unknown_kind_is_refused():
     mesh = roller(0.05, 0.02, 0.02, sectors=6, layers=1, axial=1, order=1)
-    with pytest.raises(InputError, match="nodes, cells"):
+    with pytest.raises(InputError, match="'nodes', 'cells'"):
         cyclic_product(mesh, tangential="waves")

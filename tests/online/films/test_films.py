@@ -519,7 +519,7 @@ def test_columns_too_coarse_for_the_smallest_film_are_told() -> None:
     history: Any = SimpleNamespace(films={"film": SimpleNamespace(smallest_gap=np.array([0.1 * CLEARANCE]), gap=gap)})
     (note,) = film_notes(scene, history)
     pitch = 2.0 * np.pi / COLUMNS
-    told = float(re.search(r"may err by ([0-9.]+)%", note).group(1))  # pyright: ignore[reportOptionalMemberAccess]
+    told = float(re.search(r"an error of ([0-9.]+)%", note).group(1))  # pyright: ignore[reportOptionalMemberAccess]
     assert told * (COLUMNS / 128.0) ** 2 == pytest.approx(0.43, abs=0.02)  # docs/studies/oil_film.md: 0.46 % at most
     assert told == pytest.approx(100.0 * 0.01 * (6.0 * pitch) ** 2 / 0.2, abs=0.05)
     history.films["film"].smallest_gap = np.array([0.9 * CLEARANCE])

@@ -202,7 +202,7 @@ def test_settings_are_shown_by_what_they_are(tmp_path: Path) -> None:
 def test_a_run_that_cannot_go_on_says_no_hash() -> None:
     options = {"scene": "ab" * 32, "start": f"a state at 0.002 s, {'12' * 16}", "step": "0.1"}
     others = {"scene": "cd" * 32, "start": f"a state at 0.001 s, {'34' * 16}", "step": "0.2"}
-    said = "scene is another one, start was a state at 0.001 s, is a state at 0.002 s, step was 0.2, is 0.1"
+    said = "scene differs, start was a state at 0.001 s, is a state at 0.002 s, step was 0.2, is 0.1"
     assert different(options, others) == said
 
 

@@ -44,7 +44,7 @@ def same(a: Any, b: Any, path: str = "") -> list[str]:
     if isinstance(a, dict):
         return [x for key in {**a, **b} for x in same(a[key], b[key], f"{path}/{key}")]
     if hasattr(a, "__dataclass_fields__"):
-        names = [name for name in vars(a) if name not in ("scene", "counters", "options", "marks", "budget")]
+        names = [name for name in vars(a) if name not in ("scene", "counters", "options", "samples", "budget")]
         return [x for name in names for x in same(getattr(a, name), getattr(b, name), f"{path}/{name}")]
     return [] if a == b else [path]
 
