@@ -143,7 +143,7 @@ class ReductionOptions:
                 object.__setattr__(self, name, require_modes(getattr(self, name), f"ReductionOptions: {name}"))
         if self.membrane_modes is not None and self.stiffening != MEMBRANE:
             raise InputError(
-                f"ReductionOptions: membrane_modes is a number of modes of stiffening={MEMBRANE!r}; ask for that, too"
+                f"ReductionOptions: membrane_modes is a number of modes of stiffening={MEMBRANE!r}; set that, too"
             )
         if self.membrane_modes == 0:
             raise InputError(

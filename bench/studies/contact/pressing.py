@@ -104,7 +104,7 @@ class Pressing:
         gap = np.repeat(self.gap(self.angle, center, delta), self.grid.rows)
         return active_set(self.D + np.diag(1.0 / (k * self.area)), gap)
 
-    def by_shape_functions(self, k: float, center: float, delta: float) -> np.ndarray:
+    def by_hats(self, k: float, center: float, delta: float) -> np.ndarray:
         """Forces (nodes,) at the approach `delta` [m] of pressures in nodes."""
         weak = self.psi.T @ (self.dA * self.gap(self.at, center, delta))
         return self.M @ active_set(self.M @ self.D @ self.M + self.M / k, weak)

@@ -100,7 +100,8 @@ def test_a_follower_pushed_out_of_an_overlap_carries_nothing(plain_body: Reduced
     """Whether it ends just open or touching is a matter of round-off."""
     rest = find_equilibrium(follower(plain_body, -5e-5))
     assert rest.status == "completed", rest.message
-    assert any("nothing presses" in note and "'nose'" in note for note in rest.notes)
+    said = ("nothing presses", "touch without a load")  # open, touching
+    assert any(any(words in note for words in said) and "'nose'" in note for note in rest.notes)
     assert not any("columns of the grid wide" in note for note in rest.notes)
 
 

@@ -68,7 +68,7 @@ def test_ring_frequencies_and_the_lag_of_their_patterns(ring: ReducedBody) -> No
         np.testing.assert_allclose(lag, 2.0 * SPIN / (n * n + 1), rtol=THIN)
         low, high = in_plane(without, n)
         assert (high - low) / (2.0 * n) < 1e-3 * SPIN
-    assert "axes that turn" in with_terms.report()
+    assert "axes that rotate" in with_terms.report()
 
 
 @pytest.fixture(scope="module")
