@@ -67,7 +67,7 @@ def test_a_pair_with_and_one_without_friction(body, tmp_path: Path) -> None:
     assert [loaded.contact(n).has_friction for n in loaded.contact_names] == [False, True]
     title = loaded.summary().get_suptitle()  # the panels show one pair each: which is said
     assert "contact 'plain', the first of 2" in title and "friction of 'lower-upper'" in title
-    assert "pair 'lower-upper'" in loaded.summary(contact="lower-upper").get_suptitle()
+    assert "contact 'lower-upper'" in loaded.summary(contact="lower-upper").get_suptitle()
     assert [line.get_label() for line in loaded.plot("force", contact="lower-upper").lines] == ["lower-upper"]
     with pytest.raises(InputError, match="no contact called 'other'; it has: 'plain', 'lower-upper'"):
         loaded.plot("patch", contact="other")
