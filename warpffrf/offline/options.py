@@ -38,6 +38,9 @@ class ContactGrid:
 
     Raises `InputError` for numbers that are not positive, words that do not exist, and a spacing together with an
     expected half-width.
+
+    >>> wf.ContactGrid(expected_half_width=0.3e-3, tangential=True).force_error
+    0.01
     """
 
     spacing: float | None = None

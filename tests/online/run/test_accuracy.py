@@ -106,7 +106,7 @@ def test_only_the_pulse_is_resolved() -> None:
     assert abs(coarse.bodies["body"].velocity[-1, 0] - exact) > 0.02 * exact
     assert fine.counters["steps"] < 400  # the whole in steps of the pulse would be some thousands
     assert fine.counters["coarse_steps"] == 0
-    assert any("halved (step error)" in note for note in fine.notes)
+    assert any("halved (step_error)" in note for note in fine.notes)
 
 
 def test_halved_steps_are_told_of_the_run_that_halved_them() -> None:

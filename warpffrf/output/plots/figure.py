@@ -31,11 +31,11 @@ PROFILE, REFERENCE, FORCE = "#1b6ca8", "#d1495b", "#2a9d6f"
 
 
 class OfPair:
-    """A result restricted to the contact, `name`."""
+    """A result restricted to the contact `name`."""
 
     def __init__(self, result: Any, name: str) -> None:
         result.contact(name)  # raises for an unknown name
-        self._result = result
+        self._result, self.contact_names = result, [name]
         self.finite_sliding_names = [one for one in result.finite_sliding_names if one == name]
         self.small_sliding_names = [one for one in result.small_sliding_names if one == name]
 
