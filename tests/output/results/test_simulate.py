@@ -108,7 +108,8 @@ def test_with_check_a_run_that_ended_early_raises_with_its_result(
     for call in (lambda **o: simulate(scene, 1e-3, step=1e-4, **o), lambda **o: equilibrium(scene, **o)):
         with pytest.raises(RunError, match="^not_converged: reduce step$") as caught:
             call(check=True, results=tmp_path / "run.h5", overwrite=True, progress=False)
-        assert caught.value.result.time is history.time
+        found: Any = caught.value.result
+        assert found.time is history.time
         assert Result.load(tmp_path / "run.h5").status == "not_converged"
 
 
