@@ -69,6 +69,7 @@ def errors(kind: str, count: int) -> tuple[float, float]:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_displacement_and_pressure_converge(kind: str) -> None:
     """Of quadratic tetrahedra the displacement alone: `reduce` warns of their mean stress."""

@@ -103,6 +103,7 @@ def test_an_equilibrium_is_that_of_the_separated_solver(load: float, film: dict[
     assert off(a.bodies["shaft"].position[-1], b.bodies["shaft"].position[0]) < AT_REST
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cavitation", ["jfo", "reynolds", "full_sommerfeld"])
 def test_a_run_is_that_of_the_separated_solver(cavitation: str) -> None:
     """A load that grows fourfold and turns within thirty degrees, from rest: the same steps, rates and voids."""

@@ -64,6 +64,7 @@ def histories(scene: Scene, steps: int, local: str) -> list[np.ndarray]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("local", ["quasi_static", "hht"])
 def test_equal_at_every_step_and_order_two(body: Any, local: str) -> None:
     scene = pressed(body)

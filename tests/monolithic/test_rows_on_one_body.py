@@ -65,6 +65,7 @@ CASES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_both_solvers_agree(name: str) -> None:
     a, b = both(CASES[name], STEPS * STEP, STEP, tolerance=HELD if "held" in name else TIGHT)

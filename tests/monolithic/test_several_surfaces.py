@@ -141,6 +141,7 @@ def pressed(modes: int, *, crossed: bool = True, variant: str = "full") -> list[
     return [contact.pressure[0] for contact in history.contacts.values()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("variant", ["full", "low_rank"])
 def test_pressures_do_not_depend_on_the_number_of_global_modes(variant: str) -> None:
     """Every load is taken by all of a sheet, whatever its modes hold: not so without the compliance between faces."""
@@ -196,6 +197,7 @@ def forces_of(scene: Scene, **options: Any) -> np.ndarray:
     return np.array([contact.force for contact in history.contacts.values()])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("how", "pair", "variant"),
     [

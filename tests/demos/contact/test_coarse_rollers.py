@@ -75,6 +75,7 @@ def test_the_curve_finds_the_largest_stress_of_a_line_contact() -> None:
     assert value == pytest.approx(LARGEST, abs=1e-3) and depth == pytest.approx(WHERE, abs=1e-2)
 
 
+@pytest.mark.slow
 def test_the_pressed_pair_carries_the_load_and_is_hertzian() -> None:
     scene = demo.build(progress=False)
     result = wf.equilibrium(scene)

@@ -145,6 +145,7 @@ def test_cutoff() -> None:
     assert np.allclose(cutoff(np.cos(phi)), [1.0, 1.0, 0.5, 0.0, 0.0], atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2])
 def test_far_field_is_the_meshs_no_more(hex8, order) -> None:
     """On the same nodes the whole compliance of 4 mm cells and of finer ones differs by a sixth at a load, the

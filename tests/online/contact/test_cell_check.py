@@ -48,6 +48,7 @@ def field(scene) -> Boxes:
     return Boxes(x, np.append(z - half, z[-1] + half[-1]), found.pressure[-1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["straight", "crowned"])
 def test_error_beside_many_cells(kind, request) -> None:
     """A coarse patch errs by what its note says, and by what was asked for."""

@@ -260,6 +260,7 @@ def test_sliding_ends_a_static_run_at_once() -> None:
     assert run.time[-1] == pytest.approx(0.9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.3, 0.5, 0.8])
 def test_the_stick_zone_is_that_of_cattaneo_and_mindlin(share: float) -> None:
     """Its half-width over that of the patch is sqrt(1 - Q/(mu P)), to half a cell of the nine or so across."""

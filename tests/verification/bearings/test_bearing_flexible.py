@@ -154,6 +154,7 @@ def under(ball: wf.ReducedBody, load: float) -> wf.Result:
     return wf.equilibrium(scene, progress=False)
 
 
+@pytest.mark.slow
 def test_a_ball_in_rigid_grooves(ball: wf.ReducedBody) -> None:
     """Hertz's point contact at both sides, with the modulus of the ball alone; patches reach far up the groove. Its
     half-spaces move each other's origin apart by u = (1 + nu)(3 - 2 nu) F/(4 pi E R) each (Boussinesq, at the distance

@@ -91,6 +91,7 @@ def test_rest_is_found_from_a_full_film(bore: ReducedBody, load: float) -> None:
     assert np.all(state.pressure[state.void > 0.0] == 0.0) and np.all(state.void >= 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [2e3, 20e3])
 def test_strips_beside_all_nodes(load: float) -> None:
     """126 unknowns beside 945, at few points."""

@@ -206,6 +206,7 @@ def test_plates_that_part_and_meet() -> None:
 # --- motion
 
 
+@pytest.mark.slow
 def test_a_load_that_turns_is_a_steady_one_at_another_speed() -> None:
     """Whirl speed w and shaft speed omega: as at |omega - 2 w| under a load that stands."""
     grid_nodes = (32, 7)

@@ -61,6 +61,7 @@ def test_steel_on_rubber() -> None:
     assert abs(errors.peak) < PEAK
 
 
+@pytest.mark.slow
 def test_tetrahedra_of_4_mm_under_a_ball() -> None:
     """Against quadratic ones of half their size, and over half an element."""
     places = [(0.0, 0.0), (1e-3, 0.0), (2e-3, 1e-3)]

@@ -125,6 +125,7 @@ def rebounds(kind: str, count: int, starts: list[str]) -> np.ndarray:
     return np.array(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", list(SHAPES))
 def test_it_comes_back_as_fast_from_some_sides(kind: str) -> None:
     found = rebounds(kind, 4, ["open", "grazing"])
