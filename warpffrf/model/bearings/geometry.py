@@ -44,6 +44,7 @@ w_r e_r with w_c requires the gyroscopic moment I w_c w_r about e_t, which frict
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any
 
@@ -70,7 +71,7 @@ def pair(value: Any, name: str) -> tuple[Any, Any]:
     return both[0], both[1]
 
 
-class Geometry:
+class Geometry(ABC):
     """Common base of ball and roller bearings, whose dimensions are fields; see `BallGeometry`."""
 
     elements: int
@@ -85,14 +86,14 @@ class Geometry:
         return type(self).__name__
 
     @property
+    @abstractmethod
     def diameter(self) -> float:
         """D [m], of an element."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def default_width(self) -> float:
         """Width [m] of rings for which none is given."""
-        raise NotImplementedError
 
     def _check(self, *lengths: str) -> None:
         """lengths: names of the fields that are positive."""
