@@ -57,8 +57,8 @@ from warpffrf.model.placement.gap import facing_gap
 from warpffrf.model.scene import Scene
 from warpffrf.online.diagnosis.failure_report import largest_force
 from warpffrf.online.engine import Engine
+from warpffrf.online.start.gradients import cell_slips, closed_places, gap_gradients, joint_slips, lumped_gradients
 from warpffrf.online.start.motions import held_by_laps, lines_of, told_of, without_stiff
-from warpffrf_kernels.core.model import AT_POINTS
 
 # of a line of length one: the modes move an axle off the axis of the rim by a hundred-thousandth of its radius
 FREE = 1e-5
@@ -473,9 +473,9 @@ def _lines(engine: Engine, world: int, size: int, holds: np.ndarray) -> tuple[np
     """
     rows = np.asarray(engine.scratch.C.numpy()[world][: len(holds), :size])[holds]
     pulls = np.asarray(engine.state.lam.numpy()[world][: len(holds)])[holds]
-    gaps, pressures = _gap_gradients(engine, world, size)
-    closed = _closed_places(engine, world)
-    touches = _lumped_gradients(engine, world, size)
+    gaps, pressures = gap_gradients(engine, world, size)
+    closed = closed_places(engine, world)
+    touches = lumped_gradients(engine, world, size)
     pushes = np.asarray(engine.state.lumped_force.numpy()[world, 1])[closed]
     laps, pressed = held_by_laps(engine, world, size)
     return np.vstack([rows, gaps, touches, laps]), np.concatenate([pulls, pressures, pushes, pressed])
@@ -486,8 +486,8 @@ def parted(engine: Engine, world: int, weight: np.ndarray, motions: np.ndarray) 
     and the rest.
     """
     size = len(weight)
-    rows = [_joint_slips(engine, world, size), _lumped_gradients(engine, world, size, slips=True)]
-    lines = _of_length_one(np.vstack([*rows, *_cell_slips(engine, world, size)]) / weight)
+    rows = [joint_slips(engine, world, size), lumped_gradients(engine, world, size, slips=True)]
+    lines = _of_length_one(np.vstack([*rows, *cell_slips(engine, world, size)]) / weight)
     if not len(lines) or not len(motions):
         return motions[:0], motions
     _, values, vectors = np.linalg.svd(lines @ motions.T / np.sqrt(len(lines)), full_matrices=True)
@@ -510,105 +510,6 @@ def _of_length_one(lines: np.ndarray) -> np.ndarray:
     """The nonzero lines, normalised."""
     length = np.linalg.norm(lines, axis=1, keepdims=True)
     return lines[length[:, 0] > 0.0] / length[length[:, 0] > 0.0]
-
-
-def _joint_slips(engine: Engine, world: int, size: int) -> np.ndarray:
-    """Gradients of the coordinates of joints with friction that may stick, by the rigid coordinates (rows, size)."""
-    table = engine.compiled.slips
-    rows = [
-        row
-        for law, own in zip(table.laws.values(), table.rows.values(), strict=True)
-        if law.friction.creep_limit == 0.0
-        for row in own
-    ]
-    return np.asarray(engine.scratch.C.numpy()[world][rows, :size]).reshape(len(rows), size)
-
-
-def _cell_slips(engine: Engine, world: int, size: int) -> list[np.ndarray]:
-    """Gradients of the slips of the loaded cells of each contact with friction, by the rigid coordinates (2 cells,
-    size).
-    """
-    m, scratch = engine.compiled.model, engine.scratch
-    found = []
-    for pair in np.flatnonzero(m.pairs.friction.numpy()[: m.pairs.count] > 0.0):
-        rows = int(m.surfaces.rows.numpy()[m.pairs.first.numpy()[pair]])
-        pressed = engine.state.active.numpy()[world, pair] != 0
-        wrench = scratch.cell_wrench.numpy()[world, pair]
-        cells = np.flatnonzero(pressed & (scratch.cell_area.numpy()[world, pair, : len(pressed)] > 0.0))
-        first = (cells // rows) * 2 * rows + cells % rows
-        found.append(_of_wrenches(engine, world, int(pair), wrench[np.concatenate([first, first + rows])], size))
-    return found
-
-
-def _closed_places(engine: Engine, world: int) -> np.ndarray:
-    """The lumped contacts that carry load."""
-    places = engine.compiled.elements.lumped.places
-    return np.flatnonzero(engine.state.lumped_force.numpy()[world, 1, :places] > 0.0)
-
-
-def _lumped_gradients(engine: Engine, world: int, size: int, *, slips: bool = False) -> np.ndarray:
-    """Gradients of the gaps of closed lumped contacts, by the rigid coordinates (places, size); slips: of the slips of
-    those that may stick (2 places, size).
-    """
-    m, state, scratch = engine.compiled.model, engine.state, engine.scratch
-    lumped = engine.compiled.elements.lumped
-    closed = _closed_places(engine, world)
-    n, x = (getattr(state, name).numpy()[world, 1] for name in ("lumped_normal", "lumped_at"))
-    axes, r, body = scratch.axes.numpy()[world], scratch.r1.numpy()[world], m.surfaces.body.numpy()
-    ways = [(place, n[place]) for place in closed]
-    if slips:
-        laws = [c.friction for c in engine.scene.lumped_contacts]
-        sticks = [laws[c].acts and laws[c].creep_limit == 0.0 for c in lumped.contact.numpy()[closed]]
-        ways = [
-            (place, t)
-            for place, rubs in zip(closed, sticks, strict=True)
-            if rubs
-            for t in np.linalg.svd(n[place][None])[2][1:]
-        ]
-    lines = np.zeros((len(ways), size))
-    for line, (place, way) in zip(lines, ways, strict=True):
-        contact = lumped.contact.numpy()[place]
-        for sign, surface in ((1.0, lumped.first.numpy()[contact]), (-1.0, lumped.second.numpy()[contact])):
-            b = int(body[surface])
-            if b >= 0:
-                moment = np.cross(x[place] - r[b], way) @ axes[b]
-                line[6 * b : 6 * b + 6] = sign * np.concatenate([way, moment])
-    return lines
-
-
-def _gap_gradients(engine: Engine, world: int, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Gradients of the gaps of active nodes, by the rigid coordinates (nodes, size), and their pressures [Pa]
-    (nodes,).
-    """
-    m, scratch = engine.compiled.model, engine.scratch
-    active = (engine.state.active.numpy()[world] != 0) & (scratch.area.numpy()[world] > 0.0)
-    wrench, pressure = scratch.wrench.numpy()[world], engine.state.pressure.numpy()[world]
-    families = m.pairs.family.numpy()
-    lines, pressures = [np.zeros((0, size))], [np.zeros(0)]
-    for pair in range(m.pairs.count):
-        at = active[pair, : wrench.shape[1]]
-        own = wrench[pair][at]
-        if families[pair] == AT_POINTS:
-            own = own + scratch.more_wrench.numpy()[world, pair][at]
-        lines.append(_of_wrenches(engine, world, pair, own, size))
-        pressures.append(pressure[pair, : wrench.shape[1]][at])
-    return np.vstack(lines), np.concatenate(pressures)
-
-
-def _of_wrenches(engine: Engine, world: int, pair: int, own: np.ndarray, size: int) -> np.ndarray:
-    """Gradients, by the rigid coordinates (n, size), of the quantities conjugate to the wrenches `own` (n, 6) on the
-    first body of a contact: force and torque about its centre of mass, world axes.
-    """
-    m, scratch = engine.compiled.model, engine.scratch
-    axes, r = scratch.axes.numpy()[world], scratch.r1.numpy()[world]
-    line = np.zeros((len(own), size))
-    A, B = (int(m.surfaces.body.numpy()[s.numpy()[pair]]) for s in (m.pairs.first, m.pairs.second))
-    force, moment = own[:, :3], own[:, 3:]
-    line[:, 6 * A : 6 * A + 6] = np.hstack([force, moment @ axes[A]])
-    if B >= 0:
-        about_b = moment + np.cross(r[A] - r[B], force)
-        line[:, 6 * B : 6 * B + 6] -= np.hstack([force, about_b @ axes[B]])
-    return line
 
 
 def _named(names: list[str]) -> str:
