@@ -63,7 +63,7 @@ def solve_increment(G, b, mu, slip=None, E=None) -> SmallSlidingStep:
         if least < EXACT or np.abs(s - before).max() <= ALIKE * np.abs(s).max():
             break
     if not least < EXACT:
-        raise ValueError(f"lap reference: the conditions are met to {least:.1e} only")
+        raise ValueError(f"small-sliding reference: the conditions are met to {least:.1e} only")
     y = np.asarray(G) @ best + b
     v = (A @ best + free).reshape(c, 3)
     p, tau = best[n], np.linalg.norm(best.reshape(c, 3)[:, 1:], axis=1)

@@ -549,11 +549,11 @@ CASES: dict[str, Case] = {
     "journal, other rules": Case(lambda: journal(cavitation="half_sommerfeld", load=50.0), 1e-4,
     {"start": "equilibrium"}),
     # runs that fail, each in another way
-    "laps": Case(lapped, options=REST),
-    "laps without friction": Case(lambda: lapped(0.0), options=REST),
-    "laps in a body": Case(lambda: fork(0.2), options=REST),
-    "laps, load steps": Case(lambda: lapped(push=400.0), how=load_steps),
-    "laps, two worlds": Case(lapped, how=two_worlds),
+    "small sliding": Case(lapped, options=REST),
+    "small sliding without friction": Case(lambda: lapped(0.0), options=REST),
+    "small sliding in a body": Case(lambda: fork(0.2), options=REST),
+    "small sliding, load steps": Case(lambda: lapped(push=400.0), how=load_steps),
+    "small sliding, two worlds": Case(lapped, how=two_worlds),
     "too deep": Case(
         lambda: rollers(rubbing(), rubbing(), friction=0.3, load=suddenly(1e12)), options=HOPELESS, ends="capacity"
     ),

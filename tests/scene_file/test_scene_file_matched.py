@@ -38,8 +38,8 @@ def test_names_and_tables(tmp_path: Path) -> None:
     loaded = wf.load_scene(
         written(tmp_path, '{ foot = { kind = "matched", first = "z_min", size = 0.5 }, z_max = "matched" }')
     )
-    laps = loaded.scene.bodies[0].reduced.matched
-    assert {name: lap.cells for name, lap in laps.items()} == {"foot": 4, "z_max": 16}
+    matched = loaded.scene.bodies[0].reduced.matched
+    assert {name: lap.cells for name, lap in matched.items()} == {"foot": 4, "z_max": 16}
 
 
 def test_what_does_not_exist_is_named(tmp_path: Path) -> None:

@@ -25,7 +25,7 @@ from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf.online.warp_start import start_warp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import DeviceArray
-from warpffrf_kernels.laps.words import AHEAD, ANEW, HELD, NONE, READY
+from warpffrf_kernels.matched.words import AHEAD, ANEW, HELD, NONE, READY
 
 ROOM_GROWTH = 2  # of the node capacity, each time it is exceeded
 OF_AN_ATTEMPT = ("attempt", "accept", "record")  # words of `Control` reset to zero before each attempt
@@ -304,10 +304,10 @@ class Engine:
         """Overwrite the state of this engine. Tableaus of small-sliding contacts belong to the last evaluation and are
         recomputed from the forces of the state."""
         self.state.assign(values)
-        words = self.scratch.lap_words.numpy()
+        words = self.scratch.matched_words.numpy()
         words[..., int(READY)] = np.where(words[..., int(READY)] == int(NONE), int(NONE), int(ANEW))
         words[..., [int(HELD), int(AHEAD)]] = 0
-        self.scratch.lap_words.assign(words)
+        self.scratch.matched_words.assign(words)
 
     def _kept(self) -> dict[str, DeviceArray]:
         """Arrays kept from step to step in addition to the state, each once: some are aliases."""

@@ -125,23 +125,23 @@ class LocalPlan:
                 note = f"contact surface {port.label}: the inertia of its local modes is neglected"
                 if note not in plan.notes:  # several contacts share the surface
                     plan.notes.append(note)
-        for lap in scene.small_sliding:
-            plan._look_at_lap(lap)
+        for contact in scene.small_sliding:
+            plan._look_at_contact(contact)
         if any(plan.count(body) for body in plan.modes):
             plan.notes.append("pictures and stresses show dynamic local modes as if at rest under the pressure")
         return plan
 
-    def _look_at_lap(self, lap: Contact) -> None:
+    def _look_at_contact(self, contact: Contact) -> None:
         """Note that its cells have no inertia; raises `InputError` if local modes of its bodies have inertia, as these
         do not move small-sliding contacts."""
-        for port in lap.ports:
+        for port in contact.ports:
             if self.count(port.body.index):
                 raise InputError(
-                    f"{lap.label}: local_modes {self.options.treatment!r} gives inertia to local modes of body "
-                    f"{port.body.name!r}, which do not move its laps; take local_modes='quasi_static' and reduce it "
-                    "with more global modes (max_frequency=)"
+                    f"{contact.label}: local_modes {self.options.treatment!r} gives inertia to local modes of body "
+                    f"{port.body.name!r}, which do not move its small-sliding contacts; take "
+                    "local_modes='quasi_static' and reduce it with more global modes (max_frequency=)"
                 )
-        self.notes.append(f"{lap.label}: its cells yield without inertia, beyond the global modes of its bodies")
+        self.notes.append(f"{contact.label}: its cells yield without inertia, beyond the global modes of its bodies")
 
     def _add(self, port: SurfacePort) -> None:
         own = self.modes.setdefault(port.body.index, {})

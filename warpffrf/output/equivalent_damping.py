@@ -79,7 +79,7 @@ class EquivalentDamping:
         rubs = order[self.damping_ratio[order] > 0.0]
         ax.loglog(self.amplitude[rubs], 100.0 * self.damping_ratio[rubs], marker="o")
         ax.set(
-            xlabel=f"amplitude at {self.place} [{self.unit}]", ylabel="damping ratio of friction in laps [%]",
+            xlabel=f"amplitude at {self.place} [{self.unit}]", ylabel="damping ratio of contact friction [%]",
             title=f"Mode {self.mode}, {self.linear_frequency:.5g} Hz",
         )  # fmt: skip
         ax.grid(visible=True, which="both", alpha=0.3)

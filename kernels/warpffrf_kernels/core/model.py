@@ -8,8 +8,8 @@ import warp as wp
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals, topic, vectors
 from warpffrf_kernels.core.films import Films
-from warpffrf_kernels.core.laps import Laps
 from warpffrf_kernels.core.lumped import Lumped, Moments
+from warpffrf_kernels.core.matched import Matched
 from warpffrf_kernels.core.scalars import real, vec3
 
 # --- families of pairs, values of `Pairs.family`: kinematics of the gaps
@@ -547,7 +547,7 @@ class Elements:
     patches: Patches
     rolling: Rolling
     films: wp.array(dtype=Films)  # one, as these would exceed that size
-    laps: wp.array(dtype=Laps)  # one
+    matched: wp.array(dtype=Matched)  # one
 
 
 @topic

@@ -5,8 +5,8 @@ Frames are those of the state: centres of mass, body axes.
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions, reals, topic, vectors
 from warpffrf_kernels.core.films import NUMBERS as FILM_NUMBERS
-from warpffrf_kernels.core.laps import NUMBERS as LAP_NUMBERS
 from warpffrf_kernels.core.lumped import NUMBERS
+from warpffrf_kernels.core.matched import NUMBERS as MATCHED_NUMBERS
 
 
 @topic
@@ -102,7 +102,9 @@ class SavedFilms:
 
 
 @topic
-class SavedLaps:
+class SavedMatched:
     """Cells of joint interfaces."""
 
-    saved_lap: DeviceArray = reals("world", "ring_row", "lap_cell", LAP_NUMBERS, note="see `laps.keeping`")
+    saved_matched: DeviceArray = reals(
+        "world", "ring_row", "matched_cell", MATCHED_NUMBERS, note="see `matched.keeping`"
+    )

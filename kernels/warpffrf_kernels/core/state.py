@@ -179,15 +179,15 @@ class FilmState:
 
 
 @topic
-class LapState:
+class MatchedState:
     """Joint interfaces: accepted forces, gaps, states and slips of their cells; forces on the second face."""
 
-    lap_force: DeviceArray = reals("world", "lap_cell", 3, unit="N", note="normal, along t1, t2")
-    lap_gap: DeviceArray = reals("world", "lap_cell", unit="m")
-    lap_slip: DeviceArray = reals("world", "lap_cell", 2, unit="m", note="so far, of the second face")
-    lap_state: DeviceArray = integers("world", "lap_cell", note="0 open, 1 stick, 2 slip")
-    lap_lost: DeviceArray = reals("world", "lap_cell", unit="J", note="by friction so far")
-    lap_energy: DeviceArray = reals("world", "lap_group", unit="J", note="of what yields under their forces")
+    matched_force: DeviceArray = reals("world", "matched_cell", 3, unit="N", note="normal, along t1, t2")
+    matched_gap: DeviceArray = reals("world", "matched_cell", unit="m")
+    matched_slip: DeviceArray = reals("world", "matched_cell", 2, unit="m", note="so far, of the second face")
+    matched_state: DeviceArray = integers("world", "matched_cell", note="0 open, 1 stick, 2 slip")
+    matched_lost: DeviceArray = reals("world", "matched_cell", unit="J", note="by friction so far")
+    matched_energy: DeviceArray = reals("world", "matched_group", unit="J", note="of what yields under their forces")
 
 
 @topic

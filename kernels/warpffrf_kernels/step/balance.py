@@ -12,7 +12,7 @@ from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.contact_scratch import ContactGeometry
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.film_scratch import FilmScratch
-from warpffrf_kernels.core.lap_scratch import LapScratch
+from warpffrf_kernels.core.matched_scratch import MatchedScratch
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
@@ -96,33 +96,35 @@ def inertia_left(model: Model, w: int, acc: real, extent: real, scale: real, mod
 
 
 @wp.func
-def lap_stiffness_of(model: Model, w: int, group: int, column: int, lap_stiffness: wp.array(dtype=real)) -> real:
+def matched_stiffness_of(
+    model: Model, w: int, group: int, column: int, matched_stiffness: wp.array(dtype=real)
+) -> real:
     """-T_zz of a motion coordinate of a group of joint interfaces, from the tangent of the last iteration."""
-    first = model.elements[0].laps[0].column_start[group]
-    columns = model.elements[0].laps[0].column_start[group + 1] - first
-    square = w * model.elements[0].laps[0].square_start[model.elements[0].laps[0].count]
-    square += model.elements[0].laps[0].square_start[group]
-    return wp.max(-lap_stiffness[square + (column - first) * (columns + 1)], real(0.0))
+    first = model.elements[0].matched[0].column_start[group]
+    columns = model.elements[0].matched[0].column_start[group + 1] - first
+    square = w * model.elements[0].matched[0].square_start[model.elements[0].matched[0].count]
+    square += model.elements[0].matched[0].square_start[group]
+    return wp.max(-matched_stiffness[square + (column - first) * (columns + 1)], real(0.0))
 
 
 @wp.func
-def stiffest_place(model: Model, w: int, group: int, lap_stiffness: wp.array(dtype=real)) -> real:
+def stiffest_place(model: Model, w: int, group: int, matched_stiffness: wp.array(dtype=real)) -> real:
     """Largest K_tt of the joint interfaces of a group [N/m]; 0 if none has a second body or the ground."""
     most = real(0.0)
-    lap = model.elements[0].laps[0].lap_start[group]
-    while lap < model.elements[0].laps[0].lap_start[group + 1]:
-        at = model.elements[0].laps[0].rigid_column[lap]
+    contact = model.elements[0].matched[0].matched_start[group]
+    while contact < model.elements[0].matched[0].matched_start[group + 1]:
+        at = model.elements[0].matched[0].rigid_column[contact]
         if at >= 0:
             for i in range(3):
-                most = wp.max(most, lap_stiffness_of(model, w, group, at + i, lap_stiffness))
-        lap += 1
+                most = wp.max(most, matched_stiffness_of(model, w, group, at + i, matched_stiffness))
+        contact += 1
     return most
 
 
 @kernel
 def balance(
     run: Run, trial: Trial, loads: LoadState, residuals: Residuals, geometry: ContactGeometry, pairs: ContactState,
-    lumped: LumpedState, oil: FilmScratch, tableau: LapScratch, q1: wp.array2d(dtype=real),
+    lumped: LumpedState, oil: FilmScratch, tableau: MatchedScratch, q1: wp.array2d(dtype=real),
 ):  # fmt: skip
     """Per world: convergence check. Residual forces with contact, row defects, spring laws, open gaps under pressure
     and flows of films, all as fractions.
@@ -183,11 +185,11 @@ def balance(
     length = model.length
     if residuals.gap_defect[w, 1] > real(0.0):
         length = wp.min(length, wp.max(residuals.gap_defect[w, 1], SHORT * extent))
-    lap = int(0)
-    while lap < model.elements[0].laps[0].count:
-        if tableau.lap_depth[w, lap] > real(0.0):
-            length = wp.min(length, wp.max(tableau.lap_depth[w, lap], SHORT * extent))
-        lap += 1
+    contact = int(0)
+    while contact < model.elements[0].matched[0].count:
+        if tableau.matched_depth[w, contact] > real(0.0):
+            length = wp.min(length, wp.max(tableau.matched_depth[w, contact], SHORT * extent))
+        contact += 1
     worst = real(0.0)
     sum = residuals.gap_defect[w, 0]  # a maximum drops NaN, a sum keeps it
     row = int(0)
@@ -233,30 +235,33 @@ def balance(
         sum += oil.film_off[w, film]
         switching += oil.film_changed[w, film]
         film += 1
-    lap = int(0)
-    while lap < model.elements[0].laps[0].laps:
-        c = model.elements[0].laps[0].rigid_column[lap]
+    contact = int(0)
+    while contact < model.elements[0].matched[0].matched:
+        c = model.elements[0].matched[0].rigid_column[contact]
         if c >= 0:
             scale = wp.max(
-                scale, wp.length(vec3(tableau.lap_push[w, c], tableau.lap_push[w, c + 1], tableau.lap_push[w, c + 2]))
+                scale,
+                wp.length(
+                    vec3(tableau.matched_push[w, c], tableau.matched_push[w, c + 1], tableau.matched_push[w, c + 2])
+                ),
             )
             for i in range(3):
-                scale = wp.max(scale, CELLS * tableau.lap_sum[w, c + i])
-        lap += 1
-    lap = int(0)
-    while lap < model.elements[0].laps[0].count:
-        stiffness = stiffest_place(model, w, lap, tableau.lap_stiffness)
+                scale = wp.max(scale, CELLS * tableau.matched_sum[w, c + i])
+        contact += 1
+    contact = int(0)
+    while contact < model.elements[0].matched[0].count:
+        stiffness = stiffest_place(model, w, contact, tableau.matched_stiffness)
         off_place = ROUNDED * extent / model.limits.residual_tolerance
         scale = wp.max(scale, off_place * stiffness)
-        n = model.elements[0].laps[0].column_start[lap]
-        while n < model.elements[0].laps[0].column_start[lap + 1]:
-            if model.elements[0].laps[0].column_mode[n] >= 0:
-                mode_stiffness = lap_stiffness_of(model, w, lap, n, tableau.lap_stiffness)
+        n = model.elements[0].matched[0].column_start[contact]
+        while n < model.elements[0].matched[0].column_start[contact + 1]:
+            if model.elements[0].matched[0].column_mode[n] >= 0:
+                mode_stiffness = matched_stiffness_of(model, w, contact, n, tableau.matched_stiffness)
                 modal_scale = wp.max(modal_scale, off_place * wp.sqrt(stiffness * mode_stiffness))
             n += 1
-        worst = wp.max(worst, CLOSER * tableau.lap_off[w, lap])
-        sum += tableau.lap_off[w, lap]
-        lap += 1
+        worst = wp.max(worst, CLOSER * tableau.matched_off[w, contact])
+        sum += tableau.matched_off[w, contact]
+        contact += 1
     row = int(0)
     while row < model.rows.count:  # a spring's force against its law; a stretch of round-off size is accepted
         if residuals.softness[w, row] != real(0.0):
@@ -279,8 +284,8 @@ def balance(
     n = int(0)
     while n < model.modes.count:
         modal_scale = wp.max(modal_scale, wp.abs(loads.load_on_modes[w, 1, n]))
-        contact = loads.modal_load[w, 1, n]
-        modal_scale = wp.max(modal_scale, wp.max(wp.abs(contact), wp.abs(model.modes.stiffness[n] * q1[w, n])))
+        contact_load = loads.modal_load[w, 1, n]
+        modal_scale = wp.max(modal_scale, wp.max(wp.abs(contact_load), wp.abs(model.modes.stiffness[n] * q1[w, n])))
         travel = wp.abs(trial.dq[w, n])
         if loading:
             before = wp.abs(model.modes.stiffness[n] * (q1[w, n] - trial.dq[w, n]))
@@ -304,9 +309,11 @@ def balance(
         modal_scale = wp.max(modal_scale, wp.abs(oil.film_modal[w, n]))
         n += 1
     n = int(0)
-    while n < model.elements[0].laps[0].column_start[model.elements[0].laps[0].count]:
-        if model.elements[0].laps[0].column_mode[n] >= 0:
-            modal_scale = wp.max(modal_scale, wp.max(wp.abs(tableau.lap_push[w, n]), CELLS * tableau.lap_sum[w, n]))
+    while n < model.elements[0].matched[0].column_start[model.elements[0].matched[0].count]:
+        if model.elements[0].matched[0].column_mode[n] >= 0:
+            modal_scale = wp.max(
+                modal_scale, wp.max(wp.abs(tableau.matched_push[w, n]), CELLS * tableau.matched_sum[w, n])
+            )
         n += 1
     row = int(0)
     while row < model.rows.count:  # forces of joints that cancel on the modes leave round-off

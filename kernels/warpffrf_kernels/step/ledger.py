@@ -33,11 +33,11 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.film_scratch import FilmScratch
 from warpffrf_kernels.core.friction_scratch import FrictionCells
 from warpffrf_kernels.core.integration import is_static
-from warpffrf_kernels.core.lap_scratch import LapScratch
+from warpffrf_kernels.core.matched_scratch import MatchedScratch
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, Trial
-from warpffrf_kernels.core.state import ContactState, FilmState, FrictionState, LapState, LoadState, LumpedState
+from warpffrf_kernels.core.state import ContactState, FilmState, FrictionState, LoadState, LumpedState, MatchedState
 from warpffrf_kernels.lumped.forces import DAMPED, RUBBED
 from warpffrf_kernels.normal.pair_forces import mean_of, pair_work
 
@@ -55,7 +55,7 @@ UNSEEN = wp.constant(wp.float64(1.0e-8))  # of the energies: work of joints that
 def balance_energy(
     run: Run, trial: Trial, loads: LoadState, residuals: Residuals, pairs: ContactState, impulses: ImpulsiveContact,
     rubbed: FrictionState, cells: FrictionCells, lumped: LumpedState, lumps: LumpedContacts, films: FilmState,
-    oil: FilmScratch, laps: LapState, tableau: LapScratch, q1: wp.array2d(dtype=real),
+    oil: FilmScratch, matched: MatchedState, tableau: MatchedScratch, q1: wp.array2d(dtype=real),
 ):  # fmt: skip
     """Per world: the ledger of the trial state, energy[w, 1], from that of the accepted one, energy[w, 0]; for a static
     step the relative energy gain, `RISE`."""
@@ -179,8 +179,8 @@ def balance_energy(
         of_pairs -= films.film_energy[w, 0, film]
         film += 1
     group = int(0)
-    while group < model.elements[0].laps[0].count:
-        of_pairs -= laps.lap_energy[w, group]
+    while group < model.elements[0].matched[0].count:
+        of_pairs -= matched.matched_energy[w, group]
         group += 1
     grid = contact - of_pairs + contact_work - friction
     place = int(0)
@@ -196,10 +196,10 @@ def balance_energy(
         friction -= oil.film_taken[w, film, 1]
         film += 1
     group = int(0)
-    while group < model.elements[0].laps[0].count:
-        contact += tableau.lap_stored[w, group]
-        friction -= tableau.lap_taken[w, group, 0]
-        grid -= tableau.lap_taken[w, group, 1]
+    while group < model.elements[0].matched[0].count:
+        contact += tableau.matched_stored[w, group]
+        friction -= tableau.matched_taken[w, group, 0]
+        grid -= tableau.matched_taken[w, group, 1]
         group += 1
     joint = int(0)
     while joint < model.elements[0].joint_frictions.count:

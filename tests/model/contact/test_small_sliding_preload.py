@@ -133,7 +133,7 @@ def test_faces_on_both_sides_hold_each_other() -> None:
     refuse_pushed_apart(scene)
 
 
-def test_a_lap_and_a_rolling_contact_on_the_same_facets() -> None:
+def test_a_small_sliding_and_a_rolling_contact_on_the_same_facets() -> None:
     with pytest.raises(InputError, match=r"contact 'face': 4 facets of 'z_max' belong to contact surface.*separate"):
         reduce(
             box(SIZE, (2, 2, 1), order=1),

@@ -41,10 +41,10 @@ LAPS = {
 }
 
 
-def lapped(mesh: Mesh, laps: dict[str, Matched], **settings) -> Any:
+def lapped(mesh: Mesh, matched: dict[str, Matched], **settings) -> Any:
     """The body reduced with small-sliding contacts; what it may lack is there."""
     given = {"interfaces": {"x_min": "rigid"}, "cache": False, "progress": False, "modes": 6}
-    contact = {**settings.pop("contact", {}), **laps}
+    contact = {**settings.pop("contact", {}), **matched}
     return reduce_flat(mesh, STEEL, contact=contact, **{**given, **settings})
 
 
@@ -166,7 +166,7 @@ def test_blocks_of_few_loads_and_a_tight_memory(slit, monkeypatch) -> None:
         lapped(slit, LAPS, memory_limit=size // 2)
 
 
-def test_stress_of_laps(slit) -> None:
+def test_stress_of_small_sliding(slit) -> None:
     """The stress of the residual response: at any number of modes, the sum is that of the full response."""
     points = np.array([[0.03, 0.01, 0.003], [0.005, 0.005, 0.005]])
     few, many = (lapped(slit, LAPS, modes=m, stress={"inside": points}) for m in (2, 60))

@@ -125,7 +125,7 @@ def test_equilibria_are_found_in_every_frame(made: Callable[[Rotation, Array], S
     np.testing.assert_allclose(places, [places[0]] * len(places), atol=1e-9)
 
 
-def test_a_run_that_begins_at_rest_on_a_lap_without_friction_stays_there() -> None:
+def test_a_run_that_begins_at_rest_on_a_small_sliding_contact_without_friction_stays_there() -> None:
     history = run(lapped(FRAMES[0], np.zeros(3)), 2e-3, step=2e-4, start="equilibrium", progress=False)
     assert history.status == "completed", history.message
     moved = history.bodies["upper"].position - history.bodies["upper"].position[0]

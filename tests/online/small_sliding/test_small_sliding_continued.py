@@ -20,7 +20,7 @@ from warpffrf.online.history.history import History
 from warpffrf.online.load_steps import run_static
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate, static
-from warpffrf_kernels.laps.words import ANEW, READY, STANDS
+from warpffrf_kernels.matched.words import ANEW, READY, STANDS
 
 AGREES = 1e-8  # of the largest: steps balance to 1e-9, and what they leave adds up
 CYCLE, STEPS = 1e-3, 40  # s, load steps or steps of a cycle that slides
@@ -94,6 +94,6 @@ def test_numbers_of_laps_are_made_anew() -> None:
     """They belong to what an engine has evaluated last; of a tableau, a state that is put back leaves the table."""
     engine = Engine(rubbing())
     engine.evaluate_here()
-    assert np.all(engine.scratch.lap_words.numpy()[..., int(READY)] == int(STANDS))
+    assert np.all(engine.scratch.matched_words.numpy()[..., int(READY)] == int(STANDS))
     engine.resume(engine.checkpoint())
-    assert np.all(engine.scratch.lap_words.numpy()[..., int(READY)] == int(ANEW))
+    assert np.all(engine.scratch.matched_words.numpy()[..., int(READY)] == int(ANEW))

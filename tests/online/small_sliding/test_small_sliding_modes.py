@@ -13,7 +13,7 @@ from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.linearise import linearise
 from warpffrf.output.modes_result import eigenmodes
 from warpffrf.output.simulate import static
-from warpffrf_kernels.laps.words import ANEW, READY
+from warpffrf_kernels.matched.words import ANEW, READY
 
 TRUNCATED = 1e-3  # of a frequency: what modes of the blocks above HIGHEST have of inertia
 CELLS = (6, 2, 2), (12, 4, 4)
@@ -47,11 +47,11 @@ def test_matrices_are_symmetric(friction: float) -> None:
     engine = Engine(two_blocks(friction=friction))
     assert settle(engine)
     linear = linearise(engine)
-    rest = linear.K - linear.K_laps
+    rest = linear.K - linear.K_matched
     np.testing.assert_allclose(rest, rest.T, atol=5e-9 * LOAD)  # N m: round-off of differences over 10 um
-    assert np.abs(linear.K_laps - linear.K_laps.T).max() <= 1e-15 * np.abs(linear.K_laps).max()
-    assert np.linalg.eigvalsh(linear.K_laps).min() > -1e-9 * np.abs(linear.K_laps).max()
-    ready = engine.scratch.lap_words.numpy()[..., int(READY)]
+    assert np.abs(linear.K_matched - linear.K_matched.T).max() <= 1e-15 * np.abs(linear.K_matched).max()
+    assert np.linalg.eigvalsh(linear.K_matched).min() > -1e-9 * np.abs(linear.K_matched).max()
+    ready = engine.scratch.matched_words.numpy()[..., int(READY)]
     assert np.all(ready == int(ANEW))  # the engine goes on with its own forces
 
 

@@ -18,7 +18,7 @@ from warpffrf.output.options import RunOptions
 from warpffrf.output.simulate import simulate
 
 
-def test_integrators_for_checks_have_no_laps() -> None:
+def test_integrators_for_checks_have_no_small_sliding() -> None:
     for integrator in (RungeKutta4(), EnergyMomentum()):
         scene = two_blocks()
         scene.joints.clear()
@@ -27,7 +27,7 @@ def test_integrators_for_checks_have_no_laps() -> None:
             simulate(scene, 1e-5, step=1e-6, options=RunOptions(integrator=integrator), progress=False)
 
 
-def test_local_modes_with_inertia_do_not_move_laps() -> None:
+def test_local_modes_with_inertia_do_not_move_small_sliding_contacts() -> None:
     body = reduce(
         box((0.02, 0.02, 0.02), (2, 2, 2), order=1), STEEL, contact={"x_max": Plane(), "foot": Matched(first="z_min")},
         modes=4, options=ReductionOptions(local_dynamics=True), cache=False, progress=False,

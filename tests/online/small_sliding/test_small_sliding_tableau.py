@@ -10,8 +10,8 @@ import pytest
 from small_sliding_scenes import two_blocks
 
 from warpffrf.online.engine import Engine
-from warpffrf.online.vibrations.rubbing import LapForces
-from warpffrf_kernels.laps.forms import OPEN, SLIP, STICK
+from warpffrf.online.vibrations.rubbing import MatchedForces
+from warpffrf_kernels.matched.forms import OPEN, SLIP, STICK
 
 FRICTION = 0.3
 ROUND_OFF = 1e-9  # of forces and of T_zz: G has a condition of 1e4
@@ -20,9 +20,9 @@ MET = 1e-9  # of the largest force, and what it yields: passes settle to 1e-11
 
 def tables(engine: Engine) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """G (n, n), J (n, z) and the gaps of the cells where the scene begins."""
-    laps = engine.compiled.laps
-    n, z = 3 * laps.gap.shape[0], int(laps.column_start.numpy()[-1])
-    return laps.compliance.numpy().reshape(n, n).T, laps.motion.numpy().reshape(z, n).T, laps.gap.numpy()
+    matched = engine.compiled.matched
+    n, z = 3 * matched.gap.shape[0], int(matched.column_start.numpy()[-1])
+    return matched.compliance.numpy().reshape(n, n).T, matched.motion.numpy().reshape(z, n).T, matched.gap.numpy()
 
 
 def conditions(modes: np.ndarray, aims: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -48,12 +48,12 @@ def engine() -> Engine:
 
 def moved(engine: Engine, rng: np.random.Generator, sink: float, slide: float) -> Any:
     """The upper body moves down, to the side and tilts [m, rad], its modes and those of the lower one a little."""
-    laps = LapForces(engine)
-    x = np.zeros(laps.rigid + engine.compiled.model.modes.count)
+    matched = MatchedForces(engine)
+    x = np.zeros(matched.rigid + engine.compiled.model.modes.count)
     upper = 6 * 1
     x[upper : upper + 3] = *(slide * rng.normal(size=2)), -sink
     x[upper + 3 : upper + 5] = 50.0 * sink * rng.normal(size=2)
-    return laps, x
+    return matched, x
 
 
 def test_forces_and_tangents_are_those_of_dense_matrices(engine: Engine) -> None:
@@ -62,12 +62,12 @@ def test_forces_and_tangents_are_those_of_dense_matrices(engine: Engine) -> None
     G, J, gap = tables(engine)
     earlier, changed, seen = None, 0, set()
     for _ in range(12):
-        laps, x = moved(engine, rng, 1e-6 * rng.uniform(0.5, 2.0), 10.0 ** rng.uniform(-8.0, -6.0))
-        f = laps.at(x)
+        matched, x = moved(engine, rng, 1e-6 * rng.uniform(0.5, 2.0), 10.0 ** rng.uniform(-8.0, -6.0))
+        f = matched.at(x)
         assert f is not None
         scratch = engine.scratch
-        modes, aims = scratch.lap_mode.numpy()[0], scratch.lap_target_form.numpy()[0]
-        s, z = scratch.lap_trial.numpy()[: len(G)], scratch.lap_z.numpy()[0]
+        modes, aims = scratch.matched_mode.numpy()[0], scratch.matched_target_form.numpy()[0]
+        s, z = scratch.matched_trial.numpy()[: len(G)], scratch.matched_z.numpy()[0]
         y = G @ s + J @ z
         y[::3] += gap
         largest, yields = np.abs(s).max(), G.diagonal()[::3].mean()
@@ -83,11 +83,11 @@ def test_forces_and_tangents_are_those_of_dense_matrices(engine: Engine) -> None
         assert np.abs(f - J.T @ s).max() < ROUND_OFF * np.abs(f).max()
         A, B = conditions(modes, aims)
         exact = -J.T @ np.linalg.solve(A + B @ G, B @ J)
-        assert np.abs(-laps.tangent() - exact).max() < ROUND_OFF * np.abs(exact).max()
+        assert np.abs(-matched.tangent() - exact).max() < ROUND_OFF * np.abs(exact).max()
         changed += 0 if earlier is None else 3 * int(np.sum(modes != earlier))
         earlier = modes.copy()
         seen |= set(modes.tolist())
-    assert changed > 2 * int(engine.compiled.laps.differing_start.numpy()[-1]) and seen == {
+    assert changed > 2 * int(engine.compiled.matched.differing_start.numpy()[-1]) and seen == {
         int(OPEN),
         int(STICK),
         int(SLIP),

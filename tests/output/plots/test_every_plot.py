@@ -131,7 +131,7 @@ def test_kinds_of_films(oiled: Result, kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", [*SMALL_SLIDING_PLOTS, "force", "energy"])
-def test_kinds_of_laps(rubbing_contact: Result, kind: str) -> None:
+def test_kinds_of_small_sliding(rubbing_contact: Result, kind: str) -> None:
     drawn = rubbing_contact.plot(kind, axes())
     check(drawn)
     all_finite(drawn)

@@ -79,7 +79,7 @@ def test_what_slid_before_the_first_row_is_in_the_zone() -> None:
     assert lap.loss[0] > 0.0 and lap.slip_zone().cells > 0 and lap.slip_zone(0.0).cells == 0
 
 
-def test_the_budget_of_a_motion_knows_laps() -> None:
+def test_the_budget_of_a_motion_includes_small_sliding() -> None:
     """A block that is let go on the floor: errors of force and loss by the step."""
     result = wf.simulate(on_the_floor(), 4e-4, step=2e-5, progress=False)
     told = {line.of for line in result.error_budget()}

@@ -153,10 +153,10 @@ def test_without_friction_user_frames_say_how_far_faces_slid(result: Result, lap
 # --- files, arrays, report
 
 
-def test_a_result_knows_its_laps(result: Result) -> None:
+def test_a_result_knows_its_small_sliding_contacts(result: Result) -> None:
     assert result.small_sliding_names == ["lap"] and "cells=24" in repr(result.contact("lap"))
-    with pytest.raises(InputError, match="no contact called 'laps'; it has: 'lap'"):
-        result.contact("laps")
+    with pytest.raises(InputError, match="no contact called 'steps'; it has: 'lap'"):
+        result.contact("steps")
 
 
 def test_files_bring_everything_back(result: Result, lap: SmallSlidingResult, tmp_path: Path) -> None:
@@ -210,7 +210,7 @@ def test_errors_are_told_of_force_and_loss(result: Result, lap: SmallSlidingResu
     assert found["force of contact 'lap'"].size > PRESSED
 
 
-def test_the_report_tells_of_laps(result: Result) -> None:
+def test_the_report_names_small_sliding_contacts(result: Result) -> None:
     text = result.report()
     assert "contact 'lap': normal force 2000 N (largest 2000)" in text
     assert f"loss            {result.contact('lap').loss[-1]:.5g} J by friction, in 24 cells" in text

@@ -71,9 +71,9 @@ class StaticSmallSliding:
         tangential_compliance: float = 0.0,
     ) -> None:
         self.model, self.cells = model, cells
-        self.friction = require_number(friction, "lap: friction", non_negative=True)
-        normal = require_number(normal_compliance, "lap: normal_compliance", non_negative=True)
-        across = require_number(tangential_compliance, "lap: tangential_compliance", non_negative=True)
+        self.friction = require_number(friction, "joint: friction", non_negative=True)
+        normal = require_number(normal_compliance, "joint: normal_compliance", non_negative=True)
+        across = require_number(tangential_compliance, "joint: tangential_compliance", non_negative=True)
         self.layers = (np.array([normal, across, across]) / cells.area[:, None]).ravel()
         self.responses = model.solve(cells.loads)
         C = cells.loads.T @ self.responses
@@ -82,8 +82,8 @@ class StaticSmallSliding:
     def follow(self, loads: Array, path: Array, observed: Array | None = None) -> Followed:
         """The history through the factors `path` (n, k) of the `loads` F (dofs, k), from rest without slip; `observed`
         (dofs, m): vectors whose products with the displacements are stored."""
-        F = require_array(loads, "lap: loads", (self.model.size, None))
-        path = require_array(path, "lap: path", (None, F.shape[1]))
+        F = require_array(loads, "joint: loads", (self.model.size, None))
+        path = require_array(path, "joint: path", (None, F.shape[1]))
         watched = np.zeros((len(F), 0)) if observed is None else np.asarray(observed, dtype=float)
         still = self.model.solve(F)
         return follow(

@@ -101,18 +101,18 @@ NAMES = {
     "film_seat": "points and nodes located on them",
     "film_press": "points at which films load them",
     "film_load": "lines of films, each over the nodes of its second surface",
-    "lap_group": "groups of small-sliding contacts that are solved together",
-    "lap": "small-sliding contacts",
-    "lap_cell": "cells of small-sliding contacts",
-    "lap_column": "coordinates of the relative motion at small-sliding contacts",
-    "lap_line": "lines of the tableaus of small-sliding contacts",
-    "lap_number": "numbers of these tableaus",
-    "lap_square": "pairs of coordinates of a group of small-sliding contacts",
-    "lap_retained": "retained unknowns coupled to small-sliding contacts, group by group",
-    "lap_followed": "pairs of these and of coordinates",
-    "lap_differing": "lines of cells whose state may differ from that of the tableau",
-    "lap_factor_number": "pairs of such lines of a group",
-    "lap_update": "pairs of such a line and of a line of its tableau",
+    "matched_group": "groups of small-sliding contacts that are solved together",
+    "matched": "small-sliding contacts",
+    "matched_cell": "cells of small-sliding contacts",
+    "matched_column": "coordinates of the relative motion at small-sliding contacts",
+    "matched_line": "lines of the tableaus of small-sliding contacts",
+    "matched_number": "numbers of these tableaus",
+    "matched_square": "pairs of coordinates of a group of small-sliding contacts",
+    "matched_retained": "retained unknowns coupled to small-sliding contacts, group by group",
+    "matched_followed": "pairs of these and of coordinates",
+    "matched_differing": "lines of cells whose state may differ from that of the tableau",
+    "matched_factor_number": "pairs of such lines of a group",
+    "matched_update": "pairs of such a line and of a line of its tableau",
     "factor_number": "numbers of the sparse factor",
     "factor_line": "numbers per line of it, of all lanes",
     "friction_factor": "numbers of the sparse factor, in scenes with friction",
@@ -172,8 +172,8 @@ NAMES = {
             "film_second_entry",
             "film_table_entry",
             "film_factor_entry",
-            "lap_compliance_entry",
-            "lap_motion_entry",
+            "matched_compliance_entry",
+            "matched_motion_entry",
             "slip_speed_entry",
             "patch_row_entry",
             "patch_end_entry",
@@ -249,7 +249,7 @@ def sizes_of(
         "exact_mode": Q if compiled.local.exact else 0, "dynamic_mode": Q if m.modes.dynamic_count else 0,
         "retained": retained, "line": k.LINES, "residual": RESIDUALS_KEPT,
         "ring_row": ring_rows, "pair": P, "contact_body": B if P else 0,
-        "held_body": B if P or compiled.laps.count else 0,
+        "held_body": B if P or compiled.matched.count else 0,
         "contact_mode": Q if P else 0, "contact_retained": retained if P else 0, "pair_mode": m.pairs.most_modes,
         "coupled": m.pairs.coupled_capacity, "node": grid_node, "second_node": node, "slot": S, "station": stations,
         "window_point": (m.window.columns + 1) * m.quadrature.theta_points * max(stations, 1),
@@ -280,7 +280,7 @@ def sizes_of(
         "shear_number": elements.rolling.shear_numbers,
         "surface_place": max(grid_node, node), "lumped": elements.lumped.count, "lumped_place": elements.lumped.places,
         "lumped_moment": elements.moments.count,
-        **film_sizes(compiled), **lap_sizes(compiled),
+        **film_sizes(compiled), **matched_sizes(compiled),
         "factor_number": pattern.factor_size, "factor_line": BLOCK * pattern.widest, "one": 1,
         "applied": external.forces.count + external.torques.count, "row_or_mode": rows + Q,
         "stiffened_interface": m.interfaces.count if compiled.stiffened else 0,
@@ -317,20 +317,21 @@ def film_sizes(compiled: CompiledScene) -> dict[str, int]:
     }  # fmt: skip
 
 
-LAP_STARTS = {
-    "lap": "lap", "cell": "lap_cell", "column": "lap_column", "line": "lap_line", "table": "lap_number",
-    "square": "lap_square", "retained": "lap_retained", "followed": "lap_followed", "differing": "lap_differing",
-    "factor": "lap_factor_number", "update": "lap_update",
+MATCHED_STARTS = {
+    "matched": "matched", "cell": "matched_cell", "column": "matched_column", "line": "matched_line",
+    "table": "matched_number",
+    "square": "matched_square", "retained": "matched_retained", "followed": "matched_followed",
+    "differing": "matched_differing", "factor": "matched_factor_number", "update": "matched_update",
 }  # fmt: skip
 
 
-def lap_sizes(compiled: CompiledScene) -> dict[str, int]:
+def matched_sizes(compiled: CompiledScene) -> dict[str, int]:
     """Axes of small-sliding contacts."""
-    laps = compiled.laps
-    found = {axis: 0 for axis in LAP_STARTS.values()}
-    if laps.count:
-        found = {axis: int(getattr(laps, f"{name}_start").numpy()[-1]) for name, axis in LAP_STARTS.items()}
-    return found | {"lap_group": laps.count}
+    matched = compiled.matched
+    found = {axis: 0 for axis in MATCHED_STARTS.values()}
+    if matched.count:
+        found = {axis: int(getattr(matched, f"{name}_start").numpy()[-1]) for name, axis in MATCHED_STARTS.items()}
+    return found | {"matched_group": matched.count}
 
 
 def layer_points(compiled: CompiledScene) -> int:

@@ -24,7 +24,7 @@ from warpffrf_kernels.core.contact_scratch import (
 from warpffrf_kernels.core.declaration import DeviceArray, declared_in, structs
 from warpffrf_kernels.core.film_scratch import FilmScratch
 from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve, SlipSpeedSolve
-from warpffrf_kernels.core.lap_scratch import LapScratch
+from warpffrf_kernels.core.matched_scratch import MatchedScratch
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem, RunWords, Trial
 from warpffrf_kernels.kinematics.contact_wrench import Held
 from warpffrf_kernels.lumped.forces import Load
@@ -55,7 +55,7 @@ class Frames(Arrays):
 class Scratch(
     RunWords, Trial, Residuals, RetainedSystem, ImpulsiveContact, ContactGeometry, PatchScratch, RollingScratch,
     ContactFields, ContactSolve, LayerScratch, FrictionCells, FrictionSolve, SlipSpeedSolve, LumpedContacts,
-    FilmScratch, LapScratch, Frames, Before, Arrays,
+    FilmScratch, MatchedScratch, Frames, Before, Arrays,
 ):  # fmt: skip
     """Scratch arrays of a step."""
 

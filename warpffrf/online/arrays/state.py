@@ -19,10 +19,10 @@ from warpffrf_kernels.core.state import (
     FilmState,
     FrictionState,
     JointFrictionState,
-    LapState,
     LayerState,
     LoadState,
     LumpedState,
+    MatchedState,
     MotionState,
     PretensionState,
 )
@@ -32,7 +32,7 @@ LUMPED = tuple(declared_in(LumpedState))
 
 class State(
     MotionState, LoadState, JointFrictionState, PretensionState, ContactState, FrictionState, LayerState, LumpedState,
-    FilmState, LapState, Books, Arrays, carried=True,
+    FilmState, MatchedState, Books, Arrays, carried=True,
 ):  # fmt: skip
     """Accepted state of every world."""
 
@@ -42,8 +42,8 @@ def initial_state(worlds: Sequence[CompiledScene], sizes: Sizes) -> State:
     state = State(sizes, worlds[0].device)
     state.slipping.fill_(1)
     _fill_films(worlds, state)
-    if worlds[0].laps.count:
-        state.lap_gap.assign(np.stack([compiled.laps.gap.numpy() for compiled in worlds]))
+    if worlds[0].matched.count:
+        state.matched_gap.assign(np.stack([compiled.matched.gap.numpy() for compiled in worlds]))
     motions = [initial_motion(compiled.scene) for compiled in worlds]
     for name in ("r", "p", "v", "omega"):
         getattr(state, name).assign(np.stack([motion[name] for motion in motions]))

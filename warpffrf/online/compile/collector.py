@@ -24,7 +24,7 @@ from warpffrf.online.compile.patches.tables import patch_plans
 from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.local_modes import LocalModes, LocalPlan
 from warpffrf.online.settings import Settings
-from warpffrf_kernels.core.model import Elements, External, Films, Laps
+from warpffrf_kernels.core.model import Elements, External, Films, Matched
 
 Surface = ContactSurface | RigidSurface
 Compiled = ContactSurface | RigidSurface | PatchSide
@@ -110,7 +110,7 @@ class Collector:
         self.elements = Elements()
         self.external = External()
         self.films = Films()
-        self.laps = Laps()
+        self.matched = Matched()
         self.notes: list[str] = []
         self.cell_room = CellRoom()
         self.surfaces: list[OnBody] = []

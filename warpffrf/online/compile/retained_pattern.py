@@ -143,19 +143,19 @@ def couplings(compiled: CompiledScene) -> tuple[np.ndarray, ...]:
                 of[np.stack([kind.first.numpy(), kind.second.numpy()], axis=1)[: kind.count].astype(int)]
                 for kind in (compiled.elements.lumped, compiled.films)
             ),
-            _lapped(compiled),
+            _contacts_of(compiled),
         ]
     )
     return dense, bodies[ends], interfaces[ends] >= 0, of[sides.astype(int)], couples.astype(int)
 
 
-def _lapped(compiled: CompiledScene) -> np.ndarray:
+def _contacts_of(compiled: CompiledScene) -> np.ndarray:
     """Pairs of bodies (pairs, 2) that small-sliding contacts couple: all of a group."""
-    laps, m = compiled.laps, compiled.model
+    matched, m = compiled.matched, compiled.model
     found = [NO_COUPLES]
-    for group in range(laps.count):
-        start, end = laps.retained_start.numpy()[group : group + 2]
-        retained = laps.retained.numpy()[start:end]
+    for group in range(matched.count):
+        start, end = matched.retained_start.numpy()[group : group + 2]
+        retained = matched.retained.numpy()[start:end]
         rigid = retained[retained < 6 * m.bodies.count] // 6
         modal = m.dense.body.numpy()[retained[retained >= 6 * m.bodies.count] - 6 * m.bodies.count]
         bodies = np.unique(np.concatenate([rigid, modal]))

@@ -26,9 +26,9 @@ from warpffrf.online.compile.inertia import fill_inertia, fill_stiffening, mode_
 from warpffrf.online.compile.inertia_plan import InertiaPlan
 from warpffrf.online.compile.joint_friction import SlipTable, compile_joint_friction, fill_joint_friction
 from warpffrf.online.compile.joints import JointTable, compile_joints
-from warpffrf.online.compile.laps import fill_laps
 from warpffrf.online.compile.layers import LAYER_ITERATIONS, fill_layers
 from warpffrf.online.compile.lumped import fill_lumped
+from warpffrf.online.compile.matched import fill_matched
 from warpffrf.online.compile.pairs import fill_pairs
 from warpffrf.online.compile.patches.plan import PatchPlan
 from warpffrf.online.compile.patches.sides import PatchSide
@@ -40,7 +40,7 @@ from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.compile.surfaces import fill_surfaces
 from warpffrf.online.local_modes import FOLLOWS, LocalModes, LocalPlan
 from warpffrf.online.settings import Settings
-from warpffrf_kernels.core.model import Elements, External, Films, Laps, Model
+from warpffrf_kernels.core.model import Elements, External, Films, Matched, Model
 
 
 @dataclass
@@ -52,7 +52,7 @@ class CompiledScene:
     elements: Elements  # what `model.elements` has on the device
     external: External  # what `model.external` has
     films: Films  # what `model.elements[0].films` has
-    laps: Laps  # what `model.elements[0].laps` has
+    matched: Matched  # what `model.elements[0].matched` has
     device: str
     joints: JointTable  # rows of each joint, drives included, and those left out
     forces: ForceTable  # rows of each spring
@@ -117,14 +117,14 @@ def _compiled(collector: Collector) -> CompiledScene:
     fill_layers(collector)
     fill_lumped(collector)
     fill_films(collector)
-    fill_laps(collector)
+    fill_matched(collector)
     fill_patches(collector, m)
     fill_rolling(collector, m)
     slow = (
         collector.elements.layers.count
         or collector.elements.lumped.count
         or collector.films.count
-        or collector.laps.count
+        or collector.matched.count
     )
     cut = any(film.cavitation == "half_sommerfeld" for film in collector.scene.films)
     collector.fill(
@@ -134,11 +134,11 @@ def _compiled(collector: Collector) -> CompiledScene:
         gain_limit=0.0 if cut else settings.gain_limit,
     )  # fmt: skip
     collector.elements.films = wp.array([collector.films], dtype=Films, device=collector.device)
-    collector.elements.laps = wp.array([collector.laps], dtype=Laps, device=collector.device)
+    collector.elements.matched = wp.array([collector.matched], dtype=Matched, device=collector.device)
     m.elements = wp.array([collector.elements], dtype=Elements, device=collector.device)
     m.external = wp.array([collector.external], dtype=External, device=collector.device)
     return CompiledScene(
-        scene, m, collector.elements, collector.external, collector.films, collector.laps, collector.device, joints,
+        scene, m, collector.elements, collector.external, collector.films, collector.matched, collector.device, joints,
         springs, slips, tensions, len(collector.rows), modal_start, modes, stiffened, collector.local,
         collector.inertia, collector.cell_room, collector.patches, collector.notes,
     )  # fmt: skip

@@ -77,10 +77,10 @@ def largest_force(engine: Engine, world: int) -> float:
     contact = np.linalg.norm(_array(scratch, "pair_wrench", world)[:P, :3], axis=1)
     lumped = _array(state, "lumped_force", world)[1, : engine.compiled.elements.lumped.places]
     points = np.linalg.norm(_array(state, "applied", world)[1, : engine.compiled.external.forces.count], axis=1)
-    columns = engine.compiled.laps.rigid_column.numpy()[: engine.compiled.laps.laps]
-    push = _array(scratch, "lap_push", world)
-    laps = [np.linalg.norm(push[at : at + 3]) for at in columns if at >= 0]
-    values = np.concatenate([forces, pulls, contact, lumped, laps, points])
+    columns = engine.compiled.matched.rigid_column.numpy()[: engine.compiled.matched.matched]
+    push = _array(scratch, "matched_push", world)
+    matched = [np.linalg.norm(push[at : at + 3]) for at in columns if at >= 0]
+    values = np.concatenate([forces, pulls, contact, lumped, matched, points])
     return float(max(values[np.isfinite(values)], default=0.0)) + NO_FORCE
 
 

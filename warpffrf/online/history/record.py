@@ -40,7 +40,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.small_sliding.sliding import MatchedCells, cells_of
 from warpffrf.online.arrays.ring import SavedRows
 from warpffrf.online.compile.joint_friction import SlipTable
-from warpffrf.online.compile.laps import lap_order
+from warpffrf.online.compile.matched import matched_order
 from warpffrf.online.compile.patches.plan import PatchPlan
 from warpffrf.online.compile.pretension import TensionTable
 from warpffrf.online.compile.scene import CompiledScene
@@ -63,7 +63,7 @@ from warpffrf.online.history.sensors import force_histories, sensor_histories
 from warpffrf_kernels.core.declaration import declared_in
 from warpffrf_kernels.core.model import LINE_OF_CENTRES
 from warpffrf_kernels.core.ring import SavedContact
-from warpffrf_kernels.laps import keeping
+from warpffrf_kernels.matched import keeping
 
 
 def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
@@ -317,24 +317,24 @@ def small_sliding_histories(
     compiled: CompiledScene, rows: SavedRows, bodies: dict[str, BodyHistory]
 ) -> dict[str, SmallSlidingHistory]:
     """By name, in the order of the scene."""
-    laps = compiled.scene.small_sliding
+    matched = compiled.scene.small_sliding
     found, start = {}, 0
-    for number in lap_order(laps):
-        lap = laps[number]
-        cells = cells_of(lap)
+    for number in matched_order(matched):
+        contact = matched[number]
+        cells = cells_of(contact)
         count = len(cells.cell)
-        found[lap.name] = _history(lap, cells, rows["saved_lap"][:, start : start + count], bodies)
+        found[contact.name] = _history(contact, cells, rows["saved_matched"][:, start : start + count], bodies)
         start += count
-    return {lap.name: found[lap.name] for lap in laps}
+    return {contact.name: found[contact.name] for contact in matched}
 
 
 def _history(
-    lap: Contact, cells: MatchedCells, saved: np.ndarray, bodies: dict[str, BodyHistory]
+    contact: Contact, cells: MatchedCells, saved: np.ndarray, bodies: dict[str, BodyHistory]
 ) -> SmallSlidingHistory:
     """Of the numbers (T, c, `keeping.NUMBERS`) of its cells."""
     force = np.einsum("tck,cki->tci", saved[:, :, :3], cells.frames)
-    arm = cells.points - lap.a.surface.points.mean(axis=0)
-    rotation = bodies[lap.a.body.name].rotation
+    arm = cells.points - contact.a.surface.points.mean(axis=0)
+    rotation = bodies[contact.a.body.name].rotation
     area = cells.area[None, :]
     slipped = slice(int(keeping.SLIPPED), int(keeping.SLIPPED) + 2)
     return SmallSlidingHistory(

@@ -58,7 +58,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.diagnosis.failure_report import largest_force
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.gradients import cell_slips, closed_places, gap_gradients, joint_slips, lumped_gradients
-from warpffrf.online.start.motions import held_by_laps, lines_of, told_of, without_stiff
+from warpffrf.online.start.motions import held_by_matched, lines_of, told_of, without_stiff
 
 # of a line of length one: the modes move an axle off the axis of the rim by a hundred-thousandth of its radius
 FREE = 1e-5
@@ -113,8 +113,8 @@ class FreeMotions:
         is near the previous one.
         """
         compiled = self.engine.compiled
-        laps = compiled.laps.count > 0 and not self.rubs
-        return (compiled.model.pairs.count > 0 or laps) and len(self.engine.scene.bodies) > 0
+        matched = compiled.matched.count > 0 and not self.rubs
+        return (compiled.model.pairs.count > 0 or matched) and len(self.engine.scene.bodies) > 0
 
     @property
     def told(self) -> bool:
@@ -477,8 +477,8 @@ def _lines(engine: Engine, world: int, size: int, holds: np.ndarray) -> tuple[np
     closed = closed_places(engine, world)
     touches = lumped_gradients(engine, world, size)
     pushes = np.asarray(engine.state.lumped_force.numpy()[world, 1])[closed]
-    laps, pressed = held_by_laps(engine, world, size)
-    return np.vstack([rows, gaps, touches, laps]), np.concatenate([pulls, pressures, pushes, pressed])
+    matched, pressed = held_by_matched(engine, world, size)
+    return np.vstack([rows, gaps, touches, matched]), np.concatenate([pulls, pressures, pushes, pressed])
 
 
 def parted(engine: Engine, world: int, weight: np.ndarray, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

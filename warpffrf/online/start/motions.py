@@ -36,14 +36,14 @@ from warpffrf.model.films import Film
 from warpffrf.model.scene import Scene
 from warpffrf.online.diagnosis.failure_report import largest_force
 from warpffrf.online.engine import Engine
-from warpffrf_kernels.laps import motion
-from warpffrf_kernels.laps.forms import OPEN
+from warpffrf_kernels.matched import motion
+from warpffrf_kernels.matched.forms import OPEN
 
 Array = np.ndarray
 
 
 @dataclass(frozen=True)
-class LapGroup:
+class MatchedGroup:
     """Constants of a group of small-sliding contacts on the host, s its forces, z its relative motion."""
 
     cells: slice
@@ -67,21 +67,21 @@ class LapGroup:
         return J_A.T @ np.linalg.solve(self.G[np.ix_(A, A)], J_A)
 
 
-def lap_groups(engine: Engine) -> list[LapGroup]:
+def matched_groups(engine: Engine) -> list[MatchedGroup]:
     """All groups of small-sliding contacts of a scene."""
-    laps = engine.compiled.laps
-    table = {name: getattr(laps, name).numpy() for name in (
+    matched = engine.compiled.matched
+    table = {name: getattr(matched, name).numpy() for name in (
         "cell_start", "column_start", "components", "compliance", "compliance_start", "motion", "motion_start",
         "friction",
     )}  # fmt: skip
     found = []
-    for group in range(laps.count):
+    for group in range(matched.count):
         cells, columns = (slice(*table[f"{name}_start"][group : group + 2]) for name in ("cell", "column"))
         components = int(table["components"][group])
         s, z = components * (cells.stop - cells.start), columns.stop - columns.start
         G, J = (table[name][table[f"{name}_start"][group] :] for name in ("compliance", "motion"))
         found.append(
-            LapGroup(
+            MatchedGroup(
                 cells, columns, components, G[: s * s].reshape(s, s), J[: s * z].reshape(z, s).T,
                 table["friction"][cells],
             )
@@ -93,34 +93,34 @@ def gradients(engine: Engine, coordinates: int, world: int = 0) -> Array:
     """B (z, coordinates) at the last evaluated state, over displacements of the centres of mass, rotations in body
     axes, and modes.
     """
-    laps, bodies = engine.compiled.laps, engine.compiled.model.bodies.count
-    if not laps.count:
+    matched, bodies = engine.compiled.matched, engine.compiled.model.bodies.count
+    if not matched.count:
         return np.zeros((0, coordinates))
-    B = np.zeros((int(laps.column_start.numpy()[-1]), coordinates))
-    own = engine.scratch.lap_gradient.numpy()[world]
-    rigid, sides = laps.rigid_column.numpy(), (laps.first.numpy(), laps.second.numpy())
-    for lap in range(laps.laps):
-        at = rigid[lap]
+    B = np.zeros((int(matched.column_start.numpy()[-1]), coordinates))
+    own = engine.scratch.matched_gradient.numpy()[world]
+    rigid, sides = matched.rigid_column.numpy(), (matched.first.numpy(), matched.second.numpy())
+    for contact in range(matched.matched):
+        at = rigid[contact]
         for side, body in enumerate(sides):
-            if at >= 0 and body[lap] >= 0:
-                here = slice(6 * body[lap], 6 * body[lap] + 6)
-                B[at : at + int(motion.RIGID), here] += own[lap, :, 6 * side : 6 * side + 6]
-    for column, mode in enumerate(laps.column_mode.numpy()):
+            if at >= 0 and body[contact] >= 0:
+                here = slice(6 * body[contact], 6 * body[contact] + 6)
+                B[at : at + int(motion.RIGID), here] += own[contact, :, 6 * side : 6 * side + 6]
+    for column, mode in enumerate(matched.column_mode.numpy()):
         if mode >= 0:
             B[column, 6 * bodies + mode] = 1.0
     return B
 
 
-def held_by_laps(engine: Engine, world: int, size: int) -> tuple[Array, Array]:
+def held_by_matched(engine: Engine, world: int, size: int) -> tuple[Array, Array]:
     """Gradients, by the rigid coordinates (n, size), of the gaps of cells under pressure, and of their slips if they
     have friction, and the forces [N] along them (n,); at the last evaluated state.
     """
     lines, pulls = [np.zeros((0, size))], [np.zeros(0)]
-    if engine.compiled.laps.count:
+    if engine.compiled.matched.count:
         B = gradients(engine, engine.compiled.model.bodies.count * 6 + engine.compiled.model.modes.count, world)
-        pressed = engine.state.lap_state.numpy()[world] != int(OPEN)
-        force = engine.state.lap_force.numpy()[world]
-        for group in lap_groups(engine):
+        pressed = engine.state.matched_state.numpy()[world] != int(OPEN)
+        force = engine.state.matched_force.numpy()[world]
+        for group in matched_groups(engine):
             closed = group.closed(pressed[group.cells])
             lines.append(group.J[closed] @ B[group.columns, :size])
             pulls.append(force[group.cells, : group.components].ravel()[closed])

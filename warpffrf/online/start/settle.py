@@ -125,7 +125,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
     too_long = np.inf
     before = latest = moved = failed_at = np.full(engine.worlds, np.inf)
     retreats = RETREATS if engine.compiled.elements.layers.count or model.pairs.count > 1 else 0
-    rubs = any(lap.friction.acts for lap in engine.scene.small_sliding)
+    rubs = any(contact.friction.acts for contact in engine.scene.small_sliding)
     settled = balanced = still = False
     for _ in range(MOST_STEPS):
         words = engine.state.ctl.numpy().copy()

@@ -10,11 +10,10 @@ from warpffrf.online.arrays.axes import Sizes
 from warpffrf.online.arrays.declaration import Arrays, Bound
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.step import phases
-from warpffrf.online.step.contact import CONTACT
+from warpffrf.online.step.contact import CONTACT, MATCHED
 from warpffrf.online.step.film import FILM, SECOND
 from warpffrf.online.step.friction import FRICTION
 from warpffrf.online.step.joint_friction import JOINT_FRICTION
-from warpffrf.online.step.lap import LAP
 from warpffrf.online.step.launches import Launch
 from warpffrf.online.step.layers import LAYERS
 from warpffrf.online.step.ledger import LEDGER
@@ -25,8 +24,8 @@ from warpffrf.online.step.retained import OUTER
 from warpffrf.online.step.snapshot import SNAPSHOT
 
 PARTICIPANTS = (
-    MOTION, OUTER, JOINT_FRICTION, PRETENSION, LUMPED, MOMENTS, SECOND, FILM, LAP, CONTACT, FRICTION, LAYERS, SNAPSHOT,
-    LEDGER,
+    MOTION, OUTER, JOINT_FRICTION, PRETENSION, LUMPED, MOMENTS, SECOND, FILM, MATCHED, CONTACT, FRICTION, LAYERS,
+    SNAPSHOT, LEDGER,
 )  # fmt: skip
 WHOLE = (*phases.ATTEMPT, *phases.ITERATION, *phases.DECISION)
 

@@ -42,7 +42,7 @@ from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.film_modes import film_modes
 from warpffrf.online.vibrations.linearise import Linearisation, linearise
 from warpffrf.online.vibrations.quadratic import quadratic_modes
-from warpffrf.online.vibrations.stuck_laps import stuck_notes
+from warpffrf.online.vibrations.stuck_contacts import stuck_notes
 from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf_kernels.core.control import LOADING, STATIC
 

@@ -11,9 +11,10 @@ evaluate: the geometric stiffness of joints, springs and loads, on rigid coordin
 stiffening. Characteristics of springs and dampers enter by their slopes at the state, as differences would span their
 kinks.
 
-    R_a da + R_v dv + R_x dx + C^T dlambda - L^T ds = 0 C_r dx = 0                            rigid rows: joints and
-    drives dlambda_s = law_x dx + law_v dv       spring rows, so that they add C_s^T law_x to R_x, C_s^T law_v to R_v L
-    dx + G ds = 0                       closed contacts, so that they add L^T G^-1 L to R_x; small sliding: `stuck_laps`
+    R_a da + R_v dv + R_x dx + C^T dlambda - L^T ds = 0
+    C_r dx = 0                            rigid rows: joints and drives
+    dlambda_s = law_x dx + law_v dv       spring rows, so that they add C_s^T law_x to R_x, C_s^T law_v to R_v
+    L dx + G ds = 0                       closed contacts, so that they add L^T G^-1 L to R_x; `stuck_contacts`
 
 C, and on the active set L and the local compliance G (nodes without the modes), are those of the kernels. The phases of
 the contact grids are fixed, as in the kernels' own gradient: the travel of the patch over the material is not part of
@@ -53,7 +54,7 @@ from warpffrf.online.compile.inertia import mode_reach
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.motions import gradients
-from warpffrf.online.vibrations import stuck_laps
+from warpffrf.online.vibrations import stuck_contacts
 from warpffrf.online.vibrations.film_modes import GAP_STEP, FilmSystem, film_systems, smallest_gap
 from warpffrf_kernels.core import control as k
 
@@ -97,8 +98,8 @@ class Linearisation:
     lumped: int  # closed places of lumped contacts
     films: list[FilmSystem]  # oil films, in addition to M, D and K
     U: Array  # y -> rates of displacements by the rotation of bodies
-    K_laps: Array  # contribution of sticking small-sliding contacts to K
-    laps: Array  # B (z, n) of `stuck_laps`, y -> motion at small-sliding contacts
+    K_matched: Array  # contribution of sticking small-sliding contacts to K
+    matched: Array  # B (z, n) of `stuck_contacts`, y -> motion at small-sliding contacts
     resolution: float  # 1/s, frequency of the stiffness that is round-off of the differences
 
 
@@ -109,7 +110,7 @@ class _Probe:
         self.engine, self.state, self.scratch = engine, engine.state, engine.scratch
         self.model = engine.compiled.model
         self.scratch.lasting.zero_()
-        stuck_laps.hold(engine)
+        stuck_contacts.hold(engine)
         self.bodies, self.modes, self.rows = self.model.bodies.count, self.model.modes.count, self.model.rows.count
         self.count = 6 * self.bodies + self.modes
         self.base = engine.state.to_numpy()
@@ -277,7 +278,7 @@ def _linearise(probe: _Probe) -> Linearisation:
     x, B, Q, rows = probe.scratch, probe.bodies, probe.modes, probe.rows
     C = np.concatenate([x.C.numpy()[0, :rows, : 6 * B], x.C_modal.numpy()[0, :rows, :Q]], axis=1)
     contact, closed = _closed_contacts(probe)
-    laps, seen = stuck_laps.stuck_stiffness(probe.engine, n), gradients(probe.engine, n)
+    matched, seen = stuck_contacts.stuck_stiffness(probe.engine, n), gradients(probe.engine, n)
     kinked = probe.find_tangents()
     lumped = probe.measure_lumped()
     probe.measure_films()
@@ -295,7 +296,7 @@ def _linearise(probe: _Probe) -> Linearisation:
         e[j] = RATE_STEP
         R_a[:, j] = (probe.forces(zero, zero, e) - probe.forces(zero, zero, -e)) / (2.0 * RATE_STEP)
     C_spring = C[probe.spring]
-    R_x = R_x[:n] + C_spring.T @ R_x[n:] + contact + laps
+    R_x = R_x[:n] + C_spring.T @ R_x[n:] + contact + matched
     R_v = R_v[:n] + C_spring.T @ R_v[n:]
     R_a = R_a[:n]
     T, U, V, W, turning, co_rotating = _coordinates(probe)
@@ -303,8 +304,8 @@ def _linearise(probe: _Probe) -> Linearisation:
     return Linearisation(
         films=film_systems(probe.engine, n),
         U=U,
-        K_laps=T.T @ laps @ T,
-        laps=seen @ T,
+        K_matched=T.T @ matched @ T,
+        matched=seen @ T,
         M=T.T @ R_a @ T,
         D=T.T @ (R_a @ V + R_v @ T),
         K=T.T @ (R_a @ W + R_v @ U + R_x @ T),
@@ -332,7 +333,7 @@ def _resolution(probe: _Probe, C: Array) -> float:
     ]
     contact = float(np.abs(probe.scratch.pair_wrench.numpy()[0, : probe.model.pairs.count]).max(initial=0.0))
     lumped = float(base["lumped_force"][0].max(initial=0.0))
-    forces = max(pulls, contact, lumped, stuck_laps.largest_pull(probe.engine), *weights)
+    forces = max(pulls, contact, lumped, stuck_contacts.largest_pull(probe.engine), *weights)
     noise = ROUND_OFF * forces / probe.length_step  # N/m, and on arms as long as positions N m/rad
     extent = float(np.linalg.norm(base["r"][0, :B], axis=-1).max())
     lightest = min(float(np.linalg.eigvalsh(b.inertia)[0]) for b in bodies)

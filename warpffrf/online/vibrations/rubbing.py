@@ -18,7 +18,7 @@ the linear oscillator with this stiffness and the same loss per cycle. A free vi
 the amplitude itself falls by another ratio, as the frequency changes with it.
 
 The equations are solved on the host by Newton's method, in the coordinates of the modes of the stuck state, with the
-kernels' forces and their tangent T_zz (`warpffrf_kernels.laps.retained`); a step that fails is halved.
+kernels' forces and their tangent T_zz (`warpffrf_kernels.matched.retained`); a step that fails is halved.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.small_sliding.sliding import cells_of
 from warpffrf.online.checkpoint import off_end_of
-from warpffrf.online.compile.laps import lap_order
+from warpffrf.online.compile.matched import matched_order
 from warpffrf.online.engine import Engine
 from warpffrf.online.step import phases
-from warpffrf.online.step.lap import LAP
+from warpffrf.online.step.contact import MATCHED
 from warpffrf.online.vibrations.eigenmodes import SceneModes, free_basis
 from warpffrf.online.vibrations.linearise import Linearisation
 from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.laps.forms import STICK
+from warpffrf_kernels.matched.forms import STICK
 
 Array = np.ndarray
 BALANCED = 1e-9  # of the modal forces of a step: those of the cells are accurate to 1e-11 of the largest
@@ -62,13 +62,13 @@ class Cycle:
     before: float  # J, the loss of the cycle before: the same where cycles are periodic
 
 
-class LapForces:
+class MatchedForces:
     """The small-sliding contacts of world 0 of an engine about its accepted state: forces on z for displacements x (n,)
     of the bodies.
     """
 
     def __init__(self, engine: Engine) -> None:
-        self.engine, self.laps = engine, engine.compiled.laps
+        self.engine, self.matched = engine, engine.compiled.matched
         self.shape = engine.state.v.shape[1]
         bodies = engine.compiled.model.bodies.count
         self.rigid, self.bodies = 6 * bodies, bodies
@@ -87,16 +87,16 @@ class LapForces:
         engine.graph.program.run(("move",))
         self._launch("load")
         failed = bool(engine.word("failure")[0])
-        return None if failed else s.lap_push.numpy()[0, : int(self.laps.column_start.numpy()[-1])].copy()
+        return None if failed else s.matched_push.numpy()[0, : int(self.matched.column_start.numpy()[-1])].copy()
 
     def tangent(self) -> Array:
         """-T_zz (z, z), the derivative of f, at the last evaluation."""
-        columns, squares = self.laps.column_start.numpy(), self.laps.square_start.numpy()
+        columns, squares = self.matched.column_start.numpy(), self.matched.square_start.numpy()
         self.engine.control(run=1, moved=1, refresh=1)
         self._launch("assemble")
-        stiffness = self.engine.scratch.lap_stiffness.numpy()
+        stiffness = self.engine.scratch.matched_stiffness.numpy()
         S = np.zeros((columns[-1], columns[-1]))
-        for group in range(self.laps.count):
+        for group in range(self.matched.count):
             own = slice(columns[group], columns[group + 1])
             z = int(own.stop - own.start)
             S[own, own] = -stiffness[squares[group] :][: z * z].reshape(z, z).T
@@ -111,7 +111,7 @@ class LapForces:
 
     def _launch(self, phase: str) -> None:
         program = self.engine.graph.program
-        parts = LAP.phases[phase][:1]  # the cells; their residuals are not needed
+        parts = MATCHED.phases[phase][:1]  # the cells; their residuals are not needed
         phases.record([((), part) for part in parts], program.arrays, program.sizes, program.device)
 
 
@@ -120,11 +120,11 @@ class RubbingMode:
 
     def __init__(self, engine: Engine, linear: Linearisation, basis: Array, phi: Array, omega: float) -> None:
         """`basis` (n, free): M-orthonormal, of all y that satisfy the rigid rows."""
-        self.laps, self.engine = LapForces(engine), engine
+        self.matched, self.engine = MatchedForces(engine), engine
         self.state = engine.state.to_numpy()
         self.T, self.basis = linear.T, basis
-        self.seen = linear.laps @ basis
-        stiffness = basis.T @ (linear.K - linear.K_laps) @ basis
+        self.seen = linear.matched @ basis
+        stiffness = basis.T @ (linear.K - linear.K_matched) @ basis
         self.K_0 = 0.5 * (stiffness + stiffness.T)
         self.shape = basis.T @ (linear.M @ phi)
         self.omega = omega
@@ -134,21 +134,21 @@ class RubbingMode:
         """The last of `cycles` cycles, at least two, of `amplitude`, of `steps` steps each. Raises `InputError` where
         one fails."""
         self.engine.put_back(self.state)
-        f_0 = self.laps.at(np.zeros(len(self.T)))
+        f_0 = self.matched.at(np.zeros(len(self.T)))
         if f_0 is None:
             raise InputError(
                 "equivalent_damping: the cells of the small-sliding contacts do not converge at the state of the "
                 "modes; compute it again"
             )
         self.f_0, self.eta, self.alpha, self.q = f_0, np.zeros(len(self.shape)), 0.0, 0.0
-        self.laps.accept()
+        self.matched.accept()
         lost, rows, slipping = [self._lost()], [(0.0, 0.0)], np.zeros(len(self._lost()), bool)
         for step in range(1, cycles * steps + 1):
             if step % steps == 1:
                 rows, slipping[:] = rows[-1:], False
             self._go_to(amplitude * np.sin(2.0 * np.pi * step / steps), MOST_HALVINGS)
             rows.append((self.q, self.alpha))
-            slipping |= self.engine.state.lap_state.numpy()[0] != int(STICK)
+            slipping |= self.engine.state.matched_state.numpy()[0] != int(STICK)
             if step % steps == 0:
                 lost.append(self._lost())
         q, alpha = np.array(rows).T
@@ -160,21 +160,21 @@ class RubbingMode:
         )  # fmt: skip
 
     def _lost(self) -> Array:
-        return self.engine.state.lap_lost.numpy()[0].copy()
+        return self.engine.state.matched_lost.numpy()[0].copy()
 
     def _cells(self) -> dict[str, slice]:
         found, start = {}, 0
-        for number in lap_order(self.engine.scene.small_sliding):
-            lap = self.engine.scene.small_sliding[number]
-            count = len(cells_of(lap).cell)
-            found[lap.name] = slice(start, start + count)
+        for number in matched_order(self.engine.scene.small_sliding):
+            contact = self.engine.scene.small_sliding[number]
+            count = len(cells_of(contact).cell)
+            found[contact.name] = slice(start, start + count)
             start += count
         return found
 
     def _go_to(self, q: float, halvings: int) -> None:
         """One accepted step to the coordinate q, in two halves where it fails."""
         if self._step(q):
-            self.laps.accept()
+            self.matched.accept()
             self.q = q
             return
         if not halvings:
@@ -194,7 +194,7 @@ class RubbingMode:
         rest = AT_REST * np.linalg.norm(self.seen.T @ self.f_0)
         met: list[tuple[Array, Array]] = []
         for _ in range(MOST_ITERATIONS):
-            f = self.laps.at(self.T @ (self.basis @ x[:n]))
+            f = self.matched.at(self.T @ (self.basis @ x[:n]))
             if f is None:
                 return False
             pushed, held = self.seen.T @ (f - self.f_0), self.K_0 @ x[:n]
@@ -204,7 +204,7 @@ class RubbingMode:
                 self.eta, self.alpha = x[:n], unit * x[n]
                 return True
             A = np.zeros((n + 1, n + 1))
-            A[:n, :n] = self.K_0 + self.seen.T @ self.laps.tangent() @ self.seen
+            A[:n, :n] = self.K_0 + self.seen.T @ self.matched.tangent() @ self.seen
             A[:n, n], A[n, :n] = -unit * c, unit * c
             met = [*met, (x, left)][-REMEMBERED:]
             x, left = _mixed(met)

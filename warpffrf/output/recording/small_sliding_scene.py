@@ -39,7 +39,7 @@ class SmallSlidingColors:
         self._scales: dict[str, ColorScale | ColorClasses] = {
             "pressure": ColorScale("pressure of small-sliding contacts [MPa]", pressure, 1e-6, PRESSURE_STOPS),
             "state": ColorClasses("state of the cells of small-sliding contacts", STATES, STATE_COLORS),
-            "loss": ColorScale("accumulated friction loss of laps [J/m²]", loss, 1.0, WEAR_STOPS),
+            "loss": ColorScale("accumulated friction loss of contacts [J/m²]", loss, 1.0, WEAR_STOPS),
         }
 
     def scale(self, field: str) -> ColorScale | ColorClasses:

@@ -44,10 +44,10 @@ class Relative:
 
 
 @wp.func
-def relative_motion(model: Model, w: int, lap: int, trial: Trial) -> Relative:
+def relative_motion(model: Model, w: int, contact: int, trial: Trial) -> Relative:
     out = Relative()
-    a = model.elements[0].laps[0].first[lap]
-    b = model.elements[0].laps[0].second[lap]
+    a = model.elements[0].matched[0].first[contact]
+    b = model.elements[0].matched[0].second[contact]
     r_a = vec3(real(0.0))
     r_b = vec3(real(0.0))
     out.first_axes = wp.identity(n=3, dtype=real)
@@ -58,12 +58,12 @@ def relative_motion(model: Model, w: int, lap: int, trial: Trial) -> Relative:
     if b >= 0:
         r_b = trial.r1[w, b]
         out.second_axes = trial.axes[w, b]
-    out.second_arm = out.second_axes * model.elements[0].laps[0].second_point[lap]
+    out.second_arm = out.second_axes * model.elements[0].matched[0].second_point[contact]
     out.x = r_b + out.second_arm
     out.first_arm = out.x - r_a
     turned = wp.transpose(out.first_axes)
-    out.d = turned * out.first_arm - model.elements[0].laps[0].first_point[lap]
-    out.theta = rotation_vector(turned * out.second_axes * wp.transpose(model.elements[0].laps[0].turn[lap]))
+    out.d = turned * out.first_arm - model.elements[0].matched[0].first_point[contact]
+    out.theta = rotation_vector(turned * out.second_axes * wp.transpose(model.elements[0].matched[0].turn[contact]))
     out.by_turn = wp.transpose(tangent_inverse(out.theta))  # J_l(theta) = T(theta)^T
     return out
 

@@ -18,18 +18,18 @@ import warp as wp
 
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import kernel
-from warpffrf_kernels.core.lap_scratch import LapScratch
+from warpffrf_kernels.core.matched_scratch import MatchedScratch
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
 from warpffrf_kernels.core.scratch import Trial
-from warpffrf_kernels.core.state import LapState
-from warpffrf_kernels.laps.cells import put_triple
-from warpffrf_kernels.laps.changes import change_cells, press_cells
-from warpffrf_kernels.laps.evaluation import begin_table, book, displaced, look_at_motion, own_forces, put_right
-from warpffrf_kernels.laps.loops import weigh_lines
-from warpffrf_kernels.laps.passes import aim_cells, judge_cells, largest_force
-from warpffrf_kernels.laps.tableau import cells_of, columns_of, factorise, go_ahead, line_at, unknowns_of
-from warpffrf_kernels.laps.words import (
+from warpffrf_kernels.core.state import MatchedState
+from warpffrf_kernels.matched.cells import put_triple
+from warpffrf_kernels.matched.changes import change_cells, press_cells
+from warpffrf_kernels.matched.evaluation import begin_table, book, displaced, look_at_motion, own_forces, put_right
+from warpffrf_kernels.matched.loops import weigh_lines
+from warpffrf_kernels.matched.passes import aim_cells, judge_cells, largest_force
+from warpffrf_kernels.matched.tableau import cells_of, columns_of, factorise, go_ahead, line_at, unknowns_of
+from warpffrf_kernels.matched.words import (
     AHEAD,
     COUNT,
     DONE,
@@ -58,54 +58,58 @@ REFRESHED = wp.constant(25)
 
 
 @kernel
-def look_ahead(run: Run, tableau: LapScratch):
+def look_ahead(run: Run, tableau: MatchedScratch):
     """Per (world, group): marks the next evaluation as that of a prediction."""
     w, group = wp.tid()
     if run.ctl[w].run != 0:
-        tableau.lap_words[w, group, AHEAD] = 1
+        tableau.matched_words[w, group, AHEAD] = 1
 
 
 @kernel
-def solve_laps(
-    run: Run, trial: Trial, laps: LapState, tableau: LapScratch, q1: wp.array2d(dtype=real),
-    lap_z_flat: wp.array(dtype=real),
+def solve_matched(
+    run: Run, trial: Trial, matched: MatchedState, tableau: MatchedScratch, q1: wp.array2d(dtype=real),
+    matched_z_flat: wp.array(dtype=real),
 ):  # fmt: skip
     """Per (world, group): forces of all cells at the trial state, their loads on the motion, and their energy."""
     w, group, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
-    components = model.elements[0].laps[0].components[group]
-    yields = model.elements[0].laps[0].yields[group]
+    components = model.elements[0].matched[0].components[group]
+    yields = model.elements[0].matched[0].yields[group]
     n = unknowns_of(model, group)
     cells = cells_of(model, group)
     columns = columns_of(model, group)
-    first = model.elements[0].laps[0].cell_start[group]
-    first_column = model.elements[0].laps[0].column_start[group]
+    first = model.elements[0].matched[0].cell_start[group]
+    first_column = model.elements[0].matched[0].column_start[group]
     lines = line_at(model, w, group)
-    ready = tableau.lap_words[w, group, READY]
-    since = tableau.lap_words[w, group, SINCE]
-    ahead = tableau.lap_words[w, group, AHEAD]
+    ready = tableau.matched_words[w, group, READY]
+    since = tableau.matched_words[w, group, SINCE]
+    ahead = tableau.matched_words[w, group, AHEAD]
     sync()
     if lane == 0:
         look_at_motion(model, w, group, trial, q1, tableau)
-        tableau.lap_words[w, group, KNOWN] = -1
-        tableau.lap_words[w, group, AHEAD] = 0
+        tableau.matched_words[w, group, KNOWN] = -1
+        tableau.matched_words[w, group, AHEAD] = 0
         c = int(0)
         while c < cells:
-            tableau.lap_reversals[w, first + c] = 0
+            tableau.matched_reversals[w, first + c] = 0
             c += 1
-    if tableau.lap_words[w, group, HELD] != 0:
+    if tableau.matched_words[w, group, HELD] != 0:
         return
     # tableau: new, or with the states of the accepted forces
     if ready == NONE:
         begin_table(model, w, group, lane, tableau)
     if ready != STANDS:
-        press_cells(model, w, group, lane, laps, tableau)
+        press_cells(model, w, group, lane, matched, tableau)
         c = lane
         while c < cells:
-            s = vec3(laps.lap_force[w, first + c, 0], laps.lap_force[w, first + c, 1], laps.lap_force[w, first + c, 2])
-            put_triple(tableau.lap_trial, lines + components * c, components, s)
+            s = vec3(
+                matched.matched_force[w, first + c, 0],
+                matched.matched_force[w, first + c, 1],
+                matched.matched_force[w, first + c, 2],
+            )
+            put_triple(tableau.matched_trial, lines + components * c, components, s)
             c += wp.block_dim()
         sync()
     # change of the motion since the last evaluation, and removal of round-off
@@ -115,22 +119,22 @@ def solve_laps(
             count = int(0)
             c = int(0)
             while c < columns:
-                step = tableau.lap_step[w, first_column + c]
+                step = tableau.matched_step[w, first_column + c]
                 if step != real(0.0):
-                    tableau.lap_list[lines + count] = n + c
-                    tableau.lap_given[lines + count] = step
+                    tableau.matched_list[lines + count] = n + c
+                    tableau.matched_given[lines + count] = step
                     count += 1
                 c += 1
-            tableau.lap_words[w, group, COUNT] = count
+            tableau.matched_words[w, group, COUNT] = count
         sync()
         go_ahead(model, w, group, lane, tableau)
         if since >= REFRESHED:
             own_forces(model, w, group, lane, tableau)
     if ready != STANDS or since >= REFRESHED:
-        displaced(model, w, group, lane, 1, tableau, lap_z_flat)
+        displaced(model, w, group, lane, 1, tableau, matched_z_flat)
         if lane == 0:
-            put_right(model, w, group, laps, tableau)
-            tableau.lap_words[w, group, SINCE] = 0
+            put_right(model, w, group, matched, tableau)
+            tableau.matched_words[w, group, SINCE] = 0
         sync()
     # passes over the cells until states and independent numbers have converged
     done = int(0)
@@ -161,40 +165,41 @@ def solve_laps(
         if lane == 0:
             judge_cells(model, w, group, tableau, least)
             changing = (
-                tableau.lap_words[w, group, NORMAL]
-                + tableau.lap_words[w, group, TANGENTIAL]
-                + tableau.lap_words[w, group, TURNING]
+                tableau.matched_words[w, group, NORMAL]
+                + tableau.matched_words[w, group, TANGENTIAL]
+                + tableau.matched_words[w, group, TURNING]
             )
-            tableau.lap_words[w, group, DONE] = 0
+            tableau.matched_words[w, group, DONE] = 0
             off = change
             if changed_states != 0:
                 off = UNSETTLED
-                tableau.lap_words[w, group, DONE] = 1
+                tableau.matched_words[w, group, DONE] = 1
             if changing == 0 and change <= enough:
-                tableau.lap_words[w, group, DONE] = 1
+                tableau.matched_words[w, group, DONE] = 1
             elif passes >= MOST_PASSES or not wp.isfinite(change):
-                tableau.lap_words[w, group, DONE] = 2
+                tableau.matched_words[w, group, DONE] = 2
             if changing > 0:
-                tableau.lap_words[w, group, KNOWN] = -1
+                tableau.matched_words[w, group, KNOWN] = -1
             else:
-                tableau.lap_words[w, group, KNOWN] = wp.max(tableau.lap_words[w, group, KNOWN], 0)
+                tableau.matched_words[w, group, KNOWN] = wp.max(tableau.matched_words[w, group, KNOWN], 0)
         sync()
-        done = tableau.lap_words[w, group, DONE]
+        done = tableau.matched_words[w, group, DONE]
         if done == 0:
             changed = change_cells(model, w, group, lane, passes % 3 == 0, tableau)
             if early and changed:
                 changed_states = int(1)
     if lane == 0 and done == 2:
         run.ctl[w].failure = run.ctl[w].failure | k.NOT_CONVERGED
-        tableau.lap_words[w, group, READY] = NONE
+        tableau.matched_words[w, group, READY] = NONE
     # forces of the cells, their loads on the motion, and the energies
     own_forces(model, w, group, lane, tableau)
     weigh_lines(
-        n, columns, model.elements[0].laps[0].motion, model.elements[0].laps[0].motion_start[group], tableau.lap_trial,
-        lines, tableau.lap_push, tableau.lap_sum, w * tableau.lap_push.shape[1] + first_column,
+        n, columns, model.elements[0].matched[0].motion, model.elements[0].matched[0].motion_start[group],
+        tableau.matched_trial,
+        lines, tableau.matched_push, tableau.matched_sum, w * tableau.matched_push.shape[1] + first_column,
     )  # fmt: skip
-    displaced(model, w, group, lane, 0, tableau, lap_z_flat)
+    displaced(model, w, group, lane, 0, tableau, matched_z_flat)
     if lane == 0:
-        book(model, w, group, laps, tableau)
-        tableau.lap_off[w, group] = off
-        tableau.lap_depth[w, group] = yields * largest_force(model, w, group, lines, tableau)
+        book(model, w, group, matched, tableau)
+        tableau.matched_off[w, group] = off
+        tableau.matched_depth[w, group] = yields * largest_force(model, w, group, lines, tableau)

@@ -1,4 +1,4 @@
-r"""Small-sliding contacts of a scene -> device tables of their groups (kernels of `laps`).
+r"""Small-sliding contacts of a scene -> device tables of their groups (kernels of `matched`).
 
 Small-sliding contacts that share a flexible body are coupled by its compliance, and form a *group*. With P_b from the
 forces s of the cells of a group to those of the interface compliance C_b of body b (`face_loads`),
@@ -24,9 +24,9 @@ from warpffrf.model.small_sliding import matched_surface
 from warpffrf.model.small_sliding.sliding import MatchedCells, cells_of, small_sliding_notes, yields
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.inertia import retained_modes
-from warpffrf_kernels.core.model import Laps
-from warpffrf_kernels.laps import motion
-from warpffrf_kernels.laps.tableau import MOST
+from warpffrf_kernels.core.model import Matched
+from warpffrf_kernels.matched import motion
+from warpffrf_kernels.matched.tableau import MOST
 
 Array = np.ndarray
 RIGID = int(motion.RIGID)
@@ -37,11 +37,11 @@ THIN = 1e-6  # of that mean: layer that is added then
 STIFF = 1e4  # times the stiffness of single cells: no deformation is left
 
 
-def groups_of(laps: list[Contact]) -> list[list[int]]:
+def groups_of(matched: list[Contact]) -> list[list[int]]:
     """Numbers of the small-sliding contacts, grouped by shared flexible bodies."""
     found: list[tuple[set[int], list[int]]] = []
-    for number, lap in enumerate(laps):
-        bodies = {port.body.index for port in lap.ports if not port.rigid}
+    for number, contact in enumerate(matched):
+        bodies = {port.body.index for port in contact.ports if not port.rigid}
         joined, numbers = set(bodies), [number]
         rest = []
         for known, members in found:
@@ -54,14 +54,14 @@ def groups_of(laps: list[Contact]) -> list[list[int]]:
     return sorted(numbers for _, numbers in found)
 
 
-def lap_order(laps: list[Contact]) -> list[int]:
+def matched_order(matched: list[Contact]) -> list[int]:
     """Numbers of the small-sliding contacts in the order of their cells on the device."""
-    return [number for numbers in groups_of(laps) for number in numbers]
+    return [number for numbers in groups_of(matched) for number in numbers]
 
 
-def fill_laps(collector: Collector) -> None:
+def fill_matched(collector: Collector) -> None:
     """Tables of all small-sliding contacts. Raises `InputError` for faces that do not face each other."""
-    declared: Any = Laps
+    declared: Any = Matched
     scene = collector.scene
     ones: dict[str, list[Any]] = {}
     parts: dict[str, list[Array]] = {}
@@ -79,10 +79,13 @@ def fill_laps(collector: Collector) -> None:
     column = 0
     for numbers in groups_of(scene.small_sliding):
         members = [scene.small_sliding[number] for number in numbers]
-        cells = [cells_of(lap) for lap in members]
+        cells = [cells_of(contact) for contact in members]
         flexible = _bodies(members, rigid=False)
         friction = np.concatenate(
-            [np.full(len(c.cell), lap.friction.static_coefficient) for lap, c in zip(members, cells, strict=True)]
+            [
+                np.full(len(c.cell), contact.friction.static_coefficient)
+                for contact, c in zip(members, cells, strict=True)
+            ]
         )
         components = 3 if np.any(friction > 0.0) else 1
         G = _compliance(members, cells, flexible)
@@ -92,19 +95,19 @@ def fill_laps(collector: Collector) -> None:
         diagonal = np.diag(G).reshape(-1, 3)
         columns, lines = J.shape[1], len(J[kept])
         within = 0
-        for lap in members:
-            between = lap.b is not None
+        for contact in members:
+            between = contact.b is not None
             one(
-                first=lap.a.body.index, second=lap.b.body.index if between else lap.a.body.index,
-                rigid_column=column + within if between else -1, **_frames(lap),
+                first=contact.a.body.index, second=contact.b.body.index if between else contact.a.body.index,
+                rigid_column=column + within if between else -1, **_frames(contact),
             )  # fmt: skip
             within += RIGID if between else 0
         mode = [np.full(within, -1)] + [modal[b.index] + np.arange(b.mode_count) for b in flexible]
-        moving = _bodies([lap for lap in members if lap.b is not None], rigid=True)
+        moving = _bodies([contact for contact in members if contact.b is not None], rigid=True)
         rigid = np.concatenate([np.zeros(0, int), *(6 * b.index + np.arange(6) for b in moving)])
         dense = [6 * len(scene.bodies) + retained[b.index] + np.arange(b.mode_count) for b in flexible]
         one(
-            components=components, yields=float(diagonal[:, 0].mean()), laps=len(members), cells=len(friction),
+            components=components, yields=float(diagonal[:, 0].mean()), matched=len(members), cells=len(friction),
             columns=columns, lines=lines + columns, coordinates=len(rigid) + columns - within,
         )  # fmt: skip
         part(
@@ -123,74 +126,82 @@ def fill_laps(collector: Collector) -> None:
         lines, columns, coordinates = (np.array(ones[name]) for name in ("lines", "columns", "coordinates"))
         most = np.minimum(np.maximum((lines - columns) // 2, FEWEST), np.minimum(lines - columns, MOST))
         for name, sizes in (
-            ("lap", ones["laps"]), ("cell", ones["cells"]), ("column", columns), ("line", lines), ("table", lines**2),
+            ("matched", ones["matched"]), ("cell", ones["cells"]), ("column", columns), ("line", lines), ("table",
+            lines**2),
             ("square", columns**2), ("retained", coordinates), ("followed", coordinates * columns), ("differing", most),
             ("factor", most**2), ("update", most * lines),
         ):  # fmt: skip
             values[f"{name}_start"] = np.concatenate([[0], np.cumsum(sizes)])
         for name in ("compliance", "motion"):
             values[f"{name}_start"] = np.cumsum([0, *map(len, parts[name])])[:-1]
-    collector.fill(collector.laps, count=len(ones.get("laps", [])), laps=len(scene.small_sliding), **values)
+    collector.fill(collector.matched, count=len(ones.get("matched", [])), matched=len(scene.small_sliding), **values)
 
 
-def _bodies(laps: list[Contact], *, rigid: bool) -> list[Body]:
+def _bodies(matched: list[Contact], *, rigid: bool) -> list[Body]:
     """Bodies of these contacts that move, flexible ones alone or all, each once, in the order of the scene."""
-    found = {p.body.index: p.body for lap in laps for p in lap.ports if p.body.index >= 0 and (rigid or not p.rigid)}
+    found = {
+        p.body.index: p.body
+        for contact in matched
+        for p in contact.ports
+        if p.body.index >= 0 and (rigid or not p.rigid)
+    }
     return [found[index] for index in sorted(found)]
 
 
-def _frames(lap: Contact) -> dict[str, Array]:
+def _frames(contact: Contact) -> dict[str, Array]:
     """Origin and axes in which the relative motion of two bodies is measured, and R_0."""
-    if lap.b is None:
+    if contact.b is None:
         return {"first_point": np.zeros(3), "second_point": np.zeros(3), "turn": np.eye(3)}
-    point = lap.a.body.to_world(lap.a.surface.points.mean(axis=0))
+    point = contact.a.body.to_world(contact.a.surface.points.mean(axis=0))
     arms = []
-    for port in lap.ports:
+    for port in contact.ports:
         center = port.body.center_of_mass if port.body.index >= 0 else np.zeros(3)
         arms.append(port.body.to_user(point) - center)
-    turn = rot.matrix(lap.a.body.rotation).T @ rot.matrix(lap.b.body.rotation)
+    turn = rot.matrix(contact.a.body.rotation).T @ rot.matrix(contact.b.body.rotation)
     return {"first_point": arms[0], "second_point": arms[1], "turn": turn}
 
 
-def _loads(lap: Contact, cells: MatchedCells, body: Body) -> sp.csr_matrix | None:
+def _loads(contact: Contact, cells: MatchedCells, body: Body) -> sp.csr_matrix | None:
     """P of a contact on a body (unknowns of its interface compliance, 3 c); None where it does not load it."""
-    laps = body.flexible.matched
-    if lap.a.body is body:
-        return matched_surface.on_own(laps, lap.a.name, cells.cell)
-    if lap.b is None or lap.b.rigid or lap.b.body is not body or cells.weights is None:
+    surfaces = body.flexible.matched
+    if contact.a.body is body:
+        return matched_surface.on_own(surfaces, contact.a.name, cells.cell)
+    if contact.b is None or contact.b.rigid or contact.b.body is not body or cells.weights is None:
         return None
-    turn = rot.matrix(body.rotation).T @ rot.matrix(lap.a.body.rotation)
-    return matched_surface.on_partner(laps, lap.b.name, cells.weights, cells.frames @ turn.T)
+    turn = rot.matrix(body.rotation).T @ rot.matrix(contact.a.body.rotation)
+    return matched_surface.on_partner(surfaces, contact.b.name, cells.weights, cells.frames @ turn.T)
 
 
-def _all_loads(laps: list[Contact], cells: list[MatchedCells], body: Body) -> sp.csr_matrix:
+def _all_loads(matched: list[Contact], cells: list[MatchedCells], body: Body) -> sp.csr_matrix:
     """P of all contacts of a group on a body."""
     total = matched_surface.count(body.flexible.matched)
     parts = []
-    for lap, own in zip(laps, cells, strict=True):
-        found = _loads(lap, own, body)
+    for contact, own in zip(matched, cells, strict=True):
+        found = _loads(contact, own, body)
         parts.append(sp.csr_matrix((total, 3 * len(own.cell))) if found is None else found)
     return sp.csr_matrix(sp.hstack(parts))
 
 
-def _compliance(laps: list[Contact], cells: list[MatchedCells], bodies: list[Body]) -> Array:
+def _compliance(matched: list[Contact], cells: list[MatchedCells], bodies: list[Body]) -> Array:
     """G (3 c, 3 c) [m/N]."""
     n = 3 * sum(len(own.cell) for own in cells)
     G = np.zeros((n, n))
     for body in bodies:
-        P = _all_loads(laps, cells, body)
+        P = _all_loads(matched, cells, body)
         G += P.T @ np.asarray(P.T @ body.flexible.matched_compliance).T
-    layers = [np.array(yields(lap))[[0, 1, 1]] / own.area[:, None] for lap, own in zip(laps, cells, strict=True)]
+    layers = [
+        np.array(yields(contact))[[0, 1, 1]] / own.area[:, None] for contact, own in zip(matched, cells, strict=True)
+    ]
     G[np.diag_indices(n)] += np.concatenate(layers).ravel()
     return 0.5 * (G + G.T)
 
 
-def _tell_apart(laps: list[Contact], G: Array, J: Array, kept: slice) -> list[str]:
+def _tell_apart(matched: list[Contact], G: Array, J: Array, kept: slice) -> list[str]:
     """Where forces of cells cause no displacement independent of the others, a layer on the diagonal of G that makes
     them unique, and a note of it. Raises `InputError` where such forces move the bodies nevertheless: then there is no
     compliance between them.
     """
-    label = ", ".join(lap.label for lap in laps)
+    label = ", ".join(contact.label for contact in matched)
     part = np.array(G[kept, kept], order="F")
     mean = float(np.trace(part)) / len(part)
     (pivoted_cholesky,) = get_lapack_funcs(("pstrf",), (part,))
@@ -213,34 +224,34 @@ def _tell_apart(laps: list[Contact], G: Array, J: Array, kept: slice) -> list[st
     ]
 
 
-def _motion(laps: list[Contact], cells: list[MatchedCells], bodies: list[Body]) -> Array:
+def _motion(matched: list[Contact], cells: list[MatchedCells], bodies: list[Body]) -> Array:
     """J (3 c, columns)."""
     starts = np.cumsum([0, *(3 * len(own.cell) for own in cells)])
     parts = []
-    for start, lap, own in zip(starts, laps, cells, strict=False):
-        if lap.b is None:
+    for start, contact, own in zip(starts, matched, cells, strict=False):
+        if contact.b is None:
             continue
         rigid = np.zeros((starts[-1], RIGID))
-        arm = own.points - lap.a.surface.points.mean(axis=0)
+        arm = own.points - contact.a.surface.points.mean(axis=0)
         turned = np.cross(np.eye(3)[None, :, :], arm[:, None, :])  # e_i x arm
         block = np.concatenate([own.frames, np.einsum("cki,cji->ckj", own.frames, turned)], axis=2)
         rigid[start : start + 3 * len(own.cell)] = block.reshape(-1, RIGID)
         parts.append(rigid)
     for body in bodies:
         modes = np.concatenate([surface.modes for surface in body.flexible.matched.values()], axis=1)
-        parts.append(np.asarray(_all_loads(laps, cells, body).T @ modes.T))
+        parts.append(np.asarray(_all_loads(matched, cells, body).T @ modes.T))
     return np.concatenate(parts, axis=1)
 
 
-def _notes(laps: list[Contact], cells: list[MatchedCells], lines: int) -> list[str]:
+def _notes(matched: list[Contact], cells: list[MatchedCells], lines: int) -> list[str]:
     """Notes on a group for the report of a run."""
     notes = []
-    for lap, own in zip(laps, cells, strict=True):
-        notes.extend(small_sliding_notes(lap, own))
+    for contact, own in zip(matched, cells, strict=True):
+        notes.extend(small_sliding_notes(contact, own))
     count = sum(len(own.cell) for own in cells)
     if count > MANY:
         notes.append(
-            f"{', '.join(lap.label for lap in laps)}: {count} cells with {lines} unknown forces, all "
+            f"{', '.join(contact.label for contact in matched)}: {count} cells with {lines} unknown forces, all "
             "coupled; use surfaces.Matched(size=, growth=) for larger cells where little changes"
         )
     return notes

@@ -6,7 +6,7 @@ Loops over the cells of a group, by one lane; `at` is the start of the group's n
 import warp as wp
 
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
-from warpffrf_kernels.laps.forms import Form
+from warpffrf_kernels.matched.forms import Form
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -74,19 +74,21 @@ def aim_of(form: Form, u: vec3, v: vec3, largest: real, own: real) -> Aim:
 
 @wp.func
 def form_of(
-    w: int, cell: int, mu: real, lap_mode: wp.array2d(dtype=int), lap_target_form: wp.array3d(dtype=real)
+    w: int, cell: int, mu: real, matched_mode: wp.array2d(dtype=int), matched_target_form: wp.array3d(dtype=real)
 ) -> Form:
     out = Form()
-    out.state = lap_mode[w, cell]
-    out.d = wp.vec2d(lap_target_form[w, cell, 0], lap_target_form[w, cell, 1])
-    out.kappa = lap_target_form[w, cell, 2]
+    out.state = matched_mode[w, cell]
+    out.d = wp.vec2d(matched_target_form[w, cell, 0], matched_target_form[w, cell, 1])
+    out.kappa = matched_target_form[w, cell, 2]
     out.mu = mu
     return out
 
 
 @wp.func
-def set_form(w: int, cell: int, form: Form, lap_mode: wp.array2d(dtype=int), lap_target_form: wp.array3d(dtype=real)):
-    lap_mode[w, cell] = form.state
-    lap_target_form[w, cell, 0] = form.d[0]
-    lap_target_form[w, cell, 1] = form.d[1]
-    lap_target_form[w, cell, 2] = form.kappa
+def set_form(
+    w: int, cell: int, form: Form, matched_mode: wp.array2d(dtype=int), matched_target_form: wp.array3d(dtype=real)
+):
+    matched_mode[w, cell] = form.state
+    matched_target_form[w, cell, 0] = form.d[0]
+    matched_target_form[w, cell, 1] = form.d[1]
+    matched_target_form[w, cell, 2] = form.kappa
