@@ -142,20 +142,20 @@ SLIDES = 0.5  # of the size of a cell: faces that slide further touch other part
 class SmallSlidingResult(reprs.Shown):
     """One small-sliding contact of a run; arrays have one row per saved step, SI units.
 
-    Forces act on the second face in world axes, the torque about the centre of the first face's cells; their opposites
-    act on the first. Fields are over cells (c), averages over each, along its frame (n, t_1, t_2), n outwards from the
-    first face; frames and positions are in the user frame of the first body, and move with it.
+    Forces act on the first body in world axes, torques about that body's user origin; their opposites act on the
+    second. Fields are over cells (c), averages over each, along its frame (n, t_1, t_2), n outwards from the first
+    face; frames and positions are in the user frame of the first body, and move with it.
     """
 
     _hidden = frozenset({"history", "view"})
 
-    force = Recorded("(T, 3) N, on the second face, world axes.")
-    torque = Recorded("(T, 3) N m, on the second face about the centre of the first face's cells, world axes.")
+    force = Recorded("(T, 3) N, on the first body, world axes.")
+    torque = Recorded("(T, 3) N m, on the first body about its user origin, world axes.")
     normal_force = Recorded("(T,) N, of all cells, whatever their directions.")
     pressure = Recorded("(T, c) Pa, of the cells.")
-    traction = Recorded("(T, c, 2) Pa, on the second face along t_1, t_2.")
+    traction = Recorded("(T, c, 2) Pa, on the first face along t_1, t_2.")
     gap = Recorded("(T, c) m, of the cells.")
-    slip = Recorded("(T, c, 2) m, accumulated, of the second face against the first, along t_1, t_2.")
+    slip = Recorded("(T, c, 2) m, accumulated, first face relative to second, along t_1, t_2.")
     state = Recorded("(T, c) the number of the state: 0 open, 1 stick, 2 slip.")
     cell_loss = Recorded("(T, c) J, accumulated friction loss.", "history.loss")
     points = Recorded("(c, 3) m, user frame of the first body: centres of the cells.", "view.points")
@@ -197,7 +197,7 @@ class SmallSlidingResult(reprs.Shown):
 
     @cached_property
     def shift(self) -> np.ndarray:
-        """(T, c, 2) m, displacement of the second face from its initial position on the first, along t_1 and t_2:
+        """(T, c, 2) m, displacement of the first face from its initial position on the second, along t_1 and t_2:
         `slip`; without friction, where slips are not integrated, the relative displacement of the user frames of the
         bodies."""
         return self.slip if self.friction > 0.0 else of_user_frames(self.view, self._bodies)
@@ -250,13 +250,13 @@ class SmallSlidingResult(reprs.Shown):
 
     @property
     def sliding(self) -> np.ndarray:
-        """(T, 3) m, rigid sliding of the second face on the first, in user axes of the first body, at the centre of the
+        """(T, 3) m, rigid sliding of the first face on the second, in user axes of the first body, at the centre of the
         cells: the rigid motion nearest to `shift` (`sliding.py`)."""
         return self._sliding[0]
 
     @property
     def turning(self) -> np.ndarray:
-        """(T, 3) rad, rotation of the second face against the first, user frame of the first body, likewise."""
+        """(T, 3) rad, rotation of the first face relative to the second, user frame of the first body, likewise."""
         return self._sliding[1]
 
     # --- cycles ---
@@ -361,13 +361,13 @@ def rigid_sliding(
 
 
 def of_user_frames(view: SmallSlidingView, bodies: Mapping[str, BodyHistory]) -> np.ndarray:
-    """(T, c, 2) m along t_1 and t_2, displacement of the user frame of the second body against that of the first at the
-    cells; zero within one body."""
+    """(T, c, 2) m along t_1 and t_2, displacement of the user frame of the first body relative to that of the second
+    at the cells; zero within one body."""
     first, second = bodies[view.first_body.name], bodies.get(view.second_body.name)
     found = np.empty((len(first.position), len(view.area), 2))
     for i, (position, rotation) in enumerate(zip(first.position, first.rotation, strict=True)):
         placed = view.partners if second is None else second.position[i] + rotate(second.rotation[i], view.partners)
-        apart = rotate(rotation * INVERSE, placed - position) - view.points
+        apart = view.points - rotate(rotation * INVERSE, placed - position)
         found[i] = np.einsum("ckd,cd->ck", view.frames[:, 1:], apart)
     return found
 

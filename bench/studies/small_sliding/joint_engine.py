@@ -49,10 +49,10 @@ def ways(stacked: Sheets) -> dict[str, dict[str, Any]]:
 def followed(engine: Engine, area: Array) -> Followed:
     """The engine's history of cells of `area` (c,) [m2], loads and all in proportion to those of the study."""
     (lap,) = engine.history.small_sliding.values()
-    force = np.concatenate([lap.pressure[:, :, None], lap.traction], axis=2) * area[:, None] / SCALE
+    force = np.concatenate([lap.pressure[:, :, None], -lap.traction], axis=2) * area[:, None] / SCALE
     nothing = np.zeros(len(force))
     return Followed(
-        area, force, nothing[:, None] * area, lap.slip / SCALE, lap.state,
+        area, force, nothing[:, None] * area, -lap.slip / SCALE, lap.state,
         np.diff(engine.lost, prepend=0.0) / SCALE**2, engine.tip[:, None] / SCALE, nothing, 0,
     )  # fmt: skip
 

@@ -208,8 +208,8 @@ class Engine:
 
     @cached_property
     def traction(self) -> Array:
-        """(n, c, 2) [Pa]."""
-        return np.concatenate([lap.traction for lap in self.history.small_sliding.values()], axis=1)
+        """(n, c, 2) [Pa], on the second faces."""
+        return -np.concatenate([lap.traction for lap in self.history.small_sliding.values()], axis=1)
 
     @cached_property
     def state(self) -> Array:

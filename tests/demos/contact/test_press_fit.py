@@ -69,7 +69,7 @@ class Turned:
         lap = self.lap
         around = np.cross((0.0, 1.0, 0.0), lap.frames[:, 0])
         along = np.einsum("ckx,cx->ck", lap.frames[:, 1:], around)
-        traction = np.einsum("tck,ck->tc", lap.traction, along) / (FIT.friction * lap.pressure[0])
+        traction = np.einsum("tck,ck->tc", lap.traction, -along) / (FIT.friction * lap.pressure[0])
         return np.array([self.rings(row)[1] for row in traction])
 
     def row_at(self, share: float) -> int:

@@ -93,9 +93,9 @@ class Bent:
         work = 0.0
         for name in JOINTS:
             lap = self.result.contact(name)
-            forces: np.ndarray = np.concatenate([lap.pressure[self.cycle, :, None], lap.traction[self.cycle]], axis=2)
+            forces: np.ndarray = np.concatenate([lap.pressure[self.cycle, :, None], -lap.traction[self.cycle]], axis=2)
             moved: np.ndarray = np.diff(
-                np.concatenate([lap.gap[self.cycle, :, None], lap.slip[self.cycle]], axis=2), axis=0
+                np.concatenate([lap.gap[self.cycle, :, None], -lap.slip[self.cycle]], axis=2), axis=0
             )
             work -= float(np.einsum("tck,tck,c->", 0.5 * (forces[1:] + forces[:-1]), moved, lap.area))
         return work

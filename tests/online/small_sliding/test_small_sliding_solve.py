@@ -64,7 +64,7 @@ def test_forces_are_those_of_the_reference(seed: int, friction: float) -> None:
     assert run.history.status == "completed", run.history.message
     seen = run.history.small_sliding["lap"]
     area = lap.cells.area
-    found = np.concatenate([seen.pressure[:, :, None], seen.traction], axis=2) * area[None, :, None]
+    found = np.concatenate([seen.pressure[:, :, None], -seen.traction], axis=2) * area[None, :, None]
     moved = lap.cells.loads.T @ model.solve(F)
     gap = cells_of(scene.contacts[0]).gap
     states, worst, compared = set(), 0.0, 0
@@ -75,9 +75,9 @@ def test_forces_are_those_of_the_reference(seed: int, friction: float) -> None:
         states |= set(seen.state[i].tolist())
         if run.history.step_size[i] < 1.0:
             continue  # a load step in parts is several increments
-        assert violations(lap.flexibility, b, friction, seen.slip[i - 1], None, found[i].ravel())["worst"] < SAME
+        assert violations(lap.flexibility, b, friction, -seen.slip[i - 1], None, found[i].ravel())["worst"] < SAME
         compared += 1
-        exact = solve_increment(lap.flexibility, b, friction, seen.slip[i - 1])
+        exact = solve_increment(lap.flexibility, b, friction, -seen.slip[i - 1])
         worst = max(worst, np.abs(exact.force - found[i].ravel()).max() / largest)
     assert worst < SAME and compared >= STEPS // 2
     if friction > 0.0:

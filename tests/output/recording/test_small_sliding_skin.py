@@ -105,7 +105,7 @@ def pressed_sheets() -> tuple[Result, np.ndarray, np.ndarray]:
     loads = np.stack(columns, axis=1) @ path.T
     cells = facet_cells(model, (0, "z_max"), (1, "z_min"))
     lap = run.contact("lap")
-    s = np.concatenate([lap.pressure[:, :, None], lap.traction], axis=2) * lap.area[:, None]
+    s = np.concatenate([lap.pressure[:, :, None], -lap.traction], axis=2) * lap.area[:, None]
     u = model.solve(loads + cells.loads @ s.reshape(len(path), -1).T)
     return run, u[: 3 * model.offsets[1]].T, u[3 * model.offsets[1] :].T
 

@@ -58,15 +58,14 @@ def test_cells_cover_the_face(lap: SmallSlidingResult) -> None:
 
 def test_forces_of_cells_add_up_to_the_joint_s(result: Result, lap: SmallSlidingResult) -> None:
     """And those to what presses and pushes the upper block, as no load step has inertia."""
-    own = np.concatenate([lap.pressure[:, :, None], lap.traction], axis=2) * lap.area[:, None]
+    own = np.concatenate([-lap.pressure[:, :, None], lap.traction], axis=2) * lap.area[:, None]
     in_user = np.einsum("tck,ckd->tcd", own, lap.frames)
     turns = np.array([rot.matrix(p) for p in result.body("top").rotation])
     force = np.einsum("tij,tcj->ti", turns, in_user)
     np.testing.assert_allclose(lap.force, force, atol=1e-12 * PRESSED)
-    arm = lap.points - lap.points.mean(axis=0)
-    torque = np.einsum("tij,tcj->ti", turns, np.cross(arm, in_user))
+    torque = np.einsum("tij,tcj->ti", turns, np.cross(lap.points, in_user))
     np.testing.assert_allclose(lap.torque, torque, atol=1e-12 * PRESSED)
-    np.testing.assert_allclose(lap.force, result.force("push").force, atol=SOLVED * PRESSED)
+    np.testing.assert_allclose(lap.force, -result.force("push").force, atol=SOLVED * PRESSED)
     np.testing.assert_allclose(lap.normal_force, PRESSED, atol=LEANS * PUSHED)
 
 
@@ -146,7 +145,7 @@ def test_without_friction_user_frames_say_how_far_faces_slid(result: Result, lap
     free = replace(lap.view, friction=0.0)
     found = SmallSlidingResult(lap.history, free, lap.time, bodies)
     still = SmallSlidingResult(lap.history, free, lap.time, result.history.bodies)
-    np.testing.assert_allclose(found.sliding - still.sliding, np.tile([*-way[:2], 0.0], (len(lap.time), 1)), atol=1e-9)
+    np.testing.assert_allclose(found.sliding - still.sliding, np.tile([*way[:2], 0.0], (len(lap.time), 1)), atol=1e-9)
     assert found.warnings() and not still.warnings()
 
 

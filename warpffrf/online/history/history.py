@@ -210,13 +210,13 @@ class LumpedHistory(reprs.Rows):
 class SmallSlidingHistory(reprs.Rows):
     """One small-sliding contact: fields on its cells (c), in their frames (n, t_1, t_2), which rotate with body 1."""
 
-    force: np.ndarray  # (T, 3) N, on the second face, world axes; the opposite acts on the first
-    torque: np.ndarray  # (T, 3) N m, on the second face, about the middle of the first face's cells, world axes
+    force: np.ndarray  # (T, 3) N, on the first body, world axes; the opposite acts on the second
+    torque: np.ndarray  # (T, 3) N m, on the first body, about its user origin, world axes
     normal_force: np.ndarray  # (T,) N, sum over cells, irrespective of direction
     pressure: np.ndarray  # (T, c) Pa
-    traction: np.ndarray  # (T, c, 2) Pa, on the second face along t_1, t_2
+    traction: np.ndarray  # (T, c, 2) Pa, on the first face along t_1, t_2
     gap: np.ndarray  # (T, c) m
-    slip: np.ndarray  # (T, c, 2) m, accumulated, of the second face along t_1, t_2; includes sliding while open
+    slip: np.ndarray  # (T, c, 2) m, accumulated, first relative to second, along t_1, t_2; includes sliding while open
     state: np.ndarray  # (T, c) 0 open, 1 stick, 2 slip
     loss: np.ndarray  # (T, c) J, accumulated friction loss
 

@@ -331,17 +331,16 @@ def small_sliding_histories(
 def _history(
     contact: Contact, cells: MatchedCells, saved: np.ndarray, bodies: dict[str, BodyHistory]
 ) -> SmallSlidingHistory:
-    """Of the numbers (T, c, `keeping.NUMBERS`) of its cells."""
-    force = np.einsum("tck,cki->tci", saved[:, :, :3], cells.frames)
-    arm = cells.points - contact.a.surface.points.mean(axis=0)
+    """Of the numbers (T, c, `keeping.NUMBERS`) of its cells, whose forces and slips are those of the second face."""
+    force = -np.einsum("tck,cki->tci", saved[:, :, :3], cells.frames)
     rotation = bodies[contact.a.body.name].rotation
     area = cells.area[None, :]
     slipped = slice(int(keeping.SLIPPED), int(keeping.SLIPPED) + 2)
     return SmallSlidingHistory(
-        force=turned(rotation, force.sum(axis=1)), torque=turned(rotation, np.cross(arm, force).sum(axis=1)),
+        force=turned(rotation, force.sum(axis=1)), torque=turned(rotation, np.cross(cells.points, force).sum(axis=1)),
         normal_force=saved[:, :, 0].sum(axis=1), pressure=saved[:, :, 0] / area,
-        traction=saved[:, :, 1:3] / area[:, :, None], gap=saved[:, :, int(keeping.GAP)].copy(),
-        slip=saved[:, :, slipped].copy(), state=saved[:, :, int(keeping.STATE)].astype(np.int8),
+        traction=-saved[:, :, 1:3] / area[:, :, None], gap=saved[:, :, int(keeping.GAP)].copy(),
+        slip=-saved[:, :, slipped], state=saved[:, :, int(keeping.STATE)].astype(np.int8),
         loss=saved[:, :, int(keeping.LOST)].copy(),
     )  # fmt: skip
 

@@ -287,7 +287,7 @@ def _vectors(frames: Array, factor: Array) -> sp.csr_matrix:
 def cell_forces(contact: SmallSlidingHistory, area: np.ndarray, i: int) -> np.ndarray:
     """Forces (3 c,) [N] of the cells with `area` (c,) [m2] on the second face, along their frames, at saved step
     `i`."""
-    return (np.column_stack([contact.pressure[i], contact.traction[i]]) * area[:, None]).ravel()
+    return (np.column_stack([contact.pressure[i], -contact.traction[i]]) * area[:, None]).ravel()
 
 
 def on_first(contact: SmallSlidingView) -> sp.csr_matrix:

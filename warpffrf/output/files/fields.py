@@ -158,16 +158,13 @@ MATCHED_CELL = "small_sliding_cell"
 ON_CELLS, ALONG_CELLS = (MATCHED_CELL,), (MATCHED_CELL, "along")  # along: t_1 and t_2 of the frame of a cell
 OF_CELLS = "along t_1 and t_2 of the cells"
 SMALL_SLIDING_FIELDS = (
-    Field("small_sliding_force", "force", "N", "world, on the second face", AXIS),
-    Field(
-        "small_sliding_torque", "torque", "N m",
-        "world, on the second face, about the middle of the first face's cells", AXIS,
-    ),
+    Field("small_sliding_force", "force", "N", "world, on the first body", AXIS),
+    Field("small_sliding_torque", "torque", "N m", "world, on the first body, about its user origin", AXIS),
     Field("small_sliding_normal_force", "normal_force", "N", "along the normals, without regard to their direction"),
     Field("small_sliding_pressure", "pressure", "Pa", "means over the cells", ON_CELLS, stacked=False),
-    Field("small_sliding_traction", "traction", "Pa", f"on the second face, {OF_CELLS}", ALONG_CELLS, stacked=False),
+    Field("small_sliding_traction", "traction", "Pa", f"on the first face, {OF_CELLS}", ALONG_CELLS, stacked=False),
     Field("small_sliding_gap", "gap", "m", "along the normals", ON_CELLS, stacked=False),
-    Field("small_sliding_slip", "slip", "m", f"of the second face so far, {OF_CELLS}", ALONG_CELLS, stacked=False),
+    Field("small_sliding_slip", "slip", "m", f"first relative to second, {OF_CELLS}", ALONG_CELLS, stacked=False),
     Field("small_sliding_state", "state", "0 open, 1 stick, 2 slip", "none", ON_CELLS, stacked=False),
     Field("small_sliding_cell_loss", "loss", "J", "by friction so far", ON_CELLS, stacked=False),
 )  # fmt: skip
