@@ -170,7 +170,8 @@ def test_one_lane_and_64_lanes_agree_on_several_pairs(tmp_path: Path) -> None:
     compare(one, blocks)
 
 
-@pytest.mark.parametrize("friction", [0.0, pytest.param(0.3, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_one_lane_and_64_lanes_agree(friction: float, tmp_path: Path) -> None:
     one, blocks = both(RUN.replace("FRICTION", str(friction)), tmp_path)
     assert (int(one["lanes"]), int(blocks["lanes"])) == (1, BLOCK)

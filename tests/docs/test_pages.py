@@ -31,6 +31,7 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return names
 
 
+@pytest.mark.slow
 def test_blocks_run_and_do_what_they_say(ran: dict[str, Any]) -> None:
     """The half-width is that of Hertz at the load, the force rises from a tenth of it to all of it, less the spring."""
     result, finer = ran["result"], ran["finer"]

@@ -62,6 +62,7 @@ def test_the_two_rollers_run(tmp_path: Path) -> None:
     assert {"rollers.h5", "rollers.rrd"} <= {p.name for p in tmp_path.iterdir()}
 
 
+@pytest.mark.slow
 def test_the_deck_of_ones_own_runs(tmp_path: Path) -> None:
     wf.examples.copy("machine", tmp_path)
     said = run_example(1, tmp_path)

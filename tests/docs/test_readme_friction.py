@@ -71,6 +71,7 @@ def test_the_example_is_short(code: str) -> None:
         assert hasattr(wf, name)
 
 
+@pytest.mark.slow
 def test_the_rail_pushes_with_what_statics_says(said: str) -> None:
     assert said.startswith("status            completed"), said
     mass, inertia = wheel()

@@ -109,6 +109,7 @@ def checked(script: Path) -> set[int]:
     return {one["range"]["start"]["line"] for one in found["generalDiagnostics"] if one["severity"] == "error"}
 
 
+@pytest.mark.slow
 def test_wrong_arguments_are_found_before_a_run(tmp_path: Path) -> None:
     pytest.importorskip("pyright")
     script = tmp_path / "machine.py"

@@ -148,6 +148,7 @@ def on_characteristics() -> Scene:
     return scene
 
 
+@pytest.mark.slow
 def test_springs_and_dampers_with_characteristics() -> None:
     """Forces and deformations too; the play is left and entered, so that the kinks are met."""
     scene = on_characteristics()
@@ -165,10 +166,12 @@ def test_springs_and_dampers_with_characteristics() -> None:
     assert [note for note in ours.notes if "table" in note] == [note for note in other.notes if "table" in note] != []
 
 
+@pytest.mark.slow
 def test_geometric_stiffening() -> None:
     check(flexible("full", stiffening=True), 0.05, 5e-4)
 
 
+@pytest.mark.slow
 def test_membrane_energy() -> None:
     """Squares that stiffen the modes by as much as they are stiff themselves."""
     scene = flexible("full", stiffening=True, squares=3)
@@ -179,6 +182,7 @@ def test_membrane_energy() -> None:
     assert (found.energy["strain"] - linear).max() > 0.1 * linear.max()
 
 
+@pytest.mark.slow
 def test_free_rigid_body_follows_its_closed_form() -> None:
     """D4 at order 2: w(10 s) of I = (1, 2, 3) from (1e-3, 5, 1e-3)."""
     exact, errors = np.array([4.510627138, -2.157369653, 2.604211920]), []

@@ -66,6 +66,7 @@ def test_nodes_agree_with_the_separated_solver(pair: str, roller, other_roller) 
             assert np.abs(motion.modal - other.modal).max() < AGREE * np.abs(motion.modal).max()
 
 
+@pytest.mark.slow
 def test_bodies_that_meet(roller) -> None:
     """The two solvers take the step that closes by different means: what they differ by falls with the square
     of the step."""
@@ -102,6 +103,7 @@ def pressed(first: Any, approach: float, **options: Any) -> float:
     return float(np.linalg.norm(history.contacts[PAIR].force[0]))
 
 
+@pytest.mark.slow
 def test_force_of_nodes_converges_with_the_layer_and_to_that_of_nodes() -> None:
     """A patch of ten elements: a layer three times as stiff changes a third, the default less than 0.5 %."""
     body = roller_body(150, layers=4, axial=2, grading=1.6, order=1, max_frequency=15e3, cache=False)

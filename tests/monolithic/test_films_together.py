@@ -80,6 +80,7 @@ def rest(scene: Scene, **options: Any) -> Any:
 # --- the same law
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("load", "film"),
     [
@@ -159,6 +160,7 @@ def pad() -> Scene:
     return scene
 
 
+@pytest.mark.slow
 def test_a_plane_pad_is_that_of_the_separated_solver() -> None:
     scene = pad()
     a, b = find_equilibrium(scene), rest(scene)
@@ -169,6 +171,7 @@ def test_a_plane_pad_is_that_of_the_separated_solver() -> None:
         assert off(getattr(own, name)[-1], getattr(other, name)[0]) < AT_REST, name
 
 
+@pytest.mark.slow
 def test_a_bore_that_turns_around_a_shaft_of_the_ground() -> None:
     """The second surface moves nothing, and the grid turns over the film: no steady state in its frame."""
     scene = Scene(gravity=(0.0, 0.0, 0.0))
@@ -250,6 +253,7 @@ def test_nodes_have_the_whole_surface_and_linear_pressures() -> None:
 # --- pressures at nodes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [2e3, 20e3])
 def test_pressures_at_nodes_are_near_those_of_nodes(load: float) -> None:
     grid_nodes, nodes = (rest(journal((load, 0.0)), at_nodes=at_nodes).films["film"] for at_nodes in (False, True))
@@ -263,6 +267,7 @@ def test_pressures_at_nodes_are_near_those_of_nodes(load: float) -> None:
 # --- a run like any other
 
 
+@pytest.mark.slow
 def test_a_result_of_it_reads_like_any_other() -> None:
     found = simulate(journal(), 4 * STEP, step=STEP, start="equilibrium", at_nodes=True, progress=False)
     assert found.status == "completed", found.message
@@ -272,6 +277,7 @@ def test_a_result_of_it_reads_like_any_other() -> None:
     assert film.force[-1, 0] == pytest.approx(20e3, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_where_another_has_ended() -> None:
     """Rates of second order have two steps behind them."""
     scene = journal((signals.SmoothStep(5e3, 10e3, duration=6 * STEP), 0.0))

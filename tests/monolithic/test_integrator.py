@@ -27,6 +27,7 @@ def oscillator(step: float, duration: float, integrator: Any) -> float:
     return abs(float(history.bodies["b"].position[-1, 0]) - np.sin(omega * duration))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", [None, HHT(-0.1), GeneralizedAlpha(0.8), Newmark()], ids=str)
 def test_order_two_on_an_oscillator(integrator: Any) -> None:
     """D8: measured orders 2 within 0.1; None is HHT, alpha = -0.3."""

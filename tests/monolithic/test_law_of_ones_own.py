@@ -68,6 +68,7 @@ def pressed(body: ReducedBody, at_nodes: bool) -> Any:
     return result
 
 
+@pytest.mark.slow
 def test_both_solvers_take_a_law_that_is_one_class(fine_roller: ReducedBody) -> None:
     nodal, full = (pressed(fine_roller, at_nodes) for at_nodes in (True, False))
     force = [r.history.contacts["pair"].force[0, 2] for r in (nodal, full)]

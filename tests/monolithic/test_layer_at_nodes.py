@@ -50,6 +50,7 @@ def test_it_is_the_layer_of_the_contact_at_the_nodes(roller) -> None:
     assert np.abs(nodal.force + nodal.force_second).max() < 1e-9 * size  # action and reaction
 
 
+@pytest.mark.slow
 def test_semi_comes_to_it_as_the_grid_becomes_finer() -> None:
     """The same approach on finer and finer rims: the nodes and the nodes differ by what both discretise."""
     errors, elements = [], []

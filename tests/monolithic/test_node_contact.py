@@ -112,6 +112,7 @@ def test_a_punch_sticks_on_its_stretch(rigid_space: ReducedBody) -> None:
     assert np.all(result.history.energy["friction"] == 0.0)
 
 
+@pytest.mark.slow
 def test_a_punch_sticks_and_slips(rigid_space: ReducedBody) -> None:
     """Pulled by a spring whose other end runs ahead: amplitude and period of an event-driven solution."""
     k, V, step, end = 1e5, 0.5, 1e-4, 0.017
@@ -159,6 +160,7 @@ def test_a_punch_that_slides(law: Any, rigid_space: ReducedBody) -> None:
     assert np.all(rub.traction[late, 0] >= 0.0)
 
 
+@pytest.mark.slow
 def test_restitution_of_a_damped_layer(rigid_space: ReducedBody) -> None:
     """A flat punch that hits the layer with the speed the restitution was given for leaves it with that part of it."""
     speed, e, errors = 0.1, 0.7, []

@@ -120,6 +120,7 @@ def test_newton_on_the_tractions_ends_at_the_law(law: Any, search: float) -> Non
     assert found.off.max() < 1e-6 * np.abs(law_itself).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", FRICTION, ids=lambda law: law.kind)
 def test_friction_only_takes(law: Any) -> None:
     """A random walk: what is put in is never less than what is stored and booked as lost, and no loss is negative."""

@@ -52,6 +52,7 @@ def rest(scene: Scene, at_nodes: bool, law: Any) -> Any:
     return solved(scene, at_nodes, 1e-6, step=1e-6).history.contacts[contact.name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("approach", [3e-4, 1.2e-3])
 def test_true_shapes_and_line_of_centres(approach: float, fine_roller: ReducedBody) -> None:
     """A layer given as a table goes by the true shapes, the same one as a number along the line of centres. Both gaps
@@ -90,6 +91,7 @@ def ball() -> ReducedBody:
     return ball_on_plane.reduced_ball(ball_on_plane.Size(cells=1.5), progress=False)
 
 
+@pytest.mark.slow
 def test_a_ball_on_a_rigid_plane_pushed_aside(ball: ReducedBody, monkeypatch: pytest.MonkeyPatch) -> None:
     """Finite elements, a stiff layer, friction: three nodes in a half-width, so nodes differ from weak gaps by some per
     cent (2 % of the approach, 8 % of the shift), which five nodes bring to 0.6 % and 3 %."""
@@ -131,6 +133,7 @@ def test_cattaneo_and_mindlin(cells: int, loss: float) -> None:
     assert other.friction.creep_velocity[3, 0] == pytest.approx(c.friction.creep_velocity[3, 0], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_stiff_stretch_hardly_matters() -> None:
     """The stick stiffness a hundred times up: forces move by less than a per cent, and as many iterations are taken."""
     found = [shifted(16, "at nodes", stick=stick).result.history for stick in (None, 100.0)]
@@ -139,6 +142,7 @@ def test_a_stiff_stretch_hardly_matters() -> None:
     assert found[1].iterations.mean() < found[0].iterations.mean() + 2.0
 
 
+@pytest.mark.slow
 def test_carter() -> None:
     """Case C6 with the law at nodes, a fast one: after two crossings as far as the cells of "full" at the same step, to
     the first order of both in the cell; the creepage is the one asked for, and nodes that enter are charged with it."""

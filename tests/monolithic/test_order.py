@@ -82,6 +82,7 @@ def test_equal_at_every_step_and_order_two(body: Any, local: str) -> None:
     assert np.all(np.abs(limits[0] - limits[1]).max(axis=1) < AGREE * np.abs(limits[1]).max(axis=1))
 
 
+@pytest.mark.slow
 def test_inertia_of_local_modes_moves_what_is_fast_only(body: Any) -> None:
     """A1: with the mass of the local modes the force differs the less, the slower the load is."""
     away = []

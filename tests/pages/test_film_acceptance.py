@@ -26,11 +26,13 @@ def test_the_middle_of_a_long_bearing_is_sommerfelds() -> None:
     assert abs(half.error) < half.target and abs(most.error) < HALF * most.target
 
 
+@pytest.mark.slow
 def test_a_plate_is_squeezed_as_the_double_series_has_it() -> None:
     (row,) = study.squeeze_rows((16,))
     assert row.error == pytest.approx(-0.0058, abs=3e-4)  # what the law has on this grid: docs/studies/oil_film.md
 
 
+@pytest.mark.slow
 def test_a_slider_is_beside_its_closed_form() -> None:
     (row,) = study.slider_rows(32)
     assert abs(row.error) < HALF * row.target

@@ -159,6 +159,7 @@ def counted(count: list[str], **options: Any) -> Case:
     )
 
 
+@pytest.mark.slow
 def test_a_suite_goes_on_in_its_folder(tmp_path: Path) -> None:
     count: list[str] = []
     case = counted(count)
@@ -204,6 +205,7 @@ def test_page_table_and_map(tmp_path: Path) -> None:
         found.write(tmp_path)
 
 
+@pytest.mark.slow
 def test_rows_of_other_cases_stay_in_the_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     first, second = (replace(counted([]), name=name) for name in ("first", "second"))
     monkeypatch.setattr(suites, "CASES", {case.name: case for case in (first, second)})

@@ -98,6 +98,7 @@ def test_nodes_over_intervals_are_their_integrals() -> None:
     np.testing.assert_allclose(A.sum(axis=0), covered, atol=1e-14)  # nodes sum to one
 
 
+@pytest.mark.slow
 def test_cells_that_travel_carry_the_force_and_come_to_the_law() -> None:
     """Bodies that hardly yield: p = k (delta - x^2/R), whose force is 4/3 k delta b times the width."""
     pressing = Pressing(tread(30, sectors=480, layers=8, axial=2, contact_fixed=True), 29)

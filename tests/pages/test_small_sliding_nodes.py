@@ -50,11 +50,13 @@ def test_turning_as_one_is_work_of_forces_that_keep_their_direction_alone() -> N
         assert 0.5 * sum(k * (a @ u) ** 2 for a, k in springs) == pytest.approx(exact, rel=1e-9, abs=1e-15)
 
 
+@pytest.mark.slow
 def test_a_release_is_that_of_full_finite_elements() -> None:
     found = study.motion(Sheets((20, 1, 1)), study.MODES, study.FEWER, 150)
     assert found.rms < 0.03 and abs(found.loss) < 0.03  # targets of ten modes
 
 
+@pytest.mark.slow
 def test_a_release_of_whole_loads_is_that_of_full_finite_elements() -> None:
     found = study.motion(Sheets((20, 1, 1), shank=study.SHANK), study.MODES, 1.0, 150)
     assert found.rms < 0.03 and abs(found.loss) < 0.03

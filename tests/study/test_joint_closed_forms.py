@@ -49,6 +49,7 @@ def middles(length: float) -> np.ndarray:
     return length * (np.arange(CELLS) + 0.5) / CELLS
 
 
+@pytest.mark.slow
 def test_leaves_against_cells_along_the_joint() -> None:
     """Bernoulli's leaves, the traction unknown in cells: slip = h w' less the strain, which is 8 min(x, y)/(E b h)."""
     j, x = LEAVES, middles(LEAVES.length)
@@ -93,6 +94,7 @@ def test_leaves_are_continuous_and_lose_most_at_the_best_pressure() -> None:
     assert np.argmax(losses) == 10 and losses[10] == pytest.approx(j.largest_cycle_loss(peak), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_bar_against_cells_along_it() -> None:
     j, x = BAR, middles(BAR.length)
     G = np.minimum.outer(x, x) / j.stiffness

@@ -92,6 +92,7 @@ def test_front_is_that_of_brute_force() -> None:
     assert front(alike, "force") == alike[:1]
 
 
+@pytest.mark.slow
 def test_order_two_of_a_pendulum_and_going_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from warpffrf.study.speed_against_error import study as room
 
@@ -175,6 +176,7 @@ def test_a_sitting_says_what_it_was_beside() -> None:
     assert unit_of([facts, {**facts, "machine": {**on, "processor": "Q"}}]) is None
 
 
+@pytest.mark.slow
 def test_pictures_hold_the_rows_and_the_reference(tmp_path: Path) -> None:
     found = wf.study.speed_error(
         pendulum, in_time(0.4), choices={"step": [8e-3, 4e-3, 2e-3], "arm": [0.4, 0.5]},
@@ -214,6 +216,7 @@ def test_refusals_name_the_thing_and_the_cure() -> None:
         wf.study.speed_error(pendulum(), in_time(0.1, 1e-3), choices={"arm": [0.4, 0.5]}, progress=False)
 
 
+@pytest.mark.slow
 def test_command_runs_a_scene_file_and_refuses_in_one_line(tmp_path: Path) -> None:
     from typer.testing import CliRunner
 

@@ -228,6 +228,7 @@ def test_options_of_the_sweep_prevail_over_those_of_a_file(tmp_path: Path) -> No
     assert "save_every=5" in other.definition["options"]["options"] and "HHT" in other.definition["options"]["options"]
 
 
+@pytest.mark.slow
 def test_static_runs_also_as_worlds(tmp_path: Path) -> None:
     """Load steps of a hanging bob: its rest, in each world."""
     static = partial(wf.static, duration=1.0, step=0.5)

@@ -44,6 +44,7 @@ def alone(tmp_path_factory: Any) -> np.ndarray:
     return run(tmp_path_factory.mktemp("alone") / "s")[NAME]
 
 
+@pytest.mark.slow
 def test_two_processes_give_the_same_bits_also_where_one_is_killed(tmp_path: Path, alone: np.ndarray) -> None:
     """A row that takes its worker with it twice, by a kill and by SIGTERM, is run a third time, and the others are not
     touched."""

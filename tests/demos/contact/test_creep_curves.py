@@ -156,6 +156,7 @@ def rolled(body: wf.ReducedBody, run: list[demo.Stair]) -> tuple[wf.Result, Curv
     return result, curve(result, run)
 
 
+@pytest.mark.slow
 def test_the_force_is_contacts(body: wf.ReducedBody) -> None:
     result, found = rolled(body, [(1.2e-3, 0.0, 0.0)])
     pair = result.contact(demo.PAIR)

@@ -276,6 +276,7 @@ def test_the_fit_finds_rate_and_frequency() -> None:
     assert fitted(t, e, 700.0) == pytest.approx(rate, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_film_that_damps_by_a_fifth_more_is_told_from_it(linear: Linear) -> None:
     body, shafts = demo.sleeve(demo.RIGID, progress=False), whirling(linear)
     results = {name: demo.turn(body, shaft, degrees=6.0, turns=3, progress=False) for name, shaft in shafts.items()}
@@ -286,6 +287,7 @@ def test_a_film_that_damps_by_a_fifth_more_is_told_from_it(linear: Linear) -> No
     assert sum("growth over speed" in name for name in failed) == 2
 
 
+@pytest.mark.slow
 def test_voids_between_groove_and_film_let_a_lighter_shaft_whirl() -> None:
     """Of coefficients at rest it would still come to rest; with voids that move in time it grows by 0.0087."""
     film = linear_film(OPPOSITE)

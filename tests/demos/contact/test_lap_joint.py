@@ -302,6 +302,7 @@ def test_a_swing_has_the_tops_of_its_oscillation() -> None:
 COARSE = replace(demo.QUICK, along=(0.0, 0.007, 0.011, 0.019, 0.023, 0.03), beside=2)
 
 
+@pytest.mark.slow
 def test_full_elements_without_friction_hold_the_carriage_by_leaning_bolts_alone() -> None:
     path = lap_loops.LoadPath.of(np.array([5e-6]))
     tension = 7e3
@@ -316,6 +317,7 @@ def test_full_elements_without_friction_hold_the_carriage_by_leaning_bolts_alone
     assert full.cells.force[:, :, 0].sum(axis=1) == pytest.approx(pull, rel=1e-2)
 
 
+@pytest.mark.slow
 def test_other_friction_and_other_bolts_are_told_from_those_of_the_joint(monkeypatch: pytest.MonkeyPatch) -> None:
     strips = demo.bodies(COARSE, progress=False)
     path = lap_loops.LoadPath.of(np.array([10e-6, SLIDES]))

@@ -92,6 +92,7 @@ def wide() -> wf.Result:
     return demo.run(demo.build(WIDE, COARSE, progress=False), progress=False)
 
 
+@pytest.mark.slow
 def test_pressures_are_those_of_full_finite_elements(wide: wf.Result) -> None:
     """The same two bodies, hub held and outside fixed, as quadratic cells without modes, in two dimensions."""
     case = Pin(demo.RADIUS, WIDE * demo.RADIUS, demo.HOLE, demo.OUTSIDE, demo.MATERIAL, demo.MATERIAL, held=True)

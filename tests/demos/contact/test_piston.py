@@ -366,6 +366,7 @@ def test_without_inertia_the_side_force_is_that_of_the_lean(monkeypatch: pytest.
     assert side_force(theta, MASS) == pytest.approx(along * np.tan(at.lean), abs=1e-9 * np.abs(along).max())
 
 
+@pytest.mark.slow
 def test_the_full_model_of_the_liner_gives_where_it_is_pushed() -> None:
     """A line of force around the middle widens it evenly, as it does a long thin tube: P lambda R^2/(2 E t), lambda^4 =
     3 (1 - nu^2)/(R t)^2. A place that is pushed gives most there, and under a push elsewhere what that one gives under
@@ -385,6 +386,7 @@ def test_the_full_model_of_the_liner_gives_where_it_is_pushed() -> None:
     assert first[1] == pytest.approx(second[0], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_run_begins_with_velocities_that_agree_and_films_that_carry(body: wf.ReducedBody) -> None:
     assert body.report["warnings"] == []
     liner = demo.liner_body(progress=False)

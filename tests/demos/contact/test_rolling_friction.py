@@ -104,6 +104,7 @@ def result() -> wf.Result:
     return found
 
 
+@pytest.mark.slow
 def test_the_upper_roller_is_carried_along_and_then_slips(result: wf.Result) -> None:
     plan, t = demo.schedule(), result.time
     lower, upper = (np.abs(result.body(name).angular_velocity[:, 1]) for name in ("lower", "upper"))
@@ -130,6 +131,7 @@ def test_the_creepage_is_carters_up_to_the_cells(result: wf.Result) -> None:
     assert result.contact(demo.PAIR).friction.cells_per_step.max() <= 1.0
 
 
+@pytest.mark.slow
 def test_the_creepage_on_a_mesh_of_4_mm_is_carters() -> None:
     """The same in closed form; cells travel with the patch, of which an element is seven half-widths long."""
     result = demo.run(demo.build(demo.QUICK, progress=False), demo.QUICK, progress=False)

@@ -97,6 +97,7 @@ def runs() -> dict[bool, list]:
     return found
 
 
+@pytest.mark.slow
 def test_the_stiffened_beam_follows_the_beam_equation(runs: dict[bool, list]) -> None:
     assert not missed(runs[True])
 

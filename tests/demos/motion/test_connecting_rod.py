@@ -327,6 +327,7 @@ def test_a_bore_widened_everywhere_is_a_wider_bore() -> None:
     assert films[0].gap_at_nodes(ends[0]) == pytest.approx(films[1].gap_at_nodes(ends[1]), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_run_begins_with_velocities_that_agree_and_a_film_that_comes_to_carry() -> None:
     body = demo.rod_body(progress=False)
     assert body.report["warnings"] == []

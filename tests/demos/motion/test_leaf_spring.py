@@ -233,6 +233,7 @@ def test_the_clamp_is_what_makes_it_softer_than_beams(monkeypatch: pytest.Monkey
         assert 0.0 < softer[0] < BONDED < 0.5 * softer[1]
 
 
+@pytest.mark.slow
 def test_other_friction_is_told_from_it(quick: Bent, monkeypatch: pytest.MonkeyPatch) -> None:
     assert not missed(checks(quick))
     monkeypatch.setitem(globals(), "FRICTION", 0.303)

@@ -139,6 +139,7 @@ def test_kinematics_are_their_own_derivatives() -> None:
     assert along == pytest.approx(m.pin_along[1:-1], abs=1e-4 * np.abs(m.pin_along).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("inertia", "stiffening"), [("full", True), ("constant", False)])
 def test_the_rod_bends_as_the_beam_equation_says(inertia: str, stiffening: bool) -> None:
     scene, result = demo.run(SHORT, inertia=inertia, stiffening=stiffening, progress=False)
@@ -161,6 +162,7 @@ def test_the_slower_mechanism_bends_less_by_the_square_of_its_speed() -> None:
     assert w[last] == pytest.approx(static[last], abs=0.05 * np.abs(static).max())
 
 
+@pytest.mark.slow
 def test_the_machine_at_rest_has_the_modes_of_a_pinned_rod() -> None:
     """No load acts, so that the forces of the static state are round-off, and it is found all the same. The pins hold
     the rod in the plane as they do in the beam equation: pi/l is its wave number."""

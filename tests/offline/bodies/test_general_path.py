@@ -244,6 +244,7 @@ def slow_run(path: Path) -> None:
         general(body_mesh(), checkpoint=checkpoint)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs a signal that cannot be caught")
 def test_a_killed_run_goes_on(mesh, tmp_path, small_blocks):
     whole = general(mesh)
@@ -340,6 +341,7 @@ def test_a_short_run_writes_no_file(mesh, tmp_path):
         assert not path.exists()
 
 
+@pytest.mark.slow
 def test_reduce_goes_on_after_an_interruption(tmp_path, monkeypatch):
     """The file of an interrupted and resumed reduction is that of an uninterrupted one, bit for bit."""
     mesh = replace(roller(0.05, 0.015, 0.02, sectors=16, layers=2, axial=2, order=1), cyclic=None)

@@ -85,6 +85,7 @@ def test_more_modes_than_the_mesh_has():
 # --- a mesh made elsewhere ---
 
 
+@pytest.mark.slow
 def test_tetrahedral_roller_tilted_and_off_center():
     mesh = meshes.read(examples.path("roller") / "roller.msh", length_unit="mm")
     body = reduced(mesh, max_frequency=15e3)

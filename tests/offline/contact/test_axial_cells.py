@@ -38,6 +38,7 @@ def fine() -> float:
 LINEAR = [pytest.param(n, 1, error, marks=pytest.mark.slow) for n, error in ((4, 0.05), (8, 0.0195))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("axial", "order", "stated"), [(4, 2, 0.0195), *LINEAR])
 def test_few_axial_cells_are_named_with_their_error(fine: float, axial: int, order: int, stated: float) -> None:
     """The error is that beside sixteen quadratic cells; linear ones are softer or stiffer as a whole, too."""

@@ -25,6 +25,7 @@ def force(body, other=None, **made) -> float:
     return float(np.linalg.norm(found.contacts[cr.PAIR].force[-1]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["hex8", "hex20", "tet4"])
 def test_error_of_a_line_contact(kind, fine) -> None:
     """Elements of 8 mm against 4 mm, the force of two rollers at a given approach."""
@@ -41,6 +42,7 @@ def test_error_of_a_line_contact(kind, fine) -> None:
     assert said["rim"] == pytest.approx(true, abs=ESTIMATE)
 
 
+@pytest.mark.slow
 def test_error_of_a_point_contact() -> None:
     """A crown of 0.14 m: less of the displacement is the mesh's."""
     coarse, fine = (cr.reduced(cr.hexahedra(h, 2, 0.14), 0.14) for h in (8e-3, 4e-3))
@@ -48,6 +50,7 @@ def test_error_of_a_point_contact() -> None:
     assert coarse.mesh_error(fine, half_width=6e-4)["rim"] == pytest.approx(true, abs=2.0 * ESTIMATE)
 
 
+@pytest.mark.slow
 def test_nothing_between_a_mesh_and_itself(fine) -> None:
     assert fine.mesh_error(fine) == {"rim": 0.0}
     assert fine.mesh_error(cr.reduced(cr.hexahedra(2.5e-3)))["rim"] == pytest.approx(0.0, abs=ESTIMATE)

@@ -46,6 +46,7 @@ def _patch(patch) -> str:
     return "line" if len(patch.axes) == 1 else "ellipse"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("traction", "patch"), CASES)
 def test_no_state_exceeds_the_rule(traction: str, patch: str) -> None:
     """Sizes and positions drawn at random, and not far below it: the rule is the envelope, not a wild guess."""
@@ -179,6 +180,7 @@ def test_projection_against_a_fine_grid() -> None:
     assert found == pytest.approx(expected, rel=0.1)  # of 1e-4; the fine nodes miss a hundredth of it
 
 
+@pytest.mark.slow
 def test_rule_on_a_reduced_roller() -> None:
     """A mesh four times finer than the grid: the force at b/s = 2 is within the rule of the nodal grid's at b/s = 8,
     whatever the position, and not by accident. A deep roller: b is R/14."""

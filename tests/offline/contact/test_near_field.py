@@ -177,6 +177,7 @@ def _along_middle(body, surface) -> np.ndarray:
     return P @ S @ P[0] + (modes / omega**2) @ modes[0]
 
 
+@pytest.mark.slow
 def test_paths_agree(hex8) -> None:
     """The windows of one sector, and those of clusters of the general path."""
     general = reduced(roller(), general=True, max_frequency=20e3, contact_fixed=True)

@@ -323,6 +323,7 @@ def own_displacement() -> tuple[float, float, float]:
     return scale * (both + NU * along_a), scale * (both + NU * along_b), strain
 
 
+@pytest.mark.slow
 def test_far_field_is_the_meshs_no_more(bodies) -> None:
     """Of a patch of 0.6 x 8 mm, a fourteenth of a cell wide and less."""
     own = own_displacement()
@@ -343,6 +344,7 @@ def test_places_between_nodes_are_alike(bodies) -> None:
     assert np.max(np.ptp(values, axis=0)) < 1e-3
 
 
+@pytest.mark.slow
 def test_tangents_turn_with_the_surface(bodies, monkeypatch) -> None:
     """Without that the strain under the patch goes with the logarithm of the mesh."""
     wanted = beside_the_half_space(bodies["hex27 4 mm"], 0.0)[2]
@@ -368,6 +370,7 @@ def test_normal_far_field_is_the_same_without_tangential_tractions(bodies) -> No
     assert np.max(np.abs(alone.lags - both.lags)) < ROUNDING * np.max(np.abs(alone.lags))
 
 
+@pytest.mark.slow
 def test_paths_agree(bodies) -> None:
     """The windows of one sector, and those of clusters of the general path, on the same nodes and cells."""
     mesh = wf.mesh.roller(0.05, 0.015, 0.02, **MESHES["hex8 8 mm"])

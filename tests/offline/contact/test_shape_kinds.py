@@ -327,6 +327,7 @@ def reduced(case: Case, **settings) -> ReducedBody:
     return reduce_flat(case.mesh, STEEL, progress=False, **{**given, **settings})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bore", "ring", "conical bore", "cup", "groove"])
 def test_periodic_path_equals_general_path(name):
     case = CASES[name]

@@ -101,6 +101,7 @@ def test_a_curved_edge_of_quadratic_facets_is_followed() -> None:
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2])
 def test_a_pin_in_a_bore(order) -> None:
     """A pin of radius 20 mm, 30 mm long, in a bore of 20.05 mm, 40 mm long, with other sectors."""
@@ -120,6 +121,7 @@ def test_a_pin_in_a_bore(order) -> None:
     assert np.linalg.det(axes) == pytest.approx(np.ones(cells.count))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2])
 def test_the_bore_first(order) -> None:
     """Seen from the bore the normals lean together: nothing is counted twice but for kinks, which do not matter."""

@@ -39,6 +39,7 @@ def rest(roller: wf.ReducedBody) -> wf.Result:
     return wf.equilibrium(scene, progress=False)
 
 
+@pytest.mark.slow
 def test_rollers_stand_with_their_axes_along_the_bearing(rest: wf.Result) -> None:
     for angle, element in zip(rest.scene.bearing("r").geometry.angles, rest.scene.bearing("r").elements, strict=True):
         shape = element["rim"].surface.shape
@@ -177,6 +178,7 @@ def test_a_ball_in_rigid_grooves(ball: wf.ReducedBody) -> None:
     assert [note[:21] for note in heavy.history.notes if "than its cells may be" in note] == ["contact 'b outer 1': "]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [0.0, 0.7])
 def test_cells_under_a_ball_have_the_curvatures_at_the_contact_angle(ball: wf.ReducedBody, angle: float) -> None:
     """Off the middle of a groove the ball's axis leans against that of the ring: those of ISO/TS 16281's raceways."""

@@ -67,6 +67,7 @@ def test_torque_of_rolling_resistance() -> None:
     assert -np.trapezoid(power[10:], result.time[10:]) == pytest.approx(ledger[-1] - ledger[10], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_ribs_rub_under_thrust() -> None:
     """An NJ bearing whose rollers carry a thrust between ribs of both rings: the inner ones have the thrust and their
     part of the torque, the drive gives what friction takes, which is in the ledger."""

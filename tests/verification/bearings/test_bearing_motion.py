@@ -161,6 +161,7 @@ def _passing(angle: float, cage: Any, load: Any) -> tuple[Scene, Bearing, Any]:
     return scene, bearing, plane
 
 
+@pytest.mark.slow
 def test_vibration_as_balls_pass(sweep: np.ndarray) -> None:
     """Two passages at 955 rpm, balls driven by the rings alone, in a loose cage, against standing bearings."""
     scene, bearing, plane = _passing(0.0, PocketCage(20e-6), friction.RegularisedCoulomb(0.1, 0.01))

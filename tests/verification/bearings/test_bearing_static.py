@@ -170,6 +170,7 @@ def test_209_roller_bearing() -> None:
     assert np.count_nonzero(found) == 3
 
 
+@pytest.mark.slow
 def test_loads_that_nothing_carries_are_named() -> None:
     """Thrust on a bearing of straight rollers, and balls without a cage, which the load squeezes out of its zone."""
     scene = Scene()

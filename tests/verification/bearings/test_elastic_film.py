@@ -115,6 +115,7 @@ def test_voids_of_strips_keep_the_oil(bore: ReducedBody) -> None:
     assert single.max() == pytest.approx(2.0 * LENGTH / (ROWS - 1))
 
 
+@pytest.mark.slow
 def test_an_engine_in_steps() -> None:
     """A third of a turn around the firing; of second order, and few iterations."""
     found = [sleeves.orbit(degrees, 1.0 / 3.0) for degrees in (4.0, 2.0, 1.0)]
@@ -143,6 +144,7 @@ def dry(film: ElasticJournal, begin: State, load: float) -> np.ndarray:
     raise AssertionError("dry contact was not found")
 
 
+@pytest.mark.slow
 def test_asperities_take_over_as_the_shaft_slows_down(bore: ReducedBody) -> None:
     load, shares, found = 60e3, [], []
     for speed in (300.0, 30.0, 3.0, 0.03):
@@ -160,6 +162,7 @@ def test_asperities_take_over_as_the_shaft_slows_down(bore: ReducedBody) -> None
     assert np.linalg.norm(found[-1].asperity - alone) < DRY * np.linalg.norm(alone)
 
 
+@pytest.mark.slow
 def test_what_cannot_rest_is_named() -> None:
     """A shaft that does not turn sinks for ever."""
     with pytest.raises(InputError, match="squeezed out"):

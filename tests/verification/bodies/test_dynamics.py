@@ -34,6 +34,7 @@ def check_drops(body: ReducedBody, steps: tuple[float, ...], phases: int) -> Non
     assert abs(bounce.restitution / finest.restitution - 1.0) < BOUNCE
 
 
+@pytest.mark.slow
 def test_dropped_roller_gains_nothing_and_bounces_alike(small_body: ReducedBody) -> None:
     check_drops(small_body, (1e-5, 1e-4, 1e-3), 4)
 
@@ -61,6 +62,7 @@ def rolling_run(body: ReducedBody, load: float, step: float, speed: float = 100.
     return float(np.abs(F / F0 - 1.0).max()), ledger_rise(history) / float(at_hand.max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", [1e-4, 1e-3])
 def test_force_stays_at_equilibrium_over_a_revolution(fine_body: ReducedBody, step: float) -> None:
     """Two elements per half-width (55 kN), 100 rad/s."""

@@ -44,6 +44,7 @@ def test_rigid_body_turns_over_down_to_round_off(integrator: Any) -> None:
     assert max(flights[-1].energy, flights[-1].angular) < CONSERVED
 
 
+@pytest.mark.slow
 def test_rigid_body_turns_over_with_the_conserving_update() -> None:
     flights = [rigid_flight(EnergyMomentum(), h) for h in (8e-3, 4e-3)]
     assert orders(flights) == pytest.approx(2.0, abs=ORDER)
@@ -68,6 +69,7 @@ def reference(soft_ring: ReducedBody) -> History:
     return fly(ring_scene(soft_ring), RING_TIME, 5e-5, RungeKutta4())
 
 
+@pytest.mark.slow
 def test_the_ring_is_bent_by_its_turning(soft_ring: ReducedBody, reference: History) -> None:
     """More than a millimetre on a wall of 8 mm: what is neglected at lower levels is seen."""
     modes = soft_ring.surface.modes.transpose(1, 2, 0)

@@ -73,6 +73,7 @@ def test_bar_modes_from_vibration_tend_to_the_same_limit(bar: ReducedBody) -> No
     assert missing[2] < 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", ["constant", "gyroscopic", "deformed", "full"])
 def test_bar_in_time_settles_to_second_order(bar: ReducedBody, level: str) -> None:
     """Spun up from rest and settled: beside the stationary state of the same model, which no code of the run made."""
@@ -82,6 +83,7 @@ def test_bar_in_time_settles_to_second_order(bar: ReducedBody, level: str) -> No
     assert abs((4.0 * error[2] - error[1]) / 3.0) < PROMISED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", ["deformed", "full"])
 def test_bar_in_time_settles_to_a_millionth(bar: ReducedBody, level: str) -> None:
     exact = rotating_bar.elongation(bar, rotating_bar.stationary(bar, level).q)
@@ -105,6 +107,7 @@ def test_indicator_on_the_bar(bar: ReducedBody) -> None:
     assert found["gyroscopic"].size < 0.1 * FLAG
 
 
+@pytest.mark.slow
 def test_slender_bar_buckles_without_geometric_stiffening() -> None:
     """The centrifugal forces on the bent bar outgrow its bending stiffness; the tension that would hold it is of second
     order in the displacement. With it the bar settles where the model says, and swings a little about that."""
@@ -124,6 +127,7 @@ def test_slender_bar_buckles_without_geometric_stiffening() -> None:
     assert abs(sideways[False][-1]) > 0.05 and abs(sideways[True][-1]) < 1e-3  # m, of 1 m
 
 
+@pytest.mark.slow
 def test_disc_displacement_and_stress() -> None:
     """D2 in plane stress: the rim to 1e-4 of the mesh, stresses by order 2 of their finite elements."""
     spins = [rotating_disc.spin(rotating_disc.disc(*mesh), "gyroscopic") for mesh in ((12, 4), (24, 8))]
@@ -165,6 +169,7 @@ def test_ring_frequencies(ring: ReducedBody) -> None:
         assert abs(pairs[1][0] - thin) < 0.25 * abs(pairs[0][0] - thin)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", ["gyroscopic", "full"])
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_pattern_lags_behind_the_ring(ring: ReducedBody, n: int, level: str) -> None:
@@ -178,6 +183,7 @@ def test_pattern_lags_behind_the_ring(ring: ReducedBody, n: int, level: str) -> 
     assert abs((4.0 * error[2] - error[1]) / 3.0) < PROMISED
 
 
+@pytest.mark.slow
 def test_pattern_lags_to_a_millionth(ring: ReducedBody) -> None:
     exact = spinning_ring.exact_lag(ring, 2, "full")
     rate = spinning_ring.measured_lag(ring, 2, spinning_ring.spinning(ring, 2, "full", 2e-6))

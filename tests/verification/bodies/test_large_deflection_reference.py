@@ -99,6 +99,7 @@ def test_bar_through_its_limit_point() -> None:
     assert min(s.factor for s in states) > least
 
 
+@pytest.mark.slow
 def test_clamped_beam() -> None:
     """Table B1: full St. Venant-Kirchhoff solutions of the same mesh by another program."""
     body = StVenantKirchhoffBody(box((1.0, 0.03, 0.01), (30, 1, 1)), STEEL)
@@ -121,6 +122,7 @@ def test_elastica() -> None:
         assert -state.u[3 * tip] / length == pytest.approx(exact.shortening, rel=2 * BENT)
 
 
+@pytest.mark.slow
 def test_clamped_plate() -> None:
     """Levy's centre deflections up to twice the thickness; a quarter, cells finer at the edges, which may move along
     themselves as his."""
@@ -170,6 +172,7 @@ def test_bad_input(monkeypatch) -> None:
         by_displacement(body, np.arange(3), np.zeros(body.size), 0, [1.0])
 
 
+@pytest.mark.slow
 def test_released_bar_swings_as_its_modes_and_keeps_its_energy() -> None:
     """A cantilever let go from the shape of its first mode, 1e-4 of its length: the period of the mode, longer by
     (omega h)^2/12; twice as many steps are four times as near. Bent by a third of its length it keeps its energy to the

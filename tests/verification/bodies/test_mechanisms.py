@@ -183,6 +183,7 @@ def test_driven_rod_of_changing_length_moves_a_slider() -> None:
     assert np.abs(history.joints["guide"].force[:, 0]).max() < 1e-9  # a smooth line carries nothing along itself
 
 
+@pytest.mark.slow
 def test_heavy_top_reaches_its_reference_position() -> None:
     """D5: a top on a ball joint spinning at 150 rad/s; position of its centre of mass after 1 s, at order 2, and the
     energy of the start."""

@@ -29,6 +29,7 @@ def test_solid_roller_between_planes(elements: int, order: int) -> None:
     assert abs(errors.peak) < PEAK
 
 
+@pytest.mark.slow
 def test_long_solid_roller() -> None:
     """C1 and C2 at mid-width with nu = 0.3: four linear elements on the radius, and the half-space fading over four."""
     errors = cp.roller_errors(cp.roller(cp.STEEL, 4, 1), cp.STEEL)
@@ -53,6 +54,7 @@ def test_ball_strikes_a_half_space() -> None:
     assert np.max(np.abs(cp.impact_errors(result, exact))) < IMPACT
 
 
+@pytest.mark.slow
 def test_steel_on_rubber() -> None:
     """Two balls in flight, a modulus 40,000 times the other and nu = 0.49."""
     errors, _ = cp.unlike_balls(cp.STEEL, cp.RUBBER, 0.5 * cp.SPEED)

@@ -18,6 +18,7 @@ TORQUE = 1e-6  # of force times radius
 REACTION = 1e-10
 
 
+@pytest.mark.slow
 def test_mid_plane_follows_hertz(fine_body: ReducedBody) -> None:
     """4 elements per half-width, 8 phases, rolling and sliding. a/R = 0.07: Hertz's parabola is right to (a/R)^2."""
     for sense, errors in hertz_phases(fine_body, 4.0).items():
@@ -59,6 +60,7 @@ def test_force_hardly_ripples_over_sizes_and_phases(elements: float) -> None:
     assert found.value < RIPPLES[elements]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2])
 def test_force_converges_at_the_rate_of_the_elements(order: int) -> None:
     """Linear: h^2. Quadratic: between h^2 and h^3, see `study.convergence`; three levels, the last with 2 elements a

@@ -48,6 +48,7 @@ def judge(errors: tuple[float, float, float], spacing: float) -> None:
     assert abs(peak) < PEAK + 0.25 * spacing**2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", [6.0, 9.0])
 @pytest.mark.parametrize("phase", [(0.0, 0.0), (0.5, 0.0), (0.3, 0.45)])
 def test_ball_on_a_half_space(cells: float, phase: tuple[float, float]) -> None:

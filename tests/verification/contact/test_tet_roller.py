@@ -74,6 +74,7 @@ def stacked(lower: ReducedBody, upper: ReducedBody, load: float, speed: float = 
     return scene
 
 
+@pytest.mark.slow
 def test_the_roller_is_read_and_reduced_as_one_of_its_size(tet_body: ReducedBody, round_body: ReducedBody) -> None:
     assert tet_body.report["path"] == "general"
     assert tet_body.mass == pytest.approx(round_body.mass, rel=5e-3)  # curved tetrahedra, 7 mm

@@ -46,6 +46,7 @@ def test_a_ball_slides_over_edge_and_corner(slab: ReducedBody, way: tuple[float,
     assert peak.max() < BOUNDED * peak[0]
 
 
+@pytest.mark.slow
 def test_a_tilted_roller_runs_off_its_end() -> None:
     """Tilted by 0.5 mrad against a rigid barrel that it slides along until it has left it over its end, and turning."""
     result = simulate(roller_off_its_end(long_roller_body()), DURATION, step=STEP, start="equilibrium", progress=False)

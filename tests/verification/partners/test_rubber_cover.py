@@ -94,6 +94,7 @@ def assert_close(mesh: str, nu: float) -> None:
     assert peak == pytest.approx(highest, rel=PEAK)
 
 
+@pytest.mark.slow
 def test_cells_lock_without_it() -> None:
     """What the mixed formulation is for."""
     load, _, _ = pressed("hex8, 240", rubber(0.4999, "displacement"))
@@ -120,6 +121,7 @@ WIDE = [(0.045, 2e-4, None), (0.045, 4e-4, None), (0.03, 4e-4, THICK), (0.03, 8e
 WIDE_LOAD, WIDE_PEAK = 0.0125, 0.01  # measured 1.0 and 0.6 % at the most; second order in b/R
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("core", "approach", "cells"), WIDE[:1])
 def test_a_wide_patch_is_pressed_along_the_normal_of_the_plane(core: float, approach: float, cells) -> None:
     assert_wide(core, approach, cells, 0.4999)
@@ -146,6 +148,7 @@ def assert_wide(core: float, approach: float, cells, nu: float) -> None:
         assert any("to first order at most" in note for note in notes) == (left > MOST), (left, notes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("core", "approach"), [(0.045, 4e-4), (0.03, 1.2e-3)])
 def test_what_the_undeformed_normal_costs(core: float, approach: float) -> None:
     assert_known(core, approach, 0.4999)

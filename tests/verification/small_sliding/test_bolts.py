@@ -226,6 +226,7 @@ def test_natural_frequencies_with_a_spring_between_places_of_one_body(column: Re
     np.testing.assert_allclose(np.sort(found)[6:], expected, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_natural_frequencies_of_a_section_that_pulls_and_of_one_that_is_locked(cut: ReducedBody) -> None:
     """A pull leaves the section free, a lock holds it as a weld does; a small one, which stiffens nothing."""
     scene = tightened(cut, force=1.0, lock_at=0.0)

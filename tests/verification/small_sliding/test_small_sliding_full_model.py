@@ -85,6 +85,7 @@ def test_matrices_of_tetrahedra_are_those_of_the_package(order: int) -> None:
         assert abs(found - wanted).max() < 1e-12 * abs(wanted).max()
 
 
+@pytest.mark.slow
 def test_a_body_that_nothing_holds_is_named() -> None:
     lower, upper = stack(SIZE, (4, 1, 1), 2)
     loose = FullModel([Part(lower, STEEL, ("x_min",)), Part(upper, STEEL)])
@@ -120,6 +121,7 @@ def test_cells_see_relative_motion_and_balance() -> None:
         between(apart)
 
 
+@pytest.mark.slow
 def test_mean_of_a_spread_load_and_springs() -> None:
     model = two()
     a = model.spread(1, "x_max", (0.0, 0.0, 1.0))
@@ -146,6 +148,7 @@ def leaves() -> tuple[TwoLeaves, StaticSmallSliding, np.ndarray]:
     return form, lap, np.stack([pressed, tip], axis=1)
 
 
+@pytest.mark.slow
 def test_two_leaves_have_the_closed_loop() -> None:
     """Case A1: stuck and slipping stiffness, loop; 0.5 %."""
     form, lap, loads = leaves()
@@ -180,6 +183,7 @@ def test_energy_of_a_path_that_sticks() -> None:
     assert found.energy[1] - found.energy[0] == pytest.approx(work, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_one_body_with_a_common_root_is_the_sheets() -> None:
     sheets = stack(SIZE, (8, 1, 1), 2)
     body = one_body(sheets)
@@ -198,6 +202,7 @@ def test_one_body_with_a_common_root_is_the_sheets() -> None:
     assert set(found[0].state.ravel()) >= {0, 2}
 
 
+@pytest.mark.slow
 def test_nodes_and_facets_and_layers_give_like_results() -> None:
     """Three sheets pressed and bent: cells of facets and of nodes; a layer in series lets them slip less."""
     lines = (np.linspace(0.0, SIZE[0], 9), [-0.005, 0.005], [0.0, 0.004])
@@ -248,6 +253,7 @@ def test_free_vibration_of_sheets_that_stick() -> None:
     assert found == pytest.approx(1.0, abs=0.02)  # peaks are known to half a step
 
 
+@pytest.mark.slow
 def test_motion_keeps_its_ledger() -> None:
     """Kinetic and strain energy, less the work of the loads, and what friction and damping took: the trapezoidal rule
     loses nothing else while all cells stay shut."""

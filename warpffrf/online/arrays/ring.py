@@ -16,8 +16,8 @@ from warpffrf_kernels.core.ring import (
     SavedFilms,
     SavedFriction,
     SavedJointFriction,
-    SavedLaps,
     SavedLumped,
+    SavedMatched,
     SavedMotion,
 )  # fmt: skip
 
@@ -26,7 +26,7 @@ SavedRows = dict[str, np.ndarray]
 
 
 class Ring(
-    SavedBooks, SavedMotion, SavedJointFriction, SavedContact, SavedFriction, SavedLumped, SavedFilms, SavedLaps,
+    SavedBooks, SavedMotion, SavedJointFriction, SavedContact, SavedFriction, SavedLumped, SavedFilms, SavedMatched,
     Arrays, carried=True,
 ):  # fmt: skip
     """Quantities that are saved of the steps of every world."""

@@ -10,7 +10,7 @@ from warpffrf.online.arrays.axes import Sizes
 from warpffrf.online.arrays.declaration import Arrays, Bound
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.step import phases
-from warpffrf.online.step.contact import CONTACT, MATCHED
+from warpffrf.online.step.contact import CONTACT
 from warpffrf.online.step.film import FILM, SECOND
 from warpffrf.online.step.friction import FRICTION
 from warpffrf.online.step.joint_friction import JOINT_FRICTION
@@ -18,6 +18,7 @@ from warpffrf.online.step.launches import Launch
 from warpffrf.online.step.layers import LAYERS
 from warpffrf.online.step.ledger import LEDGER
 from warpffrf.online.step.lumped import LUMPED, MOMENTS
+from warpffrf.online.step.matched import MATCHED
 from warpffrf.online.step.motion import MOTION
 from warpffrf.online.step.pretension import PRETENSION
 from warpffrf.online.step.retained import OUTER

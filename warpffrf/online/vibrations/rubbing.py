@@ -33,7 +33,7 @@ from warpffrf.online.checkpoint import off_end_of
 from warpffrf.online.compile.matched import matched_order
 from warpffrf.online.engine import Engine
 from warpffrf.online.step import phases
-from warpffrf.online.step.contact import MATCHED
+from warpffrf.online.step.matched import MATCHED
 from warpffrf.online.vibrations.eigenmodes import SceneModes, free_basis
 from warpffrf.online.vibrations.linearise import Linearisation
 from warpffrf.online.warp_lock import WARP_LOCK
