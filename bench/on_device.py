@@ -26,7 +26,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online import Engine
 from warpffrf.online.device import chosen_device
 from warpffrf.online.start.consistent import start_consistently
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf.online.warp_start import start_warp
 from warpffrf.study.machine import machine
 from warpffrf_kernels.core import control as k

@@ -32,7 +32,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
 from warpffrf.online.checkpoint import restore
 from warpffrf.online.engine import Engine
-from warpffrf.online.step import program
+from warpffrf.online.step import phases, program
 from warpffrf.online.step.graph import StepGraph
 from warpffrf.online.step.launches import Launch
 from warpffrf.online.warp_start import quiet
@@ -57,9 +57,10 @@ PHASES = {  # of `online.step.phases`, as a reader of docs/method.md knows them
     "displace close slide sum push": "displacements and forces of contact",
     "balance store mean unbalanced": "is it balanced?",
     "assemble eliminate": "retained matrix",
-    "respond condense": "compliance G, gradients L",
-    "press": "factor, pressures, retained increments",
-    "increase follow correct stick increase_again answer advance": "increments, active set",
+    "assemble_compliance condense": "compliance G, gradients L",
+    "solve_normal": "factor, pressures, retained increments",
+    "increase back_substitute correct increase_again recover advance": "increments, active set",
+    "solve_tangential": "tractions",
 }  # all others: what ends an attempt
 AFTER = "ledger, state, record"
 
@@ -210,7 +211,9 @@ def profile(scene: Scene, step: float, duration: float, rounds: int) -> dict[str
 
 def groups(kernels: list[dict[str, Any]]) -> dict[str, float]:
     """Share of each part of a step."""
-    of = {phase: name for phases, name in PHASES.items() for phase in phases.split()}
+    of = {phase: name for names, name in PHASES.items() for phase in names.split()}
+    if not set(of) <= set(phases.PHASES):
+        raise RuntimeError(f"no phases of a step: {', '.join(sorted(set(of) - set(phases.PHASES)))}")
     found = dict.fromkeys([*PHASES.values(), AFTER], 0.0)
     for row in kernels:
         found[of.get(row["phase"], AFTER)] += row["share"]

@@ -19,7 +19,7 @@ LANES = 1e-12  # relative: the lanes add in another order
 
 
 def test_kernel_modules_are_found() -> None:
-    some = {"bodies.motion", "constraints.rows", "films.system", "kinematics.line_of_centres", "step.commit"}
+    some = {"bodies.motion", "constraints.rows", "films.system", "kinematics.line_of_centres", "step.step_control"}
     assert some <= set(cuda_modules.MODULES)
 
 

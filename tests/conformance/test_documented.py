@@ -168,7 +168,7 @@ def test_each_argument_that_is_a_quantity_has_a_unit_near_it() -> None:
 
 def test_recorded_quantities_have_shape_and_unit() -> None:
     """What a result hands on from its history is documented like a property."""
-    from warpffrf.output.recorded import Recorded
+    from warpffrf.output.exposed_histories import Recorded
 
     found, count = [], 0
     for one in CLASSES:

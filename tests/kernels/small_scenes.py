@@ -26,7 +26,7 @@ from warpffrf.offline.contact.cubature import choose_sampling
 from warpffrf.online import Engine, Settings, run
 from warpffrf.online.load_steps import run_static
 from warpffrf.online.start.consistent import start_consistently
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf.online.vibrations.eigenmodes import find_modes
 from warpffrf_kernels.core import control as k
 

@@ -12,7 +12,7 @@ import pytest
 import warpffrf as wf
 from warpffrf.online import Engine, Settings
 from warpffrf.online.start.consistent import start_consistently
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf_kernels.core import control as k
 
 ROUND_OFF = 1e-9  # of the largest entry: a solve with the pressures' matrix, of condition 1e4 and more

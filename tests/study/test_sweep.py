@@ -255,8 +255,8 @@ def write_block(file: Path, length: float) -> None:
 def test_rows_of_a_file_share_their_bodies_and_no_more(tmp_path: Path) -> None:
     """Another load is the same body; another mesh, another material or a file that has changed is another one."""
     from warpffrf.scene_file.document import read_document
-    from warpffrf.scene_file.kept import Kept
     from warpffrf.scene_file.load import scene_of_document
+    from warpffrf.scene_file.object_cache import Kept
 
     write_block(tmp_path / "a.vtu", 0.1)
     file = tmp_path / "beam.toml"

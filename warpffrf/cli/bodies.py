@@ -8,8 +8,8 @@ from typing import Annotated, Any
 import typer
 
 import warpffrf
-from warpffrf.cli.asked import Asked
 from warpffrf.cli.errors import one_line_errors
+from warpffrf.cli.global_options import Asked
 from warpffrf.cli.info import part_of
 
 

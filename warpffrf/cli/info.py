@@ -17,8 +17,8 @@ from typing import Annotated, Any
 
 import typer
 
-from warpffrf.cli.asked import Asked
 from warpffrf.cli.errors import one_line_errors
+from warpffrf.cli.global_options import Asked
 
 
 def info(

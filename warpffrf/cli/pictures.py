@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from warpffrf.cli.asked import Asked
 from warpffrf.cli.errors import one_line_errors
+from warpffrf.cli.global_options import Asked
 
 FIELD = typer.Option(
     metavar="FIELD",
@@ -133,7 +133,7 @@ def _recorded(file: Path, out: Path, field: str, every: int | None, overwrite: b
 
     from warpffrf.output.recording.recorder import record
     from warpffrf.output.result import Result
-    from warpffrf.output.written import Written
+    from warpffrf.output.written_file import Written
 
     begin = time.perf_counter()
     info = record(Result.load(file), out, color=field, every=every, overwrite=overwrite, progress=not is_quiet)

@@ -20,9 +20,9 @@ from typing import Annotated, TextIO
 import typer
 
 import warpffrf
-from warpffrf.cli.asked import Asked
 from warpffrf.cli.bodies import reduce_mesh
 from warpffrf.cli.errors import know_options
+from warpffrf.cli.global_options import Asked
 from warpffrf.cli.info import add_example_commands, demo, info
 from warpffrf.cli.pictures import add_picture_commands
 from warpffrf.cli.results import add_result_commands

@@ -12,8 +12,8 @@ from typing import Annotated, Any
 
 import typer
 
-from warpffrf.cli.asked import Asked
 from warpffrf.cli.errors import INTERRUPTED, one_line_errors
+from warpffrf.cli.global_options import Asked
 
 IN_FILE = "simulate."  # prefix of options of the run in `--set`
 

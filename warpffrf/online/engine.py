@@ -25,7 +25,7 @@ from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf.online.warp_start import start_warp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import DeviceArray
-from warpffrf_kernels.matched.words import AHEAD, ANEW, HELD, NONE, READY
+from warpffrf_kernels.matched.status_words import AHEAD, ANEW, HELD, NONE, READY
 
 ROOM_GROWTH = 2  # of the node capacity, each time it is exceeded
 OF_AN_ATTEMPT = ("attempt", "accept", "record")  # words of `Control` reset to zero before each attempt

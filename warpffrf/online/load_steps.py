@@ -47,18 +47,18 @@ from warpffrf.model.messages.status import Status
 from warpffrf.model.scene import Scene
 from warpffrf.model.step_count import step_count
 from warpffrf.online.checkpoint import is_dynamic, is_loaded, off_end_of, restore, time_of
-from warpffrf.online.diagnosis.off_end import EndWatch, OffEnd
+from warpffrf.online.diagnosis.patch_off_end import EndWatch, OffEnd
 from warpffrf.online.engine import Engine, EngineOf
 from warpffrf.online.history.history import ENERGY_LINES, History
-from warpffrf.online.keeping import Keeping, go_on
 from warpffrf.online.local_modes import LocalModes, as_local_modes
+from warpffrf.online.periodic_checkpoint import Keeping, go_on
 from warpffrf.online.run import check_load_paths, finish
 from warpffrf.online.samples import Samples
 from warpffrf.online.settings import Settings
 from warpffrf.online.snap_through import snap_through
 from warpffrf.online.start.free_motions import FreeMotions
 from warpffrf.online.start.loading import begin_loading, not_at_rest
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf.online.warp_start import untested_warp_note
 
@@ -86,7 +86,7 @@ def run_static(
 
     start: "initial" and "equilibrium" are equivalent here. A load step that finds no equilibrium at any halving,
     and none to jump to, ends the run with its reason in `History.status`. Raises InputError for wrong input, and for
-    scenes with films. A run in which a patch of a crown runs off an end restarts (`online.diagnosis.off_end`).
+    scenes with films. A run in which a patch of a crown runs off an end restarts (`online.diagnosis.patch_off_end`).
     """
     options: dict[str, Any] = {
         "step": step, "local_modes": local_modes, "save_every": save_every, "device": device, "progress": progress,

@@ -46,21 +46,27 @@ from warpffrf.online.diagnosis.film_notes import (
     film_notes,
     squeezed_out,
 )
-from warpffrf.online.diagnosis.indicator import deflection_lines, deflections, indicator_lines, term_sizes, unheld_lines
+from warpffrf.online.diagnosis.inertia_indicator import (
+    deflection_lines,
+    deflections,
+    indicator_lines,
+    term_sizes,
+    unheld_lines,
+)
 from warpffrf.online.diagnosis.motion_notes import fall_notes, hidden_inertia, is_static, load_notes, steep_notes
-from warpffrf.online.diagnosis.off_end import EndWatch, OffEnd
+from warpffrf.online.diagnosis.patch_off_end import EndWatch, OffEnd
 from warpffrf.online.engine import Engine, EngineOf
 from warpffrf.online.free_flight.check_run import run_check
 from warpffrf.online.history.history import History
 from warpffrf.online.history.record import history_from_rows
-from warpffrf.online.keeping import Keeping, go_on
 from warpffrf.online.local_modes import LocalModes, as_local_modes
+from warpffrf.online.periodic_checkpoint import Keeping, go_on
 from warpffrf.online.samples import Samples
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import RUB_IN, start_consistently, start_from_loads
 from warpffrf.online.start.motions import slide_time
-from warpffrf.online.start.rub_to_rest import refuse_without_rest, rub_to_rest
-from warpffrf.online.start.settle import ROUND_OFF, settle
+from warpffrf.online.start.static_equilibrium import ROUND_OFF, settle
+from warpffrf.online.start.static_friction import refuse_without_rest, rub_to_rest
 from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf.online.warp_start import untested_warp_note
 from warpffrf_kernels.core import control as k
@@ -146,11 +152,11 @@ def run(
     is continued bit for bit, or of a static run, which starts from rest (`start_from_loads`), or an Unfinished run,
     which is continued to its end: the History covers the whole run, whose `duration` is used. keeper: receives the
     saved rows during the run. step_error: steps whose local error exceeds it are halved, see
-    `warpffrf_kernels.step.accuracy`. project_start: initial velocities that violate the joints are changed as little
+    `warpffrf_kernels.step.local_error`. project_start: initial velocities that violate the joints are changed as little
     as possible (in the kinetic energy of the change) instead of refused. engine_of: creates the engine, alone or as one
     world of several (`warpffrf.online.worlds`). The run restarts if a body with inertia "auto" rotates faster than its
     level is valid for (`online.compile.inertia_plan`), or if a contact patch of a crowned surface runs off an end
-    (`online.diagnosis.off_end`). Raises InputError for wrong input.
+    (`online.diagnosis.patch_off_end`). Raises InputError for wrong input.
     """
     options = {
         "step": step, "integrator": integrator, "local_modes": local_modes, "step_error": step_error,

@@ -28,7 +28,7 @@ from warpffrf.model.reduced.inertia import skin_displacement
 from warpffrf.model.rotation import matrix
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import ENERGY_LINES
-from warpffrf.online.start.settle import LEAST, settle
+from warpffrf.online.start.static_equilibrium import LEAST, settle
 from warpffrf_kernels.core import control as k
 
 Array = np.ndarray

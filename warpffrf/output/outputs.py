@@ -28,7 +28,7 @@ from warpffrf.online.history.history import History
 from warpffrf.output.files.results import SUFFIXES
 from warpffrf.output.files.unfinished import UnfinishedRun, different
 from warpffrf.output.result import Result
-from warpffrf.output.written import Written
+from warpffrf.output.written_file import Written
 
 KEEP_EVERY = 20.0  # s of wall time between two saved parts of a run
 RECORD_SUFFIXES = (".rrd",)

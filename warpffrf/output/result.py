@@ -34,7 +34,7 @@ from warpffrf.output.contact.result import ContactResult, FilmResult
 from warpffrf.output.geometry.scene_view import SceneView, scene_view
 from warpffrf.output.loops import Hysteresis, channel
 from warpffrf.output.small_sliding import SmallSlidingResult
-from warpffrf.output.written import Written
+from warpffrf.output.written_file import Written
 
 if TYPE_CHECKING:
     import xarray

@@ -331,7 +331,7 @@ def equilibrium(
 
     friction: include friction of joints and contacts. Friction acts on the slip from the initial configuration, that of
     contact surfaces on the slip from the start of contact; friction of small-sliding contacts is always included
-    (`warpffrf.online.start.rub_to_rest` describes the load path that this implies). Dynamic and static runs that
+    (`warpffrf.online.start.static_friction` describes the load path that this implies). Dynamic and static runs that
     `start` from the Result continue this friction history. Non-convergence is a status; with check it raises
     `RunError`. Wrong input raises InputError. results, record: files to write (.h5, .rrd). device: where kernels run,
     "cpu" or "cuda:0". progress: report the progress and the notes on stderr. overwrite: replace files of an earlier

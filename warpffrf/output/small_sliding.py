@@ -63,11 +63,11 @@ from warpffrf.model.messages import reprs
 from warpffrf.online.history.history import BodyHistory, SmallSlidingHistory
 from warpffrf.output.bodies.normal_loads import left_out
 from warpffrf.output.bodies.skin import Skin
+from warpffrf.output.exposed_histories import Recorded
 from warpffrf.output.geometry.places import rotate
 from warpffrf.output.geometry.scene_view import SmallSlidingView
 from warpffrf.output.geometry.skin_nodes import SkinNodes
 from warpffrf.output.loops import cycle_times, value_at
-from warpffrf.output.recorded import Recorded
 
 FLAT = 0.8  # of the sum of areas: a cap of 120 degrees is still projected
 

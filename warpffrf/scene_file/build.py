@@ -28,8 +28,8 @@ from warpffrf.scene_file.forms import (
     signal_kinds,
     value_kinds,
 )
-from warpffrf.scene_file.kept import MADE_OF, SECTIONS, Kept
 from warpffrf.scene_file.numbers import read_numbers
+from warpffrf.scene_file.object_cache import MADE_OF, SECTIONS, Kept
 from warpffrf.scene_file.source import Path, Source
 
 TITLE = "title"

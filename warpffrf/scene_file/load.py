@@ -14,7 +14,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.scene_file.build import RUNS, TITLE, Builder
 from warpffrf.scene_file.document import document_of, read_document, to_toml
-from warpffrf.scene_file.kept import Kept
+from warpffrf.scene_file.object_cache import Kept
 from warpffrf.scene_file.source import Source
 
 log = logging.getLogger("warpffrf")

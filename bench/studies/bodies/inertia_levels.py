@@ -19,7 +19,7 @@ from warpffrf.model.reduced.inertia import LEVELS
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
 from warpffrf.online.compile.inertia_plan import BOUNDS, InertiaPlan
-from warpffrf.online.diagnosis.indicator import FLAG, MOST_STEPS, percent, recommended, term_sizes
+from warpffrf.online.diagnosis.inertia_indicator import FLAG, MOST_STEPS, percent, recommended, term_sizes
 from warpffrf.study.markdown import table
 
 BAR_CELLS = (15, 30, 60)

@@ -152,7 +152,7 @@ class ContactFields:
 class ContactSolve:
     """The system of the active nodes."""
 
-    lasting: DeviceArray = integers("world", 6, note="see `normal.lasting`", carried=True)
+    lasting: DeviceArray = integers("world", 6, note="see `normal.compliance_reuse`", carried=True)
     slot_of: DeviceArray = integers("world", "pair", "node", carried=True)
     slot_node: DeviceArray = integers("world", "slot", 2, note="pair and hat", zero_without=True, carried=True)
     T: DeviceArray = reals("world", "slot", "second_node", note="response of the second surface", run=True)

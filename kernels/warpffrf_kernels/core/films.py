@@ -5,7 +5,7 @@ from warpffrf_kernels.core.declaration import DeviceArray, integers, reals, topi
 LINE = 22  # values per point, see `films.sampling`
 PULL = 13  # sums over the points
 NODE_LINE = 11  # values per node with asperities
-NUMBERS = 19  # saved values per film, see `films.keeping`
+NUMBERS = 19  # saved values per film, see `films.history`
 
 
 @topic

@@ -2,8 +2,8 @@
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals, topic, vectors
 
-WORDS = 14  # control words per group of contacts, see `matched.words`
-NUMBERS = 8  # saved values per cell, see `matched.keeping`
+WORDS = 14  # control words per group of contacts, see `matched.status_words`
+NUMBERS = 8  # saved values per cell, see `matched.history`
 
 
 @topic

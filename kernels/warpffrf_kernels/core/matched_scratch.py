@@ -9,7 +9,7 @@ class MatchedScratch:
     """Small-sliding contacts, see the kernels of `matched`."""
 
     matched_words: DeviceArray = integers(
-        "world", "matched_group", MATCHED_WORDS, note="see `matched.words`", carried=True
+        "world", "matched_group", MATCHED_WORDS, note="see `matched.status_words`", carried=True
     )
     matched_z: DeviceArray = reals(
         "world", "matched_column", note="coordinates of the motion that small-sliding contacts see", carried=True
@@ -19,7 +19,9 @@ class MatchedScratch:
     matched_target_form: DeviceArray = reals(
         "world", "matched_cell", 3, note="direction of the traction, kappa", carried=True
     )
-    matched_request: DeviceArray = integers("world", "matched_cell", note="what it is to become, see `matched.words`")
+    matched_request: DeviceArray = integers(
+        "world", "matched_cell", note="what it is to become, see `matched.status_words`"
+    )
     matched_next: DeviceArray = reals("world", "matched_cell", 3, note="direction and kappa that it is to have")
     matched_reversals: DeviceArray = integers("world", "matched_cell", note="times that it has closed in an evaluation")
     matched_u: DeviceArray = reals("world", "matched_line", note="independent numbers", run=True, carried=True)

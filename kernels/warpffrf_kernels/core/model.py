@@ -450,7 +450,7 @@ class Patches:
     far_nodes: int  # splines of a far window, maximum, padded to a multiple of 8
     places: int  # cells of a pair, maximum: strips whose rows are padded to a multiple of 8
     touching: int  # body sides with several of these patches, counted by pairs of them
-    lasting: int  # 1: rows of G persist between steps, see `normal.lasting`
+    lasting: int  # 1: rows of G persist between steps, see `normal.compliance_reuse`
     columns: DeviceArray = integers("pair", note="strips across")
     first: DeviceArray = integers("pair", note="surface with the mesh; pairs.first is the grid of cells on it")
     second: DeviceArray = integers("pair", note="likewise, or rigid")

@@ -93,7 +93,7 @@ class SavedLumped:
 class SavedFilms:
     """Oil films."""
 
-    saved_film: DeviceArray = reals("world", "ring_row", "film", FILM_NUMBERS, note="see `films.keeping`")
+    saved_film: DeviceArray = reals("world", "ring_row", "film", FILM_NUMBERS, note="see `films.history`")
     saved_film_pressure: DeviceArray = reals("world", "ring_row", "film_node", unit="Pa")
     saved_film_gap: DeviceArray = reals("world", "ring_row", "film_node", unit="m")
     saved_film_void: DeviceArray = reals("world", "ring_row", "film_node", unit="m")
@@ -106,5 +106,5 @@ class SavedMatched:
     """Cells of joint interfaces."""
 
     saved_matched: DeviceArray = reals(
-        "world", "ring_row", "matched_cell", MATCHED_NUMBERS, note="see `matched.keeping`"
+        "world", "ring_row", "matched_cell", MATCHED_NUMBERS, note="see `matched.history`"
     )

@@ -14,7 +14,7 @@ from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.core.state import FilmState
 from warpffrf_kernels.films.sampling import GAP, HALF, at_point
 from warpffrf_kernels.films.seats import opened_at_seat
-from warpffrf_kernels.films.second import loads_at
+from warpffrf_kernels.films.second_surface import loads_at
 from warpffrf_kernels.films.unknowns import (
     RIGID,
     columns_of,

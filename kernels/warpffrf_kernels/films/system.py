@@ -45,7 +45,7 @@ from warpffrf_kernels.films.sampling import (
     SECOND_MOMENT,
     STIFFNESS,
 )
-from warpffrf_kernels.films.second import write_second
+from warpffrf_kernels.films.second_surface import write_second
 from warpffrf_kernels.films.unknowns import (
     RIGID,
     add_scaled,

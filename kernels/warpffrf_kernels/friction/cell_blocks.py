@@ -5,8 +5,8 @@ With all other unknowns condensed, weak slips depend on tractions through
     K = D + L M L^T,
 
 D with a block for each pair, and L M L^T from the retained coordinates: L the gradients of the slips with respect to
-the columns that their pair is coupled to, M the receptance, the inverse of the retained matrix B (`pressure_answer`). K
-is never formed, so n pairs cost n times as much as one. A pair's cells are the lines 2 i + d of its own block, with i
+the columns that their pair is coupled to, M the receptance, the inverse of the retained matrix B (`pressure_response`).
+K is never formed, so n pairs cost n times as much as one. A pair's cells are the lines 2 i + d of its own block, with i
 the slot and d the direction.
 """
 

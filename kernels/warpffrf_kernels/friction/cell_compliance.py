@@ -7,7 +7,7 @@ In the weak slip S_k = area_k s_k and the tractions tau_l, two directions each, 
 
 as in `contact_compliance` for the pressures: symmetric, and positive definite if the cells are no finer than the mesh.
 Each pair has its own block of G, which stays assembled until the grids move relative to each other. The response of the
-pressures (`pressure_answer`) is added once their active set has converged, if cells or this set are new. Cells of
+pressures (`pressure_response`) is added once their active set has converged, if cells or this set are new. Cells of
 different pairs are coupled through the retained coordinates (`cell_blocks`), but not through local or condensed modes,
 which the Newton iteration accounts for.
 """

@@ -17,7 +17,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.friction.cell_blocks import COUNT, FREE
-from warpffrf_kernels.friction.cell_slips import find_slips, sort_cells
+from warpffrf_kernels.friction.friction_cone import find_slips, sort_cells
 from warpffrf_kernels.friction.reduced_system import factor_reduced, solve_reduced
 from warpffrf_kernels.linear.sparse_factor import Pattern
 

@@ -1,7 +1,7 @@
 """Receptance M = (A + W^T W)^-1 of the retained coordinates, and its effect on tractions.
 
 It is computed for the columns that pairs with friction are coupled to, since no others are loaded, with the sparse
-factor of the last solution, if the response of the pressures is new (`pressure_answer`): the retained matrix hardly
+factor of the last solution, if the response of the pressures is new (`pressure_response`): the retained matrix hardly
 changes within a step. For a pair, V = L M over its coupled columns is the effect of the tractions of a cell on the
 other cells of its pair through the retained coordinates.
 """
@@ -16,7 +16,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.friction.cell_blocks import COUNT
-from warpffrf_kernels.friction.pressure_answer import RENEWED
+from warpffrf_kernels.friction.pressure_response import RENEWED
 from warpffrf_kernels.linear.retained_solve import solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
 

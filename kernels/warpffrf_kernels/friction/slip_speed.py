@@ -38,7 +38,7 @@ from warpffrf_kernels.friction.cell_blocks import COUNT as USED
 from warpffrf_kernels.friction.cell_blocks import first_line
 from warpffrf_kernels.friction.cell_forces import SLIP
 from warpffrf_kernels.friction.cells import cell_at
-from warpffrf_kernels.friction.pressure_answer import OPEN, ROUND, ROUNDS
+from warpffrf_kernels.friction.pressure_response import OPEN, ROUND, ROUNDS
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -19,7 +19,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
 from warpffrf_kernels.core.scratch import ImpulsiveContact
 from warpffrf_kernels.friction.cell_blocks import COUNT, add_slips, block_of, borders_of, first_line
-from warpffrf_kernels.friction.pressure_answer import OPEN, RENEWED, ROUND
+from warpffrf_kernels.friction.pressure_response import OPEN, RENEWED, ROUND
 from warpffrf_kernels.friction.receptance import move_pair
 from warpffrf_kernels.friction.slip_speed import MARK, MILDER, SHORTER, share_of, speed_of
 

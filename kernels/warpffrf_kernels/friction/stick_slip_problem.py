@@ -1,7 +1,7 @@
 """Formulation of the stick-slip problem of a Newton iteration, and transfer of its solution to bodies and modes.
 
-With the pressures just solved for, and their response to the tractions in K (`pressure_answer`), the weak slips of all
-cell slots are r_0 + K tau, with
+With the pressures just solved for, and their response to the tractions in K (`pressure_response`), the weak slips of
+all cell slots are r_0 + K tau, with
 
     r_0 = S + dS(ds) + L z + J sigma^-1 (-r_m + J_n^T ds) - K tau_base:
 
@@ -23,7 +23,7 @@ from warpffrf_kernels.core.state import ContactState, FrictionState
 from warpffrf_kernels.friction.cell_blocks import COUNT, add_slips, borders_of, first_line
 from warpffrf_kernels.friction.cell_forces import creep_softness
 from warpffrf_kernels.friction.cells import cell_at
-from warpffrf_kernels.friction.pressure_answer import OPEN
+from warpffrf_kernels.friction.pressure_response import OPEN
 from warpffrf_kernels.linear.block_elimination import follow_columns
 from warpffrf_kernels.normal.contact_solve import push_by_slots
 from warpffrf_kernels.normal.pair_forces import surface_of

@@ -37,7 +37,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.friction.cell_blocks import COUNT, FREE, move_retained
-from warpffrf_kernels.friction.cell_slips import CHANGED, judge_cells
+from warpffrf_kernels.friction.friction_cone import CHANGED, judge_cells
 from warpffrf_kernels.friction.interior_point import come_near
 from warpffrf_kernels.friction.reduced_system import factor_reduced, solve_reduced
 from warpffrf_kernels.linear.retained_solve import held_motions

@@ -33,8 +33,8 @@ the force), is repeated as an impulsive one (`judge_pairs`).
 would chatter on it. There theta is 1, the force at the end: E is convex, so no energy is gained and a face may lose all
 of its own kinetic energy, which decreases with the number of modes. Scenes with such modes treat all pairs as impulsive
 together, from the repetition of a step in which the nodal forces change by more than CALM of their sum, or in which the
-integrator gains more than the energy tolerance, until contact is calm (`find_unsettled`); the gate of `commit` applies
-to both.
+integrator gains more than the energy tolerance, until contact is calm (`find_unsettled`); the gate of `step_control`
+applies to both.
 """
 
 import warp as wp

@@ -13,17 +13,7 @@ from warpffrf_kernels.matched.cells import form_of, put_triple, set_form, triple
 from warpffrf_kernels.matched.forms import OPEN, Form, after, first_of, from_form, second_of, to_form
 from warpffrf_kernels.matched.loops import add_product, mapped_lines, substitute_lines, take_columns
 from warpffrf_kernels.matched.passes import pressed_state, requested
-from warpffrf_kernels.matched.tableau import (
-    cells_of,
-    factor_at,
-    factorise,
-    line_at,
-    lines_of,
-    most_of,
-    slots_at,
-    table_at,
-)
-from warpffrf_kernels.matched.words import (
+from warpffrf_kernels.matched.status_words import (
     CLOSES,
     DIFFERING,
     FACTORED,
@@ -36,6 +26,16 @@ from warpffrf_kernels.matched.words import (
     RUBS,
     STANDS,
     TURNS,
+)
+from warpffrf_kernels.matched.tableau import (
+    cells_of,
+    factor_at,
+    factorise,
+    line_at,
+    lines_of,
+    most_of,
+    slots_at,
+    table_at,
 )
 
 wp.set_module_options(MODULE_OPTIONS)

@@ -11,8 +11,8 @@ from warpffrf_kernels.matched.cells import form_of, put_triple, set_form, triple
 from warpffrf_kernels.matched.forms import OPEN, Form, first_of, forces_of, moved_of, second_of, to_form
 from warpffrf_kernels.matched.loops import add_columns
 from warpffrf_kernels.matched.motion import WRENCH, relative_motion, rigid_gradient, turn_gradient
+from warpffrf_kernels.matched.status_words import FACTORED, ROOM
 from warpffrf_kernels.matched.tableau import cells_of, columns_of, line_at, lines_of, most_of, table_at, unknowns_of
-from warpffrf_kernels.matched.words import FACTORED, ROOM
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -7,8 +7,19 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.matched.cells import NO_PRESSURE, aim_of, form_of, put_triple, triple
 from warpffrf_kernels.matched.forms import OPEN, SLIP, SMOOTH, STICK, Form
+from warpffrf_kernels.matched.status_words import (
+    CLOSES,
+    COUNT,
+    KNOWN,
+    NORMAL,
+    OPENS,
+    RUBS,
+    STAYS,
+    TANGENTIAL,
+    TURNING,
+    TURNS,
+)
 from warpffrf_kernels.matched.tableau import cells_of, line_at, own_block, unknowns_of
-from warpffrf_kernels.matched.words import CLOSES, COUNT, KNOWN, NORMAL, OPENS, RUBS, STAYS, TANGENTIAL, TURNING, TURNS
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -16,8 +16,8 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
 from warpffrf_kernels.core.scratch import Residuals, RetainedSystem, Trial
 from warpffrf_kernels.matched.loops import add_columns, take
 from warpffrf_kernels.matched.motion import RIGID, WRENCH, axis_of, relative_motion, unit
+from warpffrf_kernels.matched.status_words import RANK
 from warpffrf_kernels.matched.tableau import columns_of, lines_of, respond, slots_at, table_at, unknowns_of
-from warpffrf_kernels.matched.words import RANK
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -28,8 +28,7 @@ from warpffrf_kernels.matched.changes import change_cells, press_cells
 from warpffrf_kernels.matched.evaluation import begin_table, book, displaced, look_at_motion, own_forces, put_right
 from warpffrf_kernels.matched.loops import weigh_lines
 from warpffrf_kernels.matched.passes import aim_cells, judge_cells, largest_force
-from warpffrf_kernels.matched.tableau import cells_of, columns_of, factorise, go_ahead, line_at, unknowns_of
-from warpffrf_kernels.matched.words import (
+from warpffrf_kernels.matched.status_words import (
     AHEAD,
     COUNT,
     DONE,
@@ -43,6 +42,7 @@ from warpffrf_kernels.matched.words import (
     TANGENTIAL,
     TURNING,
 )
+from warpffrf_kernels.matched.tableau import cells_of, columns_of, factorise, go_ahead, line_at, unknowns_of
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -36,7 +36,7 @@ from warpffrf_kernels.matched.loops import (
     substitute,
     take_followed,
 )
-from warpffrf_kernels.matched.words import COUNT, DIFFERING, FACTORED, RANK, ROOM
+from warpffrf_kernels.matched.status_words import COUNT, DIFFERING, FACTORED, RANK, ROOM
 
 wp.set_module_options(MODULE_OPTIONS)
 

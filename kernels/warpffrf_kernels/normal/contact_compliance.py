@@ -21,8 +21,8 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync, vec3
 from warpffrf_kernels.core.scratch import ImpulsiveContact, RetainedSystem, Trial
 from warpffrf_kernels.core.state import ContactState
+from warpffrf_kernels.normal.compliance_reuse import AGE, BEGUN, COUNT, OLDER, PATIENCE, REST, RESTS, ROWS
 from warpffrf_kernels.normal.lagged import ends_lag
-from warpffrf_kernels.normal.lasting import AGE, BEGUN, COUNT, OLDER, PATIENCE, REST, RESTS, ROWS
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)

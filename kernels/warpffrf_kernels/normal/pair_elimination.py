@@ -1,7 +1,7 @@
 """Elimination of the active nodes pair by pair, and solution of the retained system with their Schur complements.
 
-Equations and names: `contact_solve`. If rows of G are kept from step to step (`lasting`), cells have grown since they
-were computed, all by the same factor s = W/W_made, and G by s^2 up to small changes. With G the stored rows
+Equations and names: `contact_solve`. If rows of G are kept from step to step (`compliance_reuse`), cells have grown
+since they were computed, all by the same factor s = W/W_made, and G by s^2 up to small changes. With G the stored rows
 
     L z + s^2 G ds = b   <=>   (L/s) z + G y = b/s,      ds = y/s,      L^T ds = (L/s)^T y,
 
@@ -21,8 +21,8 @@ from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.linear import block_elimination
 from warpffrf_kernels.linear.retained_solve import held_motions, solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
+from warpffrf_kernels.normal.compliance_reuse import WIDTH
 from warpffrf_kernels.normal.lagged import lags
-from warpffrf_kernels.normal.lasting import WIDTH
 from warpffrf_kernels.normal.pair_forces import surface_of
 
 wp.set_module_options(MODULE_OPTIONS)

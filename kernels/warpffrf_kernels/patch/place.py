@@ -28,7 +28,7 @@ from warpffrf_kernels.core.scratch import ImpulsiveContact, Trial
 from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.kinematics.closest_point import TWO_PI, View, gap_at, scan, settle, view_of
 from warpffrf_kernels.kinematics.line_of_centres import FARTHEST, PHASE_TOLERANCE, wrap
-from warpffrf_kernels.normal.lasting import BEGUN, OLDER, are_near
+from warpffrf_kernels.normal.compliance_reuse import BEGUN, OLDER, are_near
 from warpffrf_kernels.surfaces.surface import chart_of, local_point, radius_of
 
 wp.set_module_options(MODULE_OPTIONS)

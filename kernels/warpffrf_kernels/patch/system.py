@@ -6,9 +6,9 @@ as in `contact_compliance` and `contact_assembly` for nodes; Phi, the modes on t
 pair. The displacement of the splines due to a cell is read by all preceding cells at once, place by place
 (`spline_tables`).
 
-Residuals are never computed with G (`fields`). If rows are not kept from step to step (`lasting`), they are computed
-anew in every attempt, and when W has changed within one; the opening by the modes is recomputed with the retained
-matrix.
+Residuals are never computed with G (`fields`). If rows are not kept from step to step (`compliance_reuse`), they are
+computed anew in every attempt, and when W has changed within one; the opening by the modes is recomputed with the
+retained matrix.
 """
 
 import warp as wp
@@ -19,8 +19,8 @@ from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.core.scratch import ImpulsiveContact
+from warpffrf_kernels.normal.compliance_reuse import OLDER
 from warpffrf_kernels.normal.lagged import lags
-from warpffrf_kernels.normal.lasting import OLDER
 from warpffrf_kernels.patch.between import strip_width
 from warpffrf_kernels.patch.far_splines import beside_block, turned_column
 from warpffrf_kernels.patch.fields import rows_of

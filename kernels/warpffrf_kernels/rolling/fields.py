@@ -27,7 +27,7 @@ from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.core.state import ContactState, FrictionState
 from warpffrf_kernels.friction.cell_blocks import COUNT, first_line
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_patch
-from warpffrf_kernels.friction.pressure_answer import OPEN
+from warpffrf_kernels.friction.pressure_response import OPEN
 from warpffrf_kernels.normal.pair_forces import modal_line
 from warpffrf_kernels.patch.fields import add_splines, half_of, rows_of, sum_lines
 from warpffrf_kernels.patch.spline_tables import line_of, real_side

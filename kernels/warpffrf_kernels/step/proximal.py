@@ -15,9 +15,9 @@ second of them costs as many solves with the matrix of the first.
 **History.** All quantities that a step takes from the accepted state remain those of the last equilibrium until the
 attempt is accepted, as in a step in time: friction uses the slip of the whole load step and commits it once. So
 `commit` is 1 for accepted attempts in time and of load steps. It is 0 for the proximal steps by which
-`warpffrf.online.start.settle` approaches a first equilibrium (mode STATIC), each of which is an accepted attempt of its
-own, and for the tiny steps of a start: history variables are stored when `commit` is 1, in phase `keep`, and forces are
-functions of that history and of the present state. `settle` commits once, when it has come to rest.
+`warpffrf.online.start.static_equilibrium` approaches a first equilibrium (mode STATIC), each of which is an accepted
+attempt of its own, and for the tiny steps of a start: history variables are stored when `commit` is 1, in phase `keep`,
+and forces are functions of that history and of the present state. `settle` commits once, when it has come to rest.
 
 **Free motions** that are constrained artificially (`warpffrf_kernels.bodies.motion.hold_motions`) must not be driven:
 the constraining force is at most `PULLED` of the largest force, or `TURNED` of it for rotations, the level of torque

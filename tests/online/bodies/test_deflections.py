@@ -19,7 +19,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import interface_motion, membrane_forms
 from warpffrf.model.scene import Scene
 from warpffrf.offline import ReductionOptions, reduce
-from warpffrf.online.diagnosis.indicator import (
+from warpffrf.online.diagnosis.inertia_indicator import (
     STRAINED,
     THICK,
     TURNED,

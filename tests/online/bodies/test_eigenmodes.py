@@ -18,7 +18,7 @@ from warpffrf.offline import reduce
 from warpffrf.offline.fe import assemble, assign
 from warpffrf.online import Engine, find_equilibrium, run
 from warpffrf.online.start.consistent import start_consistently
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf.online.vibrations.eigenmodes import complex_modes, find_modes, null_space
 from warpffrf.online.vibrations.linearise import linearise
 from warpffrf.output.modes_result import eigenmodes

@@ -22,7 +22,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.forces import PointForce
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf.online.vibrations.eigenmodes import null_space
 from warpffrf.online.vibrations.linearise import linearise
 from warpffrf.output.result import Result

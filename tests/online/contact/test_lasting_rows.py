@@ -10,7 +10,7 @@ from warpffrf.online import run
 from warpffrf.online.checkpoint import restore
 from warpffrf.online.compile.patches import tables as patches
 from warpffrf.online.engine import Engine
-from warpffrf_kernels.normal.lasting import AGE
+from warpffrf_kernels.normal.compliance_reuse import AGE
 
 RADIUS, STEP, STEPS = 0.05, 1e-4, 60
 SPEED = 40.0  # rad/s: the patch travels over an element of 8 mm in 40 steps

@@ -20,7 +20,7 @@ from warpffrf.online.arrays.axes import layer_points
 from warpffrf.online.compile.points import gauss_rule
 from warpffrf.online.compile.sampling_rules import chosen_rule
 from warpffrf.online.diagnosis.contact_notes import check_sampling
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf.online.vibrations.linearise import slot_flexibility
 
 WANTED = 0.01

@@ -24,7 +24,7 @@ from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.arrays.declaration import numbers_of
 from warpffrf.online.history.history import History
 from warpffrf.online.start.consistent import start_consistently
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf.online.vibrations.linearise import linearise
 from warpffrf_kernels.core import control as k
 

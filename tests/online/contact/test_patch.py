@@ -17,7 +17,7 @@ from warpffrf.online import run
 from warpffrf.online.compile.patches.plan import MIDDLE_ROW, SPAN, PatchPlan, crowned_edges, span_of
 from warpffrf.online.engine import Engine
 from warpffrf.online.run import find_equilibrium
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf.online.vibrations.linearise import linearise
 
 STEEL = wf.Material(210e9, 0.3, 7800.0)

@@ -21,7 +21,7 @@ from warpffrf.offline.contact.cubature import all_points, choose_sampling
 from warpffrf.online import Engine, Settings, run
 from warpffrf.online.compile.sampling_rules import on_stations
 from warpffrf.online.diagnosis.contact_notes import check_sampling
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 
 WANTED = 0.01
 STEP = 2.5e-5  # s: contact that bounces at some 2 kHz is resolved

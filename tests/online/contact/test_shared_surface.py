@@ -20,9 +20,9 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online import Engine, Settings, find_equilibrium, run
-from warpffrf.online.compile import room
+from warpffrf.online.compile import capacity
 from warpffrf.online.start.consistent import start_consistently
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf_kernels.core import control as k
 
 sys.path.insert(0, str(FilePath(__file__).parents[1]))
@@ -299,8 +299,8 @@ def test_room_for_nodes_grows_without_a_trace(rubbing_body: ReducedBody, monkeyp
     bit; and a capacity that is asked for stays."""
     scene = train(rubbing_body, (False, True), (MU, MU))
     plain = run(scene, 6 * STEP, step=STEP, start="equilibrium", progress=False)
-    monkeypatch.setattr(room, "LEAST_SLOTS", 1)
-    monkeypatch.setattr(room, "USUAL_PATCH", 10**6)
+    monkeypatch.setattr(capacity, "LEAST_SLOTS", 1)
+    monkeypatch.setattr(capacity, "USUAL_PATCH", 10**6)
     assert Engine(scene).compiled.model.capacity.slots == 3
     grown = run(scene, 6 * STEP, step=STEP, start="equilibrium", progress=False)
     assert plain.status == grown.status == "completed"

@@ -26,7 +26,7 @@ from warpffrf.online.run import run
 from warpffrf.online.settings import Settings
 from warpffrf.online.step.launches import threads
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.step.commit import LEAST_GAIN, MOST_GAINED, decide
+from warpffrf_kernels.step.step_control import LEAST_GAIN, MOST_GAINED, decide
 
 MODES, GAP = 6, 1e-7
 UNGATED = Settings(energy_tolerance=1e9)

@@ -14,8 +14,15 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import LEVELS, TERM_NAMES, InertiaTerms, modal_forces, momentum
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.inertia_plan import BOUNDS, NOTICEABLE, estimate, fastest_turning, least_level
-from warpffrf.online.diagnosis import indicator
-from warpffrf.online.diagnosis.indicator import FLAG, MOST_STEPS, TermSize, indicator_lines, recommended, term_sizes
+from warpffrf.online.diagnosis import inertia_indicator
+from warpffrf.online.diagnosis.inertia_indicator import (
+    FLAG,
+    MOST_STEPS,
+    TermSize,
+    indicator_lines,
+    recommended,
+    term_sizes,
+)
 from warpffrf.online.history.history import BodyHistory
 from warpffrf.online.run import run
 from warpffrf.output.result import Result
@@ -226,8 +233,9 @@ def test_bodies_without_terms_and_runs_without_steps(plain_body: ReducedBody) ->
 def test_a_long_run_is_looked_at_in_places(plain_body: ReducedBody, monkeypatch: pytest.MonkeyPatch) -> None:
     """What is summed does not grow with the run; its end is looked at."""
     looked: list[np.ndarray] = []
-    real = indicator._terms
-    monkeypatch.setattr(indicator, "_terms", lambda terms, q, *rest: (looked.append(q), real(terms, q, *rest))[1])
+    real = inertia_indicator._terms
+    spy = lambda terms, q, *rest: (looked.append(q), real(terms, q, *rest))[1]  # noqa: E731
+    monkeypatch.setattr(inertia_indicator, "_terms", spy)
     T = 20 * MOST_STEPS
     q = np.zeros((T, len(plain_body.frequencies)))
     q[-1, 0] = 1.0
@@ -259,7 +267,7 @@ def test_turning_that_the_modes_do_not_hold(plain_body: ReducedBody) -> None:
         q = modes(body)
         q[0] = share * w**2 * known["centrifugal_left_out"] * np.sqrt(J)
         scene, motions = moving(body, terms_of(2), (0.0, 0.0, w), q, modes(body))
-        lines = indicator.unheld_lines(scene, motions)
+        lines = inertia_indicator.unheld_lines(scene, motions)
         assert len(lines) == said
         if said:
             assert (
@@ -267,10 +275,10 @@ def test_turning_that_the_modes_do_not_hold(plain_body: ReducedBody) -> None:
             )
     known["centrifugal"] = True
     scene, motions = moving(body, terms_of(2), (0.0, 0.0, 600.0), modes(body), modes(body))
-    assert indicator.unheld_lines(scene, motions)[0].endswith("reduce it with a larger inertia_modes")
+    assert inertia_indicator.unheld_lines(scene, motions)[0].endswith("reduce it with a larger inertia_modes")
     old = replace(plain_body, report={})  # a file of an earlier version
     scene, motions = moving(old, terms_of(2), (0.0, 0.0, 600.0), modes(body), modes(body))
-    assert indicator.unheld_lines(scene, motions) == []
+    assert inertia_indicator.unheld_lines(scene, motions) == []
 
 
 def test_only_what_turns_counts_as_turning() -> None:

@@ -8,7 +8,7 @@ import pytest
 from scenes.rollers import PAIR, Path, guided_pair, prescribed_pair
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online import Engine, Settings, run
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf_kernels.core import control as k
 
 ROUND_OFF = 1e-10  # residuals below this are round-off of the joint equations

@@ -27,7 +27,7 @@ from warpffrf.online.arrays.ring import Ring, SavedRows
 from warpffrf.online.arrays.table import markdown, topics
 from warpffrf.online.compile.constants import Constants
 from warpffrf.online.start.consistent import start_consistently
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf.online.step import phases, snapshot
 from warpffrf.online.step.launches import DECLARED, blocks, threads
 from warpffrf.online.step.phases import Participant

@@ -15,7 +15,7 @@ from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.device import chosen_device
 from warpffrf.online.run import MESSAGES, coarser, describe
 from warpffrf.online.start.consistent import start_consistently
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf.online.step.graph import StepGraph
 from warpffrf_kernels.core import control as k
 

@@ -20,7 +20,7 @@ from warpffrf.online.history.history import History
 from warpffrf.online.load_steps import run_static
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate, static
-from warpffrf_kernels.matched.words import ANEW, READY, STANDS
+from warpffrf_kernels.matched.status_words import ANEW, READY, STANDS
 
 AGREES = 1e-8  # of the largest: steps balance to 1e-9, and what they leave adds up
 CYCLE, STEPS = 1e-3, 40  # s, load steps or steps of a cycle that slides

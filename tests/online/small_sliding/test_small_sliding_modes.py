@@ -9,11 +9,11 @@ from small_sliding_scenes import LOAD, one_block, two_blocks
 
 from warpffrf.model import signals
 from warpffrf.online.engine import Engine
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf.online.vibrations.linearise import linearise
 from warpffrf.output.modes_result import eigenmodes
 from warpffrf.output.simulate import static
-from warpffrf_kernels.matched.words import ANEW, READY
+from warpffrf_kernels.matched.status_words import ANEW, READY
 
 TRUNCATED = 1e-3  # of a frequency: what modes of the blocks above HIGHEST have of inertia
 CELLS = (6, 2, 2), (12, 4, 4)

@@ -127,7 +127,7 @@ def test_no_module_of_the_model_is_left_with_a_bare_look() -> None:
 
 
 def test_the_files_of_a_result_are_told(tmp_path: Path) -> None:
-    from warpffrf.output.written import Written
+    from warpffrf.output.written_file import Written
 
     file = tmp_path / "run.h5"
     file.write_bytes(bytes(14_200_000))

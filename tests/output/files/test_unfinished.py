@@ -28,7 +28,7 @@ from warpffrf.model.files.paths import lives
 from warpffrf.model.messages import progress
 from warpffrf.model.messages.checkpoints import Plan, Unfinished
 from warpffrf.online.history.history import History
-from warpffrf.online.keeping import Keeping
+from warpffrf.online.periodic_checkpoint import Keeping
 from warpffrf.output import outputs
 from warpffrf.output.files import unfinished
 

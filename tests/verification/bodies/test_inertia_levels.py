@@ -14,7 +14,7 @@ from warpffrf.model.reduced.inertia import LEVELS, TERM_NAMES
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, Settings, run
 from warpffrf.online.compile.inertia_plan import InertiaPlan
-from warpffrf.online.diagnosis.indicator import FLAG, TermSize, recommended, term_sizes
+from warpffrf.online.diagnosis.inertia_indicator import FLAG, TermSize, recommended, term_sizes
 
 MESH_ORDER = 2.0  # of the linear cells of the bar
 EXTRAPOLATED = 1e-9  # relative: two meshes or steps extrapolated, what is left is of the next order

@@ -16,12 +16,12 @@ from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Signal
+from warpffrf.online.compile.capacity import CellRoom
 from warpffrf.online.compile.constants import Constants, Shared
 from warpffrf.online.compile.inertia_plan import InertiaPlan
 from warpffrf.online.compile.patches.plan import PatchPlan
 from warpffrf.online.compile.patches.sides import PatchSide
 from warpffrf.online.compile.patches.tables import patch_plans
-from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.local_modes import LocalModes, LocalPlan
 from warpffrf.online.settings import Settings
 from warpffrf_kernels.core.model import Elements, External, Films, Matched

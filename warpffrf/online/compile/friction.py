@@ -11,8 +11,8 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.friction import cubic_pieces
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.scene import Scene
+from warpffrf.online.compile.capacity import CellRoom, slots_of
 from warpffrf.online.compile.collector import Collector
-from warpffrf.online.compile.room import CellRoom, slots_of
 from warpffrf.online.compile.windows import Extent, between_axes, sine_between
 from warpffrf_kernels.core.model import Model
 

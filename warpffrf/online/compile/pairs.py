@@ -9,10 +9,10 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
+from warpffrf.online.compile.capacity import slots_of
 from warpffrf.online.compile.collector import Collector, Pair
 from warpffrf.online.compile.inertia import dense_columns
 from warpffrf.online.compile.points import fill_points
-from warpffrf.online.compile.room import slots_of
 from warpffrf.online.compile.sampling_rules import on_stations, rule_of
 from warpffrf.online.compile.surfaces import NO_NODES
 from warpffrf.online.compile.windows import (

@@ -17,6 +17,7 @@ from warpffrf.model.checks.contacts import refuse_claims_of
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.local_modes import leanings, leant
 from warpffrf.model.scene import Scene
+from warpffrf.online.compile.capacity import CellRoom
 from warpffrf.online.compile.collector import Collector, OnBody
 from warpffrf.online.compile.constants import Shared
 from warpffrf.online.compile.films.tables import fill_films
@@ -36,7 +37,6 @@ from warpffrf.online.compile.patches.tables import fill_patches
 from warpffrf.online.compile.pretension import TensionTable, compile_pretensions, fill_pretensions
 from warpffrf.online.compile.responses import fill_responses
 from warpffrf.online.compile.rolling import fill_rolling
-from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.compile.surfaces import fill_surfaces
 from warpffrf.online.local_modes import FOLLOWS, LocalModes, LocalPlan
 from warpffrf.online.settings import Settings

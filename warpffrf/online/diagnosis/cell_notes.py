@@ -34,7 +34,7 @@ from warpffrf.model.reduced.local_modes import compliance, curvature, leaning
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.patches.plan import end_places, is_crowned, rows_follow, widest, widths
 from warpffrf.online.diagnosis.border_notes import BORDER
-from warpffrf.online.diagnosis.off_end import shares_at_ends
+from warpffrf.online.diagnosis.patch_off_end import shares_at_ends
 from warpffrf.online.history.history import ContactHistory, History
 
 FEWEST = 6  # strips, or rows of a point contact, under pressure: with 8 the error of forces is 0.1 %, of peaks 0.9 %

@@ -29,7 +29,7 @@ from warpffrf.online.arrays.ring import joined
 from warpffrf.online.checkpoint import is_dynamic, time_of
 from warpffrf.online.compile.forces import ForceTable
 from warpffrf.online.compile.inertia_plan import InertiaPlan
-from warpffrf.online.diagnosis.indicator import deflection_lines, deflections
+from warpffrf.online.diagnosis.inertia_indicator import deflection_lines, deflections
 from warpffrf.online.free_flight import free_bodies
 from warpffrf.online.free_flight.free_bodies import FreeBody, Motion, check_free, free_body, initial_motion
 from warpffrf.online.history.history import ENERGY_LINES, History

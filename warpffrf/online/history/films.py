@@ -10,15 +10,15 @@ from warpffrf.model.films import Film
 from warpffrf.online.arrays.ring import SavedRows
 from warpffrf.online.history.history import BodyHistory, FilmHistory
 from warpffrf.online.history.interface_motion import turned
-from warpffrf_kernels.films import keeping
+from warpffrf_kernels.films import history
 
 Array = np.ndarray
 FORCE, MOMENT, MOMENT_SECOND = (slice(3 * n, 3 * n + 3) for n in range(3))  # of the numbers saved of a film
 NUMBERS = {
-    "smallest_gap": keeping.SMALLEST, "largest_pressure": keeping.LARGEST, "pressure_loss": keeping.BY_PRESSURE,
-    "friction_power": keeping.BY_SLIDING, "feed_flow": keeping.FED, "end_flow": keeping.ENDS,
-    "void_fraction": keeping.VOIDS, "oil_volume": keeping.OIL,
-    "asperity_force": keeping.ROUGH, "largest_asperity_pressure": keeping.ROUGHEST,
+    "smallest_gap": history.SMALLEST, "largest_pressure": history.LARGEST, "pressure_loss": history.BY_PRESSURE,
+    "friction_power": history.BY_SLIDING, "feed_flow": history.FED, "end_flow": history.ENDS,
+    "void_fraction": history.VOIDS, "oil_volume": history.OIL,
+    "asperity_force": history.ROUGH, "largest_asperity_pressure": history.ROUGHEST,
 }  # fmt: skip
 FIELDS = ("pressure", "gap", "void", "asperity")
 TURNED_BACK = np.array([-1.0, -1.0, -1.0, 1.0])  # times a unit quaternion: its inverse
@@ -41,7 +41,7 @@ def film_histories(compiled: Any, rows: SavedRows, bodies: dict[str, BodyHistory
 
 
 def _history(film: Film, saved: Array, fields: dict[str, Array], bodies: dict[str, BodyHistory]) -> FilmHistory:
-    """History of a film from its numbers (T, `keeping.NUMBERS`) and its `fields` (T, nodes)."""
+    """History of a film from its numbers (T, `history.NUMBERS`) and its `fields` (T, nodes)."""
     T, force = len(saved), saved[:, FORCE].copy()
     numbers = {name: saved[:, n].copy() for name, n in NUMBERS.items()}
     shape = T, film.grid.columns, film.grid.rows

@@ -63,7 +63,7 @@ from warpffrf.online.history.sensors import force_histories, sensor_histories
 from warpffrf_kernels.core.declaration import declared_in
 from warpffrf_kernels.core.model import LINE_OF_CENTRES
 from warpffrf_kernels.core.ring import SavedContact
-from warpffrf_kernels.matched import keeping
+from warpffrf_kernels.matched import history
 
 
 def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
@@ -331,17 +331,17 @@ def small_sliding_histories(
 def _history(
     contact: Contact, cells: MatchedCells, saved: np.ndarray, bodies: dict[str, BodyHistory]
 ) -> SmallSlidingHistory:
-    """Of the numbers (T, c, `keeping.NUMBERS`) of its cells, whose forces and slips are those of the second face."""
+    """Of the numbers (T, c, `history.NUMBERS`) of its cells, whose forces and slips are those of the second face."""
     force = -np.einsum("tck,cki->tci", saved[:, :, :3], cells.frames)
     rotation = bodies[contact.a.body.name].rotation
     area = cells.area[None, :]
-    slipped = slice(int(keeping.SLIPPED), int(keeping.SLIPPED) + 2)
+    slipped = slice(int(history.SLIPPED), int(history.SLIPPED) + 2)
     return SmallSlidingHistory(
         force=turned(rotation, force.sum(axis=1)), torque=turned(rotation, np.cross(cells.points, force).sum(axis=1)),
         normal_force=saved[:, :, 0].sum(axis=1), pressure=saved[:, :, 0] / area,
-        traction=-saved[:, :, 1:3] / area[:, :, None], gap=saved[:, :, int(keeping.GAP)].copy(),
-        slip=-saved[:, :, slipped], state=saved[:, :, int(keeping.STATE)].astype(np.int8),
-        loss=saved[:, :, int(keeping.LOST)].copy(),
+        traction=-saved[:, :, 1:3] / area[:, :, None], gap=saved[:, :, int(history.GAP)].copy(),
+        slip=-saved[:, :, slipped], state=saved[:, :, int(history.STATE)].astype(np.int8),
+        loss=saved[:, :, int(history.LOST)].copy(),
     )  # fmt: skip
 
 

@@ -29,7 +29,7 @@ from warpffrf.model.checks.redundancy import scene_length
 from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.arrays.state import LUMPED
 from warpffrf.online.engine import Engine
-from warpffrf.online.start.settle import Friction
+from warpffrf.online.start.static_equilibrium import Friction
 from warpffrf_kernels.core import control as k
 
 TURN = 2e-3  # rad, or of the shortest length: see the module; truncation and round-off are then both near 1e-13

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.online.engine import Engine
-from warpffrf.online.start.settle import LAST
+from warpffrf.online.start.static_equilibrium import LAST
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.step.commit import DRAGS
+from warpffrf_kernels.step.step_control import DRAGS
 
 
 def begin_loading(engine: Engine, step: float) -> None:

@@ -16,16 +16,16 @@ from warpffrf_kernels.kinematics import (
 )
 from warpffrf_kernels.normal import (
     between_pairs,
+    compliance_reuse,
     contact_assembly,
     contact_compliance,
     contact_fields,
     contact_record,
     contact_solve,
-    lasting,
     pair_elimination,
 )
 from warpffrf_kernels.patch import between, cells, fields, near, place, spline_tables, system
-from warpffrf_kernels.step import leaps
+from warpffrf_kernels.step import missed_contact
 
 BESIDE = "pair_beside"  # bodies that are loaded by several pairs
 LINE, POINT, FEW = "line_pair", "point_pair", "few_pair"  # families of kinematics
@@ -37,7 +37,7 @@ STEP = {"amplitude": "modal_step", "of_state": 0, "first_field": "first_step", "
 CONTACT = Participant(
     "contact",
     when="pair",
-    begin=[blocks(impulsive_contact.begin_contact), threads(lasting.begin_rows, when=PATCH)],
+    begin=[blocks(impulsive_contact.begin_contact), threads(compliance_reuse.begin_rows, when=PATCH)],
     locate=[
         threads(line_of_centres.locate, "pair", when=LINE),
         threads(closest_point.locate_points, "pair", when=POINT),
@@ -85,7 +85,7 @@ CONTACT = Participant(
     assemble_compliance=[
         blocks(impulsive_contact.compare_receptances, when="dynamic_mode"),
         threads(contact_compliance.take_slots),
-        threads(lasting.note_rows, "pair", when=PATCH),
+        threads(compliance_reuse.note_rows, "pair", when=PATCH),
         blocks(contact_compliance.respond, when=GRID_NODES),
         blocks(contact_compliance.modal_rows, when=GRID_NODES),
         blocks(system.answer_splines, "pair", when=PATCH),
@@ -113,14 +113,14 @@ CONTACT = Participant(
     ],
     finish=[blocks(impulsive_memory.finish_rates)],
     judge=[
-        threads(leaps.refuse_leaps_of_pairs),
+        threads(missed_contact.refuse_leaps_of_pairs),
         threads(impulsive_means.judge_pairs, "pair"),
         threads(impulsive_means.find_unsettled, "pair", when="dynamic_mode"),
     ],
     keep=[
         blocks(impulsive_memory.keep_memory, "pair"),
         threads(place.keep_change, "pair", when=PATCH),
-        threads(lasting.keep_rows, when=PATCH),
+        threads(compliance_reuse.keep_rows, when=PATCH),
     ],
     measure=[
         threads(contact_record.sum_second, "pair", when=LINE),

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant
-from warpffrf_kernels.films import flow, increments, keeping, sampling, second, system
+from warpffrf_kernels.films import flow, history, increments, sampling, second_surface, system
 
 SECOND = Participant(
     "second surfaces of films that yield",
     when="film_second_node",
-    load=[blocks(second.load_second, "film")],
-    assemble=[blocks(second.weigh_second, "film")],
-    record=[blocks(keeping.record_second, "film")],
+    load=[blocks(second_surface.load_second, "film")],
+    assemble=[blocks(second_surface.weigh_second, "film")],
+    record=[blocks(history.record_second, "film")],
 )
 
 FILM = Participant(
@@ -23,6 +23,6 @@ FILM = Participant(
     recover=[blocks(increments.limit_films)],
     advance=[blocks(increments.take_film, "film")],
     book=[threads(flow.book_films)],
-    keep=[blocks(keeping.keep_film, "film")],
-    record=[blocks(keeping.record_film, "film")],
+    keep=[blocks(history.keep_film, "film")],
+    record=[blocks(history.record_film, "film")],
 )

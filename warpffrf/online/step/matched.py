@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant
-from warpffrf_kernels.matched import keeping, retained, solve
+from warpffrf_kernels.matched import history, retained, solve
 
 MATCHED = Participant(
     "matched",
@@ -12,7 +12,7 @@ MATCHED = Participant(
     predict=[threads(solve.look_ahead, "matched_group")],
     load=[blocks(solve.solve_matched, "matched_group", matched_z_flat="matched_z"), threads(retained.push_matched)],
     assemble=[blocks(retained.stiffen_by_matched), threads(retained.turn_matched)],
-    keep=[blocks(keeping.keep_matched, "matched_group")],
-    commit=[blocks(keeping.commit_matched, "matched_group")],
-    record=[threads(keeping.record_matched, "matched_cell")],
+    keep=[blocks(history.keep_matched, "matched_group")],
+    commit=[blocks(history.commit_matched, "matched_group")],
+    record=[threads(history.record_matched, "matched_cell")],
 )

@@ -6,7 +6,7 @@ from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant
 from warpffrf_kernels.bodies import inertia, interfaces, mean_work, membrane, motion
 from warpffrf_kernels.constraints import forces, rows
-from warpffrf_kernels.step import accuracy, commit, proximal, record
+from warpffrf_kernels.step import accept, local_error, proximal, record, step_control
 
 BEGUN = {"q1": "q", "membrane_slope": "membrane_slope0", "membrane_amplitude": "membrane_amplitude0"}
 
@@ -42,18 +42,18 @@ MOTION = Participant(
     ],
     mean=[threads(proximal.end_round)],
     project=[
-        blocks(accuracy.missed_rates, when="projected_row"),
-        blocks(accuracy.project_velocities, when="projected_row"),
+        blocks(local_error.missed_rates, when="projected_row"),
+        blocks(local_error.project_velocities, when="projected_row"),
     ],
-    estimate=[threads(accuracy.estimate_error, when="adaptive_world")],
-    decide=[threads(commit.decide)],
+    estimate=[threads(local_error.estimate_error, when="adaptive_world")],
+    decide=[threads(step_control.decide)],
     keep=[
-        blocks(commit.keep_bodies),
-        blocks(commit.keep_modes, when="mode"),
-        blocks(accuracy.correct_algorithmic, when="projected_row"),
+        blocks(accept.keep_bodies),
+        blocks(accept.keep_modes, when="mode"),
+        blocks(local_error.correct_algorithmic, when="projected_row"),
         blocks(mean_work.keep_lags, when="mean_mode"),
         blocks(mean_work.keep_pulls, when="stiffened_interface"),
-        threads(commit.keep_rest),
+        threads(accept.keep_rest),
     ],
     record=[blocks(record.record_motion)],
 )

@@ -38,7 +38,7 @@ from warpffrf.online.history.history import History
 from warpffrf.online.run import coarser, describe
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import start_consistently
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf.online.vibrations.film_modes import film_modes
 from warpffrf.online.vibrations.linearise import Linearisation, linearise
 from warpffrf.online.vibrations.quadratic import quadratic_modes

@@ -21,7 +21,7 @@ from warpffrf.online.compile.matched import matched_order
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.motions import gradients, matched_groups
 from warpffrf_kernels.matched.forms import OPEN
-from warpffrf_kernels.matched.words import HELD
+from warpffrf_kernels.matched.status_words import HELD
 
 Array = np.ndarray
 

@@ -1,6 +1,6 @@
 """Settings required by the error budget of a run: options of bodies and contacts, and the step.
 
-    inertia level    the lowest that keeps every term above the limit (`online.diagnosis.indicator`)
+    inertia level    the lowest that keeps every term above the limit (`online.diagnosis.inertia_indicator`)
     stiffening       if the deformed inertia, which is of the same size, is above the limit
     contact grid     nodes of the body-fixed grid instead of cells, if accurate enough for all contacts
     cells            smaller ones, if other cells differ by more than the limit
@@ -29,7 +29,7 @@ from warpffrf.model.contact import CELL_ERRORS
 from warpffrf.model.reduced.inertia import LEVELS, TERM_NAMES
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.inertia_plan import InertiaPlan, least_level
-from warpffrf.online.diagnosis.indicator import TermSize, term_sizes
+from warpffrf.online.diagnosis.inertia_indicator import TermSize, term_sizes
 from warpffrf.online.history.history import BudgetLine
 from warpffrf.online.settings import Settings
 from warpffrf.output.accuracy.limits import Limits

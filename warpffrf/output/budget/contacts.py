@@ -18,10 +18,10 @@ at that force.
 
 Bodies. Errors of bodies: neglected inertia terms, and local modes without inertia.
 
-*Inertia*: sizes of the terms on the computed motion (`online.diagnosis.indicator`). *Stiffening* by rotation is of the
-size of the deformed inertia. *Local modes* follow the contact force without delay, although modes above the highest
-global one, omega_c, have inertia: for a force F(t) the error is F''/omega_c^2 at most, so that the root mean square of
-F'' over that of omega_c^2 F is the relative error of the local deformation, and so of the approach.
+*Inertia*: sizes of the terms on the computed motion (`online.diagnosis.inertia_indicator`). *Stiffening* by rotation is
+of the size of the deformed inertia. *Local modes* follow the contact force without delay, although modes above the
+highest global one, omega_c, have inertia: for a force F(t) the error is F''/omega_c^2 at most, so that the root mean
+square of F'' over that of omega_c^2 F is the relative error of the local deformation, and so of the approach.
 
 Spurious energy, from the energy ledger of the run.
 
@@ -53,7 +53,7 @@ from warpffrf.model.reduced.mesh_error import own_mesh_error
 from warpffrf.offline.contact.contact_grid import grid_error
 from warpffrf.online.diagnosis.contact_notes import Leaning, check_sampling
 from warpffrf.online.diagnosis.film_notes import cure_of
-from warpffrf.online.diagnosis.indicator import term_sizes
+from warpffrf.online.diagnosis.inertia_indicator import term_sizes
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import BudgetLine, History
 from warpffrf.output.budget.figures import WORK

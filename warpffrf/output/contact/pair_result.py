@@ -30,8 +30,8 @@ from warpffrf.output.contact.hertz import (
 )
 from warpffrf.output.contact.patch_moments import Moments
 from warpffrf.output.contact.stress_error import StressError
+from warpffrf.output.exposed_histories import Recorded
 from warpffrf.output.geometry.scene_view import PairView
-from warpffrf.output.recorded import Recorded
 
 log = logging.getLogger("warpffrf")
 

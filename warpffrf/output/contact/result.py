@@ -38,9 +38,9 @@ from warpffrf.output.contact.hertz import HertzLine
 from warpffrf.output.contact.pair_result import LineMoments, PairResult, PatchPressure, section_moments
 from warpffrf.output.contact.patch_moments import PatchMeasure, PatchMoments, axial_integrals
 from warpffrf.output.contact.stress_error import StressError, stress_errors
+from warpffrf.output.exposed_histories import Recorded
 from warpffrf.output.geometry.places import grid_theta_offset
 from warpffrf.output.geometry.scene_view import FilmView
-from warpffrf.output.recorded import Recorded
 
 __all__ = ["ContactResult", "HertzLine", "PatchPressure"]
 OWN = 1.0 / 6.0  # second moment of a shape function about its node, over the square of the spacing

@@ -36,7 +36,7 @@ from warpffrf.model.files.paths import locked, remove_left_over_in
 from warpffrf.model.files.sealed_file import read_arrays, write_arrays
 from warpffrf.model.messages.checkpoints import Plan, Rows, Source, Unfinished
 from warpffrf.model.messages.status import Status
-from warpffrf.online import keeping
+from warpffrf.online import periodic_checkpoint
 from warpffrf.online.arrays.ring import joined
 from warpffrf.online.free_flight import check_run
 from warpffrf.online.history.history import History
@@ -48,7 +48,7 @@ HASH = re.compile(r"\W*\b[0-9a-f]{32,64}\b")  # in an option
 SHARE = 0.02  # largest fraction of the time between two parts spent on writing checkpoints
 GO_ON = "the run had not ended: go on with results='{results}' and resume=True (--resume)"
 HISTORY_OF: dict[str, Callable[..., History]] = {  # by `Source.kind`
-    keeping.KIND: keeping.history_of,
+    periodic_checkpoint.KIND: periodic_checkpoint.history_of,
     check_run.KIND: check_run.history_of,
 }
 

@@ -24,8 +24,8 @@ from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.output.result import Result
 from warpffrf.output.worlds import simulate_worlds
 from warpffrf.scene_file.document import merged_document, resolved, with_settings
-from warpffrf.scene_file.kept import Kept
 from warpffrf.scene_file.load import scene_of_document
+from warpffrf.scene_file.object_cache import Kept
 from warpffrf.scene_file.source import Source
 from warpffrf.study.runs import CALLS, run_of
 from warpffrf.study.sweeps.design import Row

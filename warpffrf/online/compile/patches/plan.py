@@ -4,8 +4,9 @@ Across, cells are equal strips of 2 W/columns, W the half-width that follows the
 surface rows are
 
 - of a *line* contact at fixed positions of the width that both surfaces have in common, finer towards ends under
-  pressure, or about a crown, and at the ends, too, where patches of crowns run off them (`online.diagnosis.off_end`);
-  the half-space between cells, with the ends of both bodies, is tabulated for levels of W;
+  pressure, or about a crown, and at the ends, too, where patches of crowns run off them
+  (`online.diagnosis.patch_off_end`); the half-space between cells, with the ends of both bodies, is tabulated for
+  levels of W;
 - of a *point* contact, short near its ends, about the nearest point, with an aspect that Hertz's ellipse has at any
   load, so that one table, for W = 1, suffices: displacement per pressure grows with W. The contribution of the ends is
   evaluated at the middle.

@@ -17,7 +17,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, find_equilibrium, run
 from warpffrf.online.arrays.scratch import Scratch, scratch_for
-from warpffrf.online.compile import room
+from warpffrf.online.compile import capacity
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.vibrations.eigenmodes import find_modes
 from warpffrf_kernels.core import control as k
@@ -55,8 +55,8 @@ def plate_on_balls(
 @pytest.fixture
 def little(monkeypatch: pytest.MonkeyPatch) -> None:
     """Room for one node of each pair, to begin with."""
-    monkeypatch.setattr(room, "LEAST_SLOTS", 1)
-    monkeypatch.setattr(room, "USUAL_PATCH", 10**6)
+    monkeypatch.setattr(capacity, "LEAST_SLOTS", 1)
+    monkeypatch.setattr(capacity, "USUAL_PATCH", 10**6)
 
 
 def test_modes_about_a_given_state_have_room_for_its_patch(little: None) -> None:

@@ -40,7 +40,7 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import ENERGY_LINES
 from warpffrf.online.start.free_motions import LEANS, FreeMotions
 from warpffrf.online.start.loading import begin_loading, not_at_rest, slides
-from warpffrf.online.start.settle import LEAST, PressedMotions, press
+from warpffrf.online.start.static_equilibrium import LEAST, PressedMotions, press
 from warpffrf_kernels.core import control as k
 
 TAKES = 1.0  # s, the step for laws that depend on a rate

@@ -1,4 +1,5 @@
-"""What it costs to keep a run on the way: `python bench/keeping.py [--json FILE] [--seconds S] [--save-every N]`.
+"""What it costs to keep a run on the way: `python bench/checkpoint_cost.py [--json FILE] [--seconds S]
+[--save-every N]`.
 
 The two rollers of the demo, on its coarser mesh, long enough to take the given seconds; in turn without results,
 with the parts kept as often as `simulate` does by itself, and as often as it may (KEEP_EVERY next to nothing). Times

@@ -1,4 +1,4 @@
-"""Speed at equal error: `python bench/patch_vs_material.py [--json FILE] [--rounds N] [--steps N] [--large]`.
+"""Speed at equal error: `python bench/contact_fixed_vs_body_fixed.py [--json FILE] [--rounds N] [--steps N] [--large]`.
 
 Two hollow steel rollers (R 50, bore 15, width 20 mm, bores held at the distance that 9 kN ask for) roll on each other.
 Pressures on the contact grid of the material, on meshes made for the contact, and on contact-fixed cells,

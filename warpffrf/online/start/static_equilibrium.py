@@ -26,8 +26,8 @@ zero, some 1e-12 of the load, and never comes to rest. Its forces balance nevert
 Pressed. The state in which a scene is pressed together, before friction of its surfaces acts.
 
 Tractions need pressures before anything slips. So where surfaces have friction, an equilibrium with
-friction (`warpffrf.online.start.rub_to_rest`) has two parts: first the scene comes to rest without friction, with all
-motions that friction will resist constrained; then friction replaces these constraints.
+friction (`warpffrf.online.start.static_friction`) has two parts: first the scene comes to rest without friction, with
+all motions that friction will resist constrained; then friction replaces these constraints.
 
 Constrained are the rigid motions that joints and drives leave free and that neither open nor close a gap under
 pressure, but cause slip of loaded surfaces with friction: with N the motions of

@@ -14,8 +14,8 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.core.state import MatchedState
 from warpffrf_kernels.matched.cells import put_triple, triple
 from warpffrf_kernels.matched.forms import SLIP, SMOOTH, STICK
+from warpffrf_kernels.matched.status_words import ANEW, NONE, READY, SINCE
 from warpffrf_kernels.matched.tableau import cells_of, line_at
-from warpffrf_kernels.matched.words import ANEW, NONE, READY, SINCE
 
 wp.set_module_options(MODULE_OPTIONS)
 
