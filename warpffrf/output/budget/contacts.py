@@ -2,11 +2,11 @@ r"""Errors of contacts: the grid or the cells of the pressure, reduced sampling 
 
 *Body-fixed grid*: grid error of the force at a given approach, and of the pressures in the L2 norm, for the patch size
 at the largest load: half of the rule of `offline.contact.grid_rule`, which is for the worst position of the patch on
-the grid. Fields err at their edges, peaks by the square of that. *Cells of a patch*: comparison with other cells at
-sampled steps, for pressures as cell means in the L2 norm (`online.diagnosis.cell_check`). *Parallel-axes kinematics*:
-the neglected moment if axes are inclined (`online.diagnosis.contact_notes.Leaning`), relative to that of the contact,
-or to `EDGE` of the moment of its force at the end. *Friction on cells*: for a patch that advances c cells per step,
-with c above `MOST_CELLS`, c/MOST_CELLS times `FRICTION_ERROR` of the largest friction force
+the grid. Fields err at their edges, peaks by the square of that. *Cells of a patch*: comparison with a finer or coarser
+grid at sampled steps, for pressures as cell means in the L2 norm (`online.diagnosis.cell_check`). *Parallel-axes
+kinematics*: the neglected moment if axes are inclined (`online.diagnosis.contact_notes.Leaning`), relative to that of
+the contact, or to `EDGE` of the moment of its force at the end. *Friction on cells*: for a patch that advances c cells
+per step, with c above `MOST_CELLS`, c/MOST_CELLS times `FRICTION_ERROR` of the largest friction force
 (docs/studies/patch_rolling.md: 0.9 to 1.0 % at 2.5, 1.0 to 1.4 % at 4). *Points*: all points at sampled steps
 (`online.diagnosis.sampling_check`). *Mesh*: mesh error of the far fields of both bodies
 (`model.mesh_error.own_mesh_error`), exactly by a second mesh, `ReducedBody.mesh_error`. *Half-widths* on n strips
