@@ -113,7 +113,7 @@ def reduce(
     `report["path"]` states which, and why. `report["quality"]` contains the quality measures of the body. Conditions
     that make a result doubtful, such as cells too deep for the contact grid, are added to `report["warnings"]` and
     logged. Raises `InputError` for invalid settings, unknown sets, facets that do not fit their shape, a contact grid
-    finer than the mesh, and a memory limit too small for one unit load.
+    finer than the mesh, a material in wrong units, and a memory limit too small for one unit load.
 
     With `mesh` and `steel` as in `mesh.roller` and `Material`:
 

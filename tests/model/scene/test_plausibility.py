@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import warpffrf as wf
 from warpffrf.model.checks.plausibility import angle_doubts, friction_doubts, gravity_doubts, quaternion_doubts
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
@@ -71,6 +72,12 @@ def test_wrong_units_are_refused(E: float, rho: float, refused: str) -> None:
         return
     with pytest.raises(InputError, match=f"reduce: material of 'core': the speed of sound.*{refused}"):
         refuse_wrong_units({"core": material})
+
+
+def test_reduce_refuses_before_it_computes() -> None:
+    mesh = wf.mesh.roller(0.05, 0.015, 0.02, sectors=8, layers=1, axial=1, order=1)
+    with pytest.raises(InputError, match="210000 MPa is"):
+        wf.reduce(mesh, Material(210e3, 0.3, 7850.0), max_frequency=20e3, cache=False, progress=False)
 
 
 @pytest.mark.parametrize(("E", "rho"), [(210e9, 7850), (5e6, 1100), (3e9, 1200), (1.05e12, 3510), (0.6e6, 1000)])
