@@ -59,7 +59,14 @@ def test_the_text_of_a_page_is_that_of_its_script(name: str) -> None:
 
 
 def test_every_page_has_its_study() -> None:
-    assert sorted(path.stem for path in (DOCS / "studies").glob("*.md")) == sorted(SINGLE)
+    """And the page of contents leads to each of them, by its heading."""
+    pages = [path for path in sorted((DOCS / "studies").glob("*.md")) if path.name != "README.md"]
+    assert [path.stem for path in pages] == sorted(SINGLE)
+    contents = (DOCS / "studies/README.md").read_text(encoding="utf-8")
+    linked = re.findall(r"^- \[(.*)\]\((.*)\): \w", contents, re.M)
+    assert sorted(linked, key=lambda one: one[1]) == [
+        (path.read_text(encoding="utf-8").split("\n", 1)[0].removeprefix("# "), path.name) for path in pages
+    ]
     for path in [DOCS / "speed_error.md", *(DOCS / "speed_error").glob("*.md")]:
         assert "Made by `python -m studies speed_error`; do not edit." in path.read_text(encoding="utf-8")
     page = (DOCS / "stability/stability.md").read_text(encoding="utf-8")

@@ -80,7 +80,11 @@ REDUCTIONS = (
         ("times smaller than the facets", "contact_fixed=True"),
     ),
     Mistake("interfaces as a list", lambda w: reduce_roller(interfaces=["bore"]), ('{"bore": "rigid"}',)),
-    Mistake("a kind of interface", lambda w: reduce_roller(interfaces={"bore": "rigit"}), ("'rigit'", "known: rigid")),
+    Mistake(
+        "a kind of interface",
+        lambda w: reduce_roller(interfaces={"bore": "rigit"}),
+        ("'rigit'", "did you mean 'rigid'?"),
+    ),
     Mistake("a facet set", lambda w: reduce_roller(interfaces={"bor": "rigid"}), ("did you mean 'bore'?",)),
     Mistake("a shape by its name", lambda w: reduce_roller(contact={"rim": "cylinder"}), ("surfaces.Cylinder()",)),
     Mistake(

@@ -55,7 +55,7 @@ BODIES = (
         "moments of no body", lambda w: w.scene.add_rigid_body(1.0, (1, 1, 3), name="x"), ("about the centre of mass?",)
     ),
     Mistake("inertia='ful'", lambda w: w.scene.add_body(reduced(), name="x", inertia="ful"), ("did you mean 'full'?",)),
-    Mistake("a surface by a wrong name", lambda w: w.lower["rimm"], ("did you mean 'rim'?",)),
+    Mistake("a surface by a wrong name", lambda w: w.lower["rimm"], ("did you mean 'rim'?", "to wf.reduce")),
     Mistake("a point of a flexible body", lambda w: w.lower.at(ORIGIN), ("name an interface", "'bore'")),
     Mistake("a body by a wrong name", lambda w: w.scene.body("slidr"), ("did you mean 'slider'?",)),
     Mistake(
@@ -90,7 +90,7 @@ JOINTS = (
     Mistake(
         "an axis of no length",
         lambda w: wf.joints.Revolute(w.lower["bore"], w.scene.ground, axis=ORIGIN),
-        ("axis has zero length",),
+        ("axis has zero length", "such as (0, 1, 0)"),
     ),
     Mistake(
         "one body twice",

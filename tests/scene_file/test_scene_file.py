@@ -190,7 +190,10 @@ def test_includes_stand_below_the_file_that_includes(tmp_path: Path) -> None:
     with pytest.raises(wf.InputError, match="^top.toml:1: include 'top.toml' includes itself"):
         load_scene(top)
     top.write_text('include = ["none.toml"]\n', encoding="utf-8")
-    with pytest.raises(wf.InputError, match="^top.toml:1: include 'none.toml' does not exist"):
+    with pytest.raises(wf.InputError, match="^top.toml:1: include 'none.toml' does not exist; it is searched in"):
+        load_scene(top)
+    top.write_text('include = ["parts/bas.toml"]\n', encoding="utf-8")
+    with pytest.raises(wf.InputError, match="include 'parts/bas.toml' does not exist; did you mean 'base.toml'. it is"):
         load_scene(top)
 
 

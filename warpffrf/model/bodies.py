@@ -273,7 +273,9 @@ class Body(_Posed):
             return Port(self, name, np.array(self.reduced.interfaces[name].point, dtype=np.float64))
         if name in self.reduced.contact_surfaces or name in self.reduced.matched:
             return SurfacePort(self, name)
-        raise unknown_name(f"body {self.name!r}: interface or contact surface", name, self._places)
+        error = unknown_name(f"body {self.name!r}: interface or contact surface", name, self._places)
+        cure = f"to have it, add interfaces={{{name!r}: ...}} or contact={{{name!r}: ...}} to wf.reduce"
+        raise InputError(f"{error}; {cure}")
 
     def at(self, point: Vector) -> Port:
         """A body-fixed point (3,) [m, user frame] of a rigid body."""

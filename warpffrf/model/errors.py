@@ -85,7 +85,7 @@ def require_direction(value: Any, name: str) -> np.ndarray:
     vector = require_array(value, name, (3,))
     length = float(np.linalg.norm(vector))
     if length == 0.0:
-        raise InputError(f"{name} has zero length")
+        raise InputError(f"{name} has zero length; give a vector with a direction, such as (0, 1, 0)")
     return vector / length
 
 
@@ -99,9 +99,14 @@ def suggestion(name: str, known: Sequence[str]) -> str:
     now = [new for new in RENAMED.get(name, ()) if re.split(r"[.=]", new)[0] in known]
     if now:
         return f"; it is {now[0]} now" if "=" in now[0] else f"; it is called {now[0]!r} now"
-    close = get_close_matches(name, known, n=1)
+    close = nearest(name, known)
     listed = ", ".join(repr(k) for k in known) or "none"
-    return (f"; did you mean {close[0]!r}?" if close else ";") + f" known: {listed}"
+    return (f"; did you mean {close!r}?" if close else ";") + f" known: {listed}"
+
+
+def nearest(name: object, known: Iterable[str]) -> str:
+    """The known name that is most like `name`; "" where none is."""
+    return next(iter(get_close_matches(str(name), list(known), n=1)), "")
 
 
 def no_attribute(module: str, known: Sequence[str]) -> Callable[[str], NoReturn]:

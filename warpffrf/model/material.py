@@ -40,7 +40,8 @@ class Material:
         nu = require_number(self.poisson_ratio, f"{label}: poisson_ratio")
         rho = require_number(self.density, f"{label}: density", positive=True)
         if not -1.0 < nu < 0.5:
-            raise InputError(f"{label}: poisson_ratio must lie between -1 and 0.5 (excluded), got {nu:g}")
+            cure = "; for rubber use 0.49 to 0.499" if 0.5 <= nu < 0.6 else ""
+            raise InputError(f"{label}: poisson_ratio must lie between -1 and 0.5 (excluded), got {nu:g}{cure}")
         if self.formulation not in (None, *FORMULATIONS):
             raise unknown_name(f"{label}: formulation", str(self.formulation), FORMULATIONS)
         object.__setattr__(self, "youngs_modulus", E)

@@ -18,6 +18,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.periodicity import detect
+from warpffrf.model.mesh.report import refuse_wrong_units
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.progress import speaking
 from warpffrf.model.reduced.body import ReducedBody, library_versions
@@ -112,7 +113,7 @@ def reduce(
     `report["path"]` states which, and why. `report["quality"]` contains the quality measures of the body. Conditions
     that make a result doubtful, such as cells too deep for the contact grid, are added to `report["warnings"]` and
     logged. Raises `InputError` for invalid settings, unknown sets, facets that do not fit their shape, a contact grid
-    finer than the mesh, and a memory limit too small for one unit load.
+    finer than the mesh, a material in wrong units, and a memory limit too small for one unit load.
 
     With `mesh` and `steel` as in `mesh.roller` and `Material`:
 
@@ -140,6 +141,7 @@ def reduce(
     )
     settings.check_against(mesh)
     assign(mesh, material)
+    refuse_wrong_units(material)
     described = settings.describe(mesh)
     key = body_cache.cache_key(described)
     name = f"'{mesh.name}'" if mesh.name else "a body"
@@ -150,7 +152,9 @@ def reduce(
             logger.info("reduce: %s is in the cache, read in %.2f s", name, body.report["seconds_cached"])
             warn(body.report["warnings"])
             return body
-        logger.info("reduce: %s, %d nodes, %d contact surfaces", name, len(mesh.points), len(settings.contact))
+        count = len(settings.contact)
+        faces = f"{count} contact surface{'' if count == 1 else 's'}"
+        logger.info("reduce: %s, %d nodes, %s", name, len(mesh.points), faces)
         doubts = input_doubts(mesh, settings)
         warn(doubts)  # before the computation begins
         with one_thread(), Checkpoint(body_cache.work_file(key) if cache else None) as checkpoint:

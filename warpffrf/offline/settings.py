@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.errors import InputError, require_number, unknown_name
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.surfaces import Matched
@@ -87,9 +87,7 @@ class Settings:
         for name, kind in self.interfaces.items():
             mesh.facets(name)
             if kind not in INTERFACE_KINDS:
-                raise InputError(
-                    f"interface {name!r}: kind {kind!r} does not exist; known: {', '.join(INTERFACE_KINDS)}"
-                )
+                raise unknown_name(f"interface {name!r}: kind", kind, INTERFACE_KINDS)
         if self.options.stiffening:
             require_cells(mesh, self.material, self.options.stiffening)
         require_sets(mesh, self.matched, self.contact, self.interfaces)

@@ -45,7 +45,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.errors import InputError, require_array, require_count
+from warpffrf.model.errors import InputError, require_array, require_count, suggestion
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.scene import Scene
@@ -178,7 +178,7 @@ class Campbell(reprs.Shown):
         their marked crossings, in the "rotating" one with the crossings of unbalance. Raises InputError for another
         frame."""
         if frame not in FRAMES:
-            raise InputError(f"plot: frame is {frame!r}; known: {', '.join(map(repr, FRAMES))}")
+            raise InputError(f"plot: frame is {frame!r}{suggestion(str(frame), FRAMES)}")
         axes: Any = _new_axes() if ax is None else ax
         fixed = frame == FRAMES[0]
         values = self.frequencies if fixed else self.rotating_frequencies

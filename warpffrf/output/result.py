@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpffrf.model.arguments import Vector
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import InputError, nearest
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.progress import speaking
@@ -534,5 +534,14 @@ class Result(reprs.Shown):
 def _named(items: dict[str, Any], kind: str, name: str) -> Any:
     if name not in items:
         known = ", ".join(f"'{n}'" for n in items) or "none"
-        raise InputError(f"the result has no {kind} called '{name}'; it has: {known}")
+        raise InputError(f"the result has no {kind} called '{name}'; {_meant(name, list(items))}it has: {known}")
     return items[name]
+
+
+def _meant(name: str, known: Sequence[str]) -> str:
+    """The question for the name probably meant: that of the same two bodies, else the most similar one; or ""."""
+    first, _, second = str(name).partition("-")
+    if second and f"{second}-{first}" in known:
+        return f"did you mean '{second}-{first}' (the order counts)? "
+    near = nearest(name, known)
+    return f"did you mean '{near}'? " if near else ""

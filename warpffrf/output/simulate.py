@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from warpffrf.model.checks.scene import refuse_short_signals
-from warpffrf.model.errors import InputError, RunError, require_number
+from warpffrf.model.errors import InputError, RunError, nearest, require_number
 from warpffrf.model.integrators import CHECK_INTEGRATORS
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.progress import speaking, terminated_as_interrupted
 from warpffrf.model.messages.status import Status
 from warpffrf.model.scene import Scene
+from warpffrf.model.step_count import step_count
 from warpffrf.online import Settings, find_equilibrium, run
 from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history.history import BudgetLine, History
@@ -201,6 +202,7 @@ def run_of_kind(
 
 def _run(scene: Any, duration: float, *, kind: str = "dynamic", **options: Any) -> History:
     """`run_of_kind`, with a line in the log."""
+    step_count(duration, options["step"])  # refuses both before the line in the log
     log.info("%s", _what_is_run(scene, duration, options["step"], options["start"], kind))
     return run_of_kind(scene, duration, kind=kind, **options)
 
@@ -211,7 +213,7 @@ def _what_is_run(scene: Any, duration: Any, step: Any, start: Any, kind: str) ->
     first = "the equilibrium, then " if start == "equilibrium" and kind != "static" else ""
     what = "load steps" if kind == "static" else "steps"
     caller = "static" if kind == "static" else "simulate"
-    return f"{caller}: {holds}; {first}{duration} s in {what} of {step} s"
+    return f"{caller}: {holds}; {first}{duration:g} s in {what} of {step:g} s"
 
 
 def _holds(scene: Any) -> str:
@@ -368,7 +370,8 @@ def _start(caller: str, scene: Any, start: str | os.PathLike[str] | Result) -> A
             return start
         if not isinstance(start, str | os.PathLike) or Path(start).suffix.lower() not in (*SUFFIXES, ENDING):
             known = ", ".join(repr(v) for v in STARTS)
-            raise InputError(f"{caller}: start is {start!r}; known: {known}, a Result, or a results file (.h5)")
+            close = f"did you mean {near!r}? " if (near := nearest(start, STARTS)) else ""
+            raise InputError(f"{caller}: start is {start!r}; {close}known: {known}, a Result, or a results file (.h5)")
         start = Result.load(start)
     if start.view.content_hash != scene.content_hash():
         raise InputError(

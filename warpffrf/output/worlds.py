@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Literal
 
-from warpffrf.model.errors import InputError, RunError
+from warpffrf.model.errors import InputError, RunError, suggestion
 from warpffrf.model.integrators import CHECK_INTEGRATORS
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.progress import notes, speaking, terminated_as_interrupted, what_follows
@@ -96,7 +96,7 @@ def simulate_worlds(
     outputs = Outputs(overwrite)
     files, left_over = _files(results, len(scenes), outputs)
     with terminated_as_interrupted(), speaking(progress), ExitStack() as locks:
-        log.info("simulate_worlds: %d scenes, %s s in steps of %s s", len(scenes), duration, step)
+        log.info("simulate_worlds: %d scenes, %g s in steps of %g s", len(scenes), duration, step)
         wholes = [locks.enter_context(outputs.locked(file)) for file in files]
         histories = side_by_side([run_of(scene) for scene in scenes], steps, progress=progress)
         for scene, history in zip(scenes, histories, strict=True):
@@ -113,7 +113,7 @@ def simulate_worlds(
 def _known(name: str, value: Any, values: tuple[str, ...]) -> None:
     """Raises `InputError` for a `value` of the argument `name` that is none of `values`."""
     if not isinstance(value, str) or value not in values:
-        raise InputError(f"simulate_worlds: {name} is {value!r}; known: {', '.join(repr(v) for v in values)}")
+        raise InputError(f"simulate_worlds: {name} is {value!r}{suggestion(str(value), values)}")
 
 
 def _known_scenes(scenes: Any) -> list[Scene]:

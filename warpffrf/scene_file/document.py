@@ -21,7 +21,7 @@ from difflib import get_close_matches
 from pathlib import Path as FilePath
 from typing import Any
 
-from warpffrf.model.errors import InputError, suggestion
+from warpffrf.model.errors import InputError, nearest, suggestion
 from warpffrf.scene_file.numbers import evaluate, is_expression
 from warpffrf.scene_file.source import LARGEST_INTEGER, Path, Place, Source, parse, read_source
 
@@ -88,12 +88,22 @@ def _included(source: Source, above: tuple[FilePath, ...], count: list[int]) -> 
         except (OSError, ValueError, RuntimeError) as error:
             raise InputError(f"{place}: include {entry!r} is not a file name ({error})") from None
         if not exists:
-            raise InputError(f"{place}: include {entry!r} does not exist; it is searched in {place.folder}")
+            near = nearest(file.name, _beside(file, above))
+            close = f"did you mean {near!r}? " if near else ""
+            raise InputError(f"{place}: include {entry!r} does not exist; {close}it is searched in {place.folder}")
         if file in above:
             raise InputError(f"{place}: include {entry!r} includes itself")
         _merge(base, _with_includes(file, entry, above, count))
     _merge(base, source)
     return base
+
+
+def _beside(file: FilePath, above: tuple[FilePath, ...]) -> list[str]:
+    """Names of the scene files in the folder of `file` that may be included: not those `above`."""
+    try:
+        return sorted(path.name for path in file.parent.glob("*.toml") if path.is_file() and path not in above)
+    except OSError:
+        return []
 
 
 def _merge(into: Source, other: Source) -> None:

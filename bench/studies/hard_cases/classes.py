@@ -1,4 +1,4 @@
-"""Classes of a run: pass, degraded, fail, refused, and silent, the one that must never be.
+"""Classes of a run: pass, degraded, fail, refused, and silent, which must not occur.
 
 Three things are looked at, each right, degraded or wrong: the energy ledger, the joints at the saved steps, and the
 case's own comparisons. With L = numerical + contact_grid the ledger gains max(L - running min L) and loses

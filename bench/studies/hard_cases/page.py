@@ -88,8 +88,8 @@ def page(cases: Sequence[Case], rows: Rows, map_name: str) -> str:
 Every case is run with steps from 1e-7 to 1e-2 s, a bounded number of them, and at its middle step with other tolerances
 of the iteration, with halving by the local error, and with `accuracy=` alone, which finds its own setting. *pass*,
 *degraded*: by the energy ledger, the joints and what is known of the case from elsewhere. *fail*: wrong, and the run
-says so. *refused*: the input is not accepted. *silent*: wrong without a word, which must never be. How classes are
-found: `bench/studies/hard_cases/classes.py`.
+says so. *refused*: the input is not accepted. *silent*: wrong result without a warning; must not occur. How
+classes are found: `bench/studies/hard_cases/classes.py`.
 
 {len(rows)} runs: {summary}. Cases that pass at some setting: {len(passes)} of {len(cases)}{_named(never)}.
 {_unaided(cases, rows)}

@@ -103,10 +103,10 @@ are several, and is compared with a reference that the study computes itself, of
 finest. Errors are fractions of the whole history (`warpffrf.study.speed_against_error.errors`); times are wall time of
 the time loop per simulated second, the fastest run of each, and `step U` is the same for one step in units of U. What a
 run costs once is given separately: `set-up`, `checks` when it ends (contact-fixed cells are compared with finer ones,
-for the error that the run states), and the reduction, `offline`. A setting is on the front where none is both faster
-and at least as right, to three digits. Where rounds differ by more than fronts do (compare `fastest` with `median`),
-the order of neighbours on a front is chance. Bodies are the same in all runs of a study but for what it chooses: what
-their meshes and modes leave out in the reference too is not in these errors.
+for the error that the run states), and the reduction, `offline`. A setting is Pareto-optimal if no other is both
+faster and at least as accurate, to three digits. Where rounds differ by more than fronts do (compare `fastest` with
+`median`), the order of neighbours on a front is chance. Bodies are the same in all runs of a study but for what it
+chooses: what their meshes and modes leave out in the reference too is not in these errors.
 
 {table([*head, "made in s"], lines)}
 Figures of one machine, each page states what else ran on it; the table has the fastest setting with at most the error

@@ -18,7 +18,7 @@ REDUCE = """
 import warpffrf as wf
 mesh = wf.mesh.roller(0.05, 0.015, 0.02, sectors=8, layers=1, axial=1, order=1)
 {before}
-wf.reduce(mesh, wf.Material(210, 0.3, 7850), modes=2, cache=False{options})
+wf.reduce(mesh, wf.Material(2.1e15, 0.3, 7850), modes=2, cache=False{options})
 {after}
 """
 
@@ -35,7 +35,7 @@ def unheard() -> Iterator[None]:
 
 
 def script(before: str = "", options: str = "", after: str = "") -> str:
-    """The standard error of a script that reduces a body of a material in GPa."""
+    """The standard error of a script that reduces a body of a nearly rigid material."""
     code = REDUCE.format(before=before, options=options, after=after)
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stderr
 

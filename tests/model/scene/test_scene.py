@@ -98,7 +98,7 @@ def test_a_rigid_body_is_a_port_at_its_origin() -> None:
 
 def test_joint_border(body_maker) -> None:
     scene, lower, upper = two_bodies(body_maker)
-    with pytest.raises(InputError, match="joint 'hinge': axis has zero length"):
+    with pytest.raises(InputError, match="joint 'hinge': axis has zero length; give a vector with a direction"):
         joints.Revolute(scene.ground, lower["bore"], axis=(0, 0, 0), name="hinge")
     with pytest.raises(InputError, match="body 'lower' is flexible: name one of its interfaces"):
         joints.Revolute(scene.ground, lower, axis=(0, 1, 0))

@@ -124,7 +124,7 @@ def test_cut_by_the_axis_of_a_shape_elsewhere(small_roller):
     [
         ({"interfaces": {"hub": "rigid"}}, "facet set 'hub' does not exist; known: 'rim', 'bore', 'ends'"),
         ({"contact": {"tread": None}}, "facet set 'tread' does not exist; known: 'rim', 'bore', 'ends'"),
-        ({"interfaces": {"bore": "elastic"}}, "kind 'elastic' does not exist; known: rigid, average, free"),
+        ({"interfaces": {"bore": "elastic"}}, "kind 'elastic' does not exist; known: 'rigid', 'average', 'free'"),
         ({"basis": "guyan"}, "basis 'guyan'"),
         ({"traction": "spots"}, "traction 'spots' does not exist"),
         ({"tangential": "spots"}, "tangential must be True, False or a kind of functions: .* known: 'nodes', 'cells'"),

@@ -69,6 +69,8 @@ def test_a_pair_with_and_one_without_friction(body, tmp_path: Path) -> None:
     assert "contact 'plain', the first of 2" in title and "friction of 'lower-upper'" in title
     assert "contact 'lower-upper'" in loaded.summary(contact="lower-upper").get_suptitle()
     assert [line.get_label() for line in loaded.plot("force", contact="lower-upper").lines] == ["lower-upper"]
+    with pytest.raises(InputError, match="no contact called 'upper-lower'; did you mean 'lower-upper' .the order c"):
+        loaded.contact("upper-lower")
     with pytest.raises(InputError, match="no contact called 'other'; it has: 'plain', 'lower-upper'"):
         loaded.plot("patch", contact="other")
     with pytest.raises(InputError, match="no contact pair of the run has friction"):

@@ -64,10 +64,10 @@ def test_a_body_that_rests_is_beside_the_machine() -> None:
     found = quantities(run(scene, 1.0, 0.1).history)
     assert found["motion of body 'goer'"].size == pytest.approx(0.5, rel=1e-9)
     assert found["motion of body 'creeper'"].size == pytest.approx(0.5 * STILL, rel=1e-9)
-    assert "of the largest way" in found["motion of body 'creeper'"].beside
+    assert "of the largest displacement" in found["motion of body 'creeper'"].beside
     assert found["motion of body 'goer'"].beside == ""
     (line,) = (line for line in run(scene, 1.0, 0.1).error_budget() if line.of == "motion of body 'creeper'")
-    assert "of the largest way" in line.basis
+    assert "of the largest displacement" in line.basis
     assert "motion of body 'still'" not in found
 
 

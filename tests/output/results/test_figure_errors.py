@@ -68,7 +68,7 @@ def test_figures_of_an_equilibrium_are_right(pressed: wf.Result, fine: Any) -> N
 def test_an_equilibrium_has_no_step(pressed: wf.Result) -> None:
     assert not [line for line in pressed.error_budget() if line.source in ("time step", "energy ledger")]
     text = pressed.report(progress=False)
-    assert "errors of figures" in text and "not made" not in text and "not found" not in text
+    assert "estimated error of each result" in text and "not made" not in text and "not found" not in text
 
 
 def test_what_stands_still_has_no_error_of_its_step(coarse: Any) -> None:

@@ -127,6 +127,15 @@ def test_paths_are_checked_before_the_run(calls: list, scene: Any, tmp_path: Pat
     assert not calls
 
 
+def test_steps_are_checked_before_the_run_is_announced(calls: list, scene: Any, caplog: Any) -> None:
+    with caplog.at_level("INFO", "warpffrf"):
+        with pytest.raises(InputError, match="step must be greater than zero, got -0.0001"):
+            simulate(scene, 0.02, step=-1e-4)
+        assert not calls and not caplog.text
+        simulate(scene, 0.02, step=0.02 / 192)
+    assert "0.02 s in steps of 0.000104167 s" in caplog.text
+
+
 def test_a_result_is_continued_also_from_its_file(calls: list, scene: Any, result: Result, tmp_path: Path) -> None:
     simulate(scene, 0.1, step=1e-4, start=result)
     assert calls[0][2]["start"] is result.history
@@ -149,6 +158,8 @@ def test_another_scenes_result_is_refused(calls: list, result: Result) -> None:
 def test_unknown_words_list_the_known(calls: list, scene: Any) -> None:
     with pytest.raises(InputError, match="start is 'nonsense'; known: '"):
         simulate(scene, 0.1, step=1e-4, start="nonsense")
+    with pytest.raises(InputError, match="start is 'equilibriun'; did you mean 'equilibrium'. known: '"):
+        simulate(scene, 0.1, step=1e-4, start="equilibriun")
     with pytest.raises(InputError, match="local_modes 'nonsense' does not exist; known: '"):
         RunOptions(local_modes="nonsense")
     assert not calls

@@ -133,7 +133,7 @@ def checked_output_path(
             raise InputError(f"{what}: '{target}' is a folder; give the name of a file in it")
         if not target.parent.exists():
             target.parent.mkdir(parents=True, exist_ok=True)
-            log.info("%s: the folder '%s' is new", what, target.parent)
+            log.info("%s: created folder '%s'", what, target.parent)
         partial = _partial(target)  # the longest name that there will be
         partial.touch(exist_ok=False)
         partial.unlink()

@@ -35,8 +35,11 @@ if TYPE_CHECKING:
     from warpffrf.model.mesh.data import Mesh
 
 USUAL_SIZE = (1e-3, 10.0)  # m; outside it the length unit of a file was probably wrong
+SPEED_REFUSED = 10.0, 30_000.0  # m/s: half of soft rubber's, and beyond diamond's, see `refuse_wrong_units`
 SOUND_SPEEDS = (20.0, 20_000.0)  # m/s, bar waves: soft rubber (0.5 MPa) 21, diamond 18 km/s
 USUAL_SPEEDS, USUAL_DENSITIES = (500.0, 14_000.0), (500.0, 20_000.0)  # of machine materials
+PASCALS = {"Pa": 1.0, "GPa": 1e9, "MPa": 1e6}
+DENSITY_UNITS = {"kg/m3": 1.0, "g/cm3": 1e3, "t/mm3": 1e12}
 DENSITIES = (5.0, 23_000.0)  # kg/m3: polymer foam, osmium
 BOX_DENSITY = 0.1  # kg/m3, mass over the volume of the bounding box: a steel frame filling 1e-4 of its box has 0.8
 SLENDER_CELL = 1000.0  # aspect ratio; graded contact meshes reach some hundreds on purpose, beyond is no design
@@ -182,16 +185,43 @@ def material_warnings(material: Material, name: str = "") -> list[str]:
     return found
 
 
+def refuse_wrong_units(material: Material | Mapping[str, Material] | None) -> None:
+    """Raises `InputError` for a speed of sound sqrt(E/rho) that no solid has, probably due to wrong units.
+
+    A body too soft has a vast number of modes below any frequency. One too stiff or too light has few of them, and is a
+    common idealisation (nearly rigid, nearly massless): it is refused only where another unit makes it a usual solid,
+    and not in the consistent units N, mm, t. `material_warnings` reports the others.
+    """
+    named = {"": material} if isinstance(material, Material) else material or {}
+    for name, one in named.items():
+        E, rho = one.youngs_modulus, one.density
+        speed = float(np.sqrt(E / rho))
+        slip = _slip(E, rho)
+        stiff = speed > SPEED_REFUSED[1] and slip not in (None, ("MPa", "t/mm3"))
+        if speed < SPEED_REFUSED[0] or stiff:
+            cure = "; of a body without mass the density is below 0.5 kg/m3" if stiff else ""
+            raise InputError("reduce: " + "; ".join(material_warnings(one, name)) + cure)
+
+
 def _meant(E: float, rho: float) -> str:
-    """Modulus and density in the units that would be plausible for a solid; "" if there are none."""
-    for unit, pascal in (("Pa", 1.0), ("GPa", 1e9), ("MPa", 1e6)):
-        for per, density in (("kg/m3", 1.0), ("g/cm3", 1e3), ("t/mm3", 1e12)):
+    """Modulus and density in the units that would be plausible for a solid, as text; "" if there are none."""
+    slip = _slip(E, rho)
+    if slip is None:
+        return ""
+    (unit, per), pascal, density = slip, PASCALS[slip[0]], DENSITY_UNITS[slip[1]]
+    parts = [f"youngs_modulus {E:g} {unit} is {E * pascal:.4g} Pa"] if pascal > 1.0 else []
+    parts += [f"density {rho:g} {per} is {rho * density:.4g} kg/m3"] if density > 1.0 else []
+    return f"; {', '.join(parts)}"
+
+
+def _slip(E: float, rho: float) -> tuple[str, str] | None:
+    """The units of modulus and density in which they would be plausible for a solid."""
+    for unit, pascal in PASCALS.items():
+        for per, density in DENSITY_UNITS.items():
             usual = USUAL_DENSITIES[0] <= rho * density <= USUAL_DENSITIES[1]
             if usual and USUAL_SPEEDS[0] <= np.sqrt(E * pascal / (rho * density)) <= USUAL_SPEEDS[1]:
-                parts = [f"youngs_modulus {E:g} {unit} is {E * pascal:.4g} Pa"] if pascal > 1.0 else []
-                parts += [f"density {rho:g} {per} is {rho * density:.4g} kg/m3"] if density > 1.0 else []
-                return f"; {', '.join(parts)}"
-    return ""
+                return unit, per
+    return None
 
 
 def _size_warnings(size: Array, mass: float | None) -> list[str]:

@@ -2,11 +2,11 @@ r"""Errors of contacts: the grid or the cells of the pressure, reduced sampling 
 
 *Body-fixed grid*: grid error of the force at a given approach, and of the pressures in the L2 norm, for the patch size
 at the largest load: half of the rule of `offline.contact.grid_rule`, which is for the worst position of the patch on
-the grid. Fields err at their edges, peaks by the square of that. *Cells of a patch*: comparison with other cells at
-sampled steps, for pressures as cell means in the L2 norm (`online.diagnosis.cell_check`). *Parallel-axes kinematics*:
-the neglected moment if axes are inclined (`online.diagnosis.contact_notes.Leaning`), relative to that of the contact,
-or to `EDGE` of the moment of its force at the end. *Friction on cells*: for a patch that advances c cells per step,
-with c above `MOST_CELLS`, c/MOST_CELLS times `FRICTION_ERROR` of the largest friction force
+the grid. Fields err at their edges, peaks by the square of that. *Cells of a patch*: comparison with a finer or coarser
+grid at sampled steps, for pressures as cell means in the L2 norm (`online.diagnosis.cell_check`). *Parallel-axes
+kinematics*: the neglected moment if axes are inclined (`online.diagnosis.contact_notes.Leaning`), relative to that of
+the contact, or to `EDGE` of the moment of its force at the end. *Friction on cells*: for a patch that advances c cells
+per step, with c above `MOST_CELLS`, c/MOST_CELLS times `FRICTION_ERROR` of the largest friction force
 (docs/studies/patch_rolling.md: 0.9 to 1.0 % at 2.5, 1.0 to 1.4 % at 4). *Points*: all points at sampled steps
 (`online.diagnosis.sampling_check`). *Mesh*: mesh error of the far fields of both bodies
 (`model.mesh_error.own_mesh_error`), exactly by a second mesh, `ReducedBody.mesh_error`. *Half-widths* on n strips
@@ -89,7 +89,7 @@ def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
         if number in engine.compiled.patches:
             check = checks.get(number)
             known = check is not None and bool(check.rows)
-            other = "other cells at sampled steps" if known else "other cells found no state at these"
+            other = _compared(check) if known else "the comparison with another grid found no state"
             sizes = (check.force, check.field) if check is not None and known else (np.nan, np.nan)
             cure = "a smaller cell_error, or more cells"
             own = [
@@ -113,9 +113,7 @@ def _of_cells(found: Any, time: np.ndarray, check: Any, cure: str) -> list[Budge
     moments, power = MOMENTS.get(found.patch_kind, (0.0, 1.0))
     lines = [BudgetLine(GRID, f"half-widths of {owner}", moments * (USUAL / strips) ** power, HALF_WIDTHS, cure)]
     if check is not None:
-        lines.append(
-            BudgetLine(GRID, f"peak pressure of {owner}", PEAK * check.pressure, "other cells at sampled steps", cure)
-        )
+        lines.append(BudgetLine(GRID, f"peak pressure of {owner}", PEAK * check.pressure, _compared(check), cure))
     if found.has_friction and _rolls(found, time):
         advance = float(np.nanmax(found.friction.cells_per_step)) / MOST_CELLS["cells"]
         size = FRICTION_ERROR * max(advance, 1.0) * USUAL / strips
@@ -132,11 +130,15 @@ def _rolls(found: Any, time: np.ndarray) -> bool:
     return bool(way > 2.0 * np.max(found.half_widths[:, 0], initial=0.0))
 
 
+def _compared(check: Any) -> str:
+    return f"compared with a {'finer' if check.finer else 'coarser'} grid at sampled steps"
+
+
 def _beside(line: BudgetLine, share: float) -> BudgetLine:
     """`line` of a contact that carries at least a `share` of the reference force of errors."""
     if share == 1.0:
         return line
-    basis = f"{line.basis}; beside {LIGHT:g} of the largest force of the machine, it carries less"
+    basis = f"{line.basis}; relative to {LIGHT:g} of the largest force of the machine, it carries less"
     return replace(line, size=share * line.size, basis=basis)
 
 
@@ -323,10 +325,15 @@ def _missed(time: np.ndarray, force: np.ndarray, highest: float) -> tuple[float,
         return np.nan, "requires a force saved at even times"
     bend = np.diff(force, 2, axis=0) / step[0] ** 2
     size = np.sqrt(np.mean(np.sum(bend**2, axis=1)) / np.mean(np.sum(force**2, axis=1)))
-    return float(size / (2.0 * np.pi * highest) ** 2), f"how fast the force changes, beside {highest:.4g} Hz"
+    return float(size / (2.0 * np.pi * highest) ** 2), _pace(highest)
 
 
-SOURCE, OF = "energy ledger", "energy at hand"
+def _pace(highest: float) -> str:
+    lowest = f"{1e-3 * highest:.4g} kHz" if highest >= 1e3 else f"{highest:.4g} Hz"
+    return f"rate of change of the force, compared with the lowest neglected frequency, {lowest}"
+
+
+SOURCE, OF = "energy ledger", "energy in the system"
 SHARE = 0.2  # of the gain or loss: a line with less is not named
 FINER_GRID = "a finer contact grid (expected_half_width= or spacing= of ContactGrid), or more cells of a patch (cells=)"
 

@@ -45,7 +45,7 @@ ASKEW = 0.12  # part of a force's error in a torque that vanishes: meshes are no
 SHARED = 0.3  # of the error of an approach at a given force: machines prescribe forces, approaches, or neither
 MAIN = (
     "force", "stiffness", "pressure", "motion", "deformation", "moment", "loss", "largest friction force",
-    "all results", "energy at hand", "smallest gap", "largest pressure",
+    "all results", "energy in the system", "smallest gap", "largest pressure",
 )  # fmt: skip
 
 

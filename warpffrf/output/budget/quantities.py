@@ -36,7 +36,7 @@ class Quantity:
 
     def at_least(self, least: float, beside: str) -> Quantity:
         """With the reference value at least `least`, unless the size is zero."""
-        return replace(self, size=least, beside=f"; beside {beside}") if 0.0 < self.size < least else self
+        return replace(self, size=least, beside=f"; relative to {beside}") if 0.0 < self.size < least else self
 
     def apart(self, other: Array, rows: Any = slice(None)) -> Array:
         """(T,) magnitudes of the differences from `other` (T, n) of its `rows`."""
@@ -61,7 +61,7 @@ def quantities(history: History) -> dict[str, Quantity]:
     found = [quantity.at_least(least, f"{LIGHT:g} of the largest contact force") for quantity in forces]
     places = {body.name: _places(body, history) for body in history.scene.bodies}
     ways = {name: _way(values) for name, values in places.items()}
-    least, beside = STILL * max(ways.values(), default=0.0), f"{STILL:g} of the largest way in the machine"
+    least, beside = STILL * max(ways.values(), default=0.0), f"{STILL:g} of the largest displacement in the machine"
     if least < STANDS * (size := machine_size(history)):
         least, beside = STANDS * size, f"{STANDS:g} of the size of the machine, it stands still"
     for body in history.scene.bodies:

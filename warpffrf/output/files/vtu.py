@@ -68,9 +68,10 @@ def write_time_series(
     skins = result.skins()
     if not skins:
         raise InputError("to_vtu: the scene has no flexible body, so there is no surface to write")
-    notes = [skin.stress.note for skin in skins.values() if skin.stress.note]
-    for note in notes:
-        log.info("to_vtu: %s", note)
+    incomplete = [skin.stress for skin in skins.values() if skin.stress.note]
+    notes = [stress.note for stress in incomplete]
+    for stress in incomplete:
+        log.info("to_vtu: written %s: %s", "with part of the stress" if stress.count else "without stress", stress.note)
     folder = target.with_suffix("")
     folder.mkdir(exist_ok=True)
     entries = []

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import InputError, nearest
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.hertz import HertzLine, HertzPoint, hertz
 from warpffrf.output.plots.bearing import BEARING_PLOTS, POLAR, the_bearing
@@ -309,7 +309,8 @@ def plot(
     kinds = tuple(dict.fromkeys((*known, *FILM_PLOTS, *SMALL_SLIDING_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS)))
     if kind not in kinds:
         cure = "; the page with all of them is result.summary()" if kind == SUMMARY else ""
-        raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join(kinds)}{cure}")
+        close = f"did you mean '{near}'? " if (near := nearest(kind, kinds)) else ""
+        raise InputError(f"plot: unknown kind '{kind}'; {close}known: {', '.join(kinds)}{cure}")
     result, row = _shown(result, contact, row)
     known |= {name: _of_film(draw, film, row) for name, draw in FILM_PLOTS.items()}
     taken = _kinds_of_finite_sliding(result) if result.small_sliding_names else known

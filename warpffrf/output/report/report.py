@@ -16,7 +16,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import InputError, suggestion
 from warpffrf.output.budget.budget import budget_text
 from warpffrf.output.budget.figures import UNKNOWN, figure_text
 from warpffrf.output.contact.hertz import HertzPoint, flexible_sides, hertz
@@ -38,7 +38,7 @@ def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") ->
     balance and notes: plain text, one fact per line. progress: report the progress of the error budget, if it is
     computed here. pairs: similar entries are "folded" into one, or "all" are listed (`fold`)."""
     if pairs not in get_args(Pairs):
-        raise InputError(f"report: pairs is {pairs!r}; known: {', '.join(map(repr, get_args(Pairs)))}")
+        raise InputError(f"report: pairs is {pairs!r}{suggestion(str(pairs), get_args(Pairs))}")
     history = result.history
     lines = [f"status            {result.status}" + (f": {result.message}" if result.message else "")]
     if len(result.time) == 0:
@@ -70,8 +70,8 @@ def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") ->
         lines.append(f"friction          {friction[-1]:+.6g} J, work of friction since the start")
     if result.finite_sliding_names and defect is not None and result.energy_scale > idle and np.isfinite(defect[-1]):
         lines.append(
-            f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale, exchanged as patches "
-            "move over nodes of finite spacing"
+            f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale, energy fluctuation "
+            "because the patch moves over discrete nodes"
         )
     return "\n".join([*lines, *_budget_lines(result, progress, pairs), *_notes(history, pairs)])
 
@@ -86,7 +86,8 @@ def _budget_lines(result: Any, progress: bool, pairs: Pairs) -> list[str]:
         kind, _, name = owner.partition(" '")
         kinds.setdefault(kind, []).append(Block(name.rstrip("'"), [line]))
     figures = [f"  {block[0]}" for kind, blocks in kinds.items() for block in folded(blocks, kind, pairs)]
-    return [*budget_text(lines), "errors of figures   all sources together, and the largest of them", *figures]
+    head = "estimated error of each result: all sources together, and the largest of them"
+    return [*budget_text(lines), head, *figures]
 
 
 def _contact_lines(contact: Any) -> list[str]:
