@@ -1,4 +1,4 @@
-"""Step time with friction: `python bench/step/friction_step.py [--json FILE] [--steps N]`.
+"""Step time with friction: `python bench/step/friction_step.py [--json FILE] [--steps N] [--large]`.
 
 Two rollers roll on each other at a constant load, the upper one a little slower, so that part of the patch sticks and
 part slips. Rows: the same pair without friction, with friction at a creepage that leaves half of it sticking, and in
@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import warpffrf as wf
+from warpffrf.online.compile import strips
 from warpffrf.study.machine import machine, unit_seconds
 
 RADIUS, BORE = 0.05, 0.015  # m
@@ -45,6 +46,7 @@ ROLLERS = (
     Rollers("patch", 0.02, 0.4e-3, {"sectors": 78, "layers": 8, "axial": 5, "order": 1}, (13, 10), 10),
     Rollers("patch", 0.02, 0.4e-3, {"sectors": 78, "layers": 8, "axial": 5, "order": 1}, (26, 20), 20),
 )
+LARGE = Rollers("patch", 0.02, 0.4e-3, {"sectors": 78, "layers": 8, "axial": 5, "order": 1}, (40, 30), 20)
 
 
 def body(pair: Rollers) -> wf.ReducedBody:
@@ -102,15 +104,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
     parser.add_argument("--steps", type=int, default=100)
+    parser.add_argument(
+        "--large", action="store_true", help="only 40 x 30 cells, by strips and by blocks"
+    )
     given = parser.parse_args()
     about = machine()
     rows = []
-    for pair in ROLLERS:
+    for pair in [LARGE] if given.large else ROLLERS:
         roller = body(pair)
-        for name, (friction, saturation) in CASES.items():
-            found = measure(pair, roller, friction, saturation, given.steps)
-            unit = min(unit_seconds(), about["unit_seconds"])
-            rows.append({"cells": pair.name, "case": name, "unit_seconds": unit, **found})
+        for fewest in (strips.FEWEST, 10**6) if given.large else (strips.FEWEST,):
+            strips.FEWEST = fewest
+            for name, (friction, saturation) in CASES.items():
+                found = measure(pair, roller, friction, saturation, given.steps)
+                unit = min(unit_seconds(), about["unit_seconds"])
+                rows.append({"cells": pair.name, "case": name, "unit_seconds": unit, **found})
     print("cells  case            active  stick  slip  iterations  us/step   U/step  halved  status")
     for r in rows:
         counts = f"{r['active']:6d} {r['stick']:6d} {r['slip']:5d} {r['iterations']:11.2f}"

@@ -229,11 +229,13 @@ def rollers(
     quadrature: str = "full",
     grid: str = "body_fixed",
     law: Any = None,
+    cells: tuple[int, int] | None = None,
     **more: Any,
 ) -> Scene:
     scene = guided_pair(first, second, **{"load": 60e3, "speed": 60.0, "ramp": 0.02} | more)
     scene.contacts[0].quadrature = quadrature
     scene.contacts[0].grid = grid
+    scene.contacts[0].cells = cells
     scene.contacts[0].law = law or scene.contacts[0].law
     return scene
 
@@ -490,6 +492,12 @@ CASES: dict[str, Case] = {
     "three rollers, patches": Case(lambda: three_rollers(patched(), grid="contact_fixed"), options=REST),
     "rollers, patch with friction": Case(
         lambda: rollers(rubbing_patched(), rubbing_patched(), grid="contact_fixed", friction=0.3), options=REST
+    ),
+    "rollers, patch of many cells with friction": Case(
+        lambda: rollers(
+            rubbing_patched(), rubbing_patched(ALUMINIUM), grid="contact_fixed", cells=(21, 20), friction=0.3
+        ),
+        options=REST,
     ),
     "unlike rollers, patch with friction": Case(
         lambda: rollers(rubbing_patched(), rubbing_patched(ALUMINIUM), grid="contact_fixed", friction=0.3), options=REST

@@ -53,10 +53,10 @@ class FrictionSolve:
     cell_slot_of: DeviceArray = integers("world", "pair", "friction_node", carried=True)
     cell_slot: DeviceArray = integers("world", "friction_pair", "cell", note="which cell", carried=True)
     cell_block: DeviceArray = integers("world", "friction_pair", 3, note="see `cell_blocks`", carried=True)
-    cell_G: DeviceArray = reals("world", "friction_pair", "2*cell", "2*cell", unit="m/Pa", carried=True, flat=True)
+    cell_G: DeviceArray = reals("world", "block_pair", "2*cell", "2*cell", unit="m/Pa", carried=True, flat=True)
     cell_D: DeviceArray = reals(
         "world",
-        "friction_pair",
+        "block_pair",
         "2*cell",
         "2*cell",
         unit="m/Pa",
@@ -82,7 +82,7 @@ class FrictionSolve:
     friction_receptance_own: DeviceArray = reals(
         "world", "friction_pair", "coupled", "coupled", note="of the columns of a pair", flat=True
     )
-    cell_Y: DeviceArray = reals("world", "friction_slot", "2*cell", note="pressures by tractions", flat=True)
+    cell_Y: DeviceArray = reals("world", "block_slot", "2*cell", note="pressures by tractions", flat=True)
     cell_base: DeviceArray = reals("world", "friction_pair", "2*cell", unit="Pa", flat=True)
     cell_right: DeviceArray = reals("world", "friction_pair", "2*cell", unit="m", flat=True)
     cell_tau: DeviceArray = reals("world", "friction_pair", "2*cell", unit="Pa", flat=True)
@@ -100,7 +100,7 @@ class FrictionSolve:
     cell_inside: DeviceArray = reals("world", 2)
     cell_solution: DeviceArray = reals("world", "friction_pair", "2*cell", flat=True)
     cell_U: DeviceArray = reals(
-        "world", "friction_pair", "2*cell", "2*cell", note="factor of the free coordinates", carried=True, flat=True
+        "world", "block_pair", "2*cell", "2*cell", note="factor of the free coordinates", carried=True, flat=True
     )
     cell_W: DeviceArray = reals("world", "friction_pair", "2*cell", "coupled", carried=True, flat=True)
     cell_square: DeviceArray = reals("world", "friction_pair", "coupled", "coupled", carried=True, flat=True)
@@ -129,6 +129,29 @@ class FrictionSolve:
     answer_moved: DeviceArray = reals("world", "friction_pair", "2*cell", unit="Pa", flat=True)
     answer_state: DeviceArray = integers("world", 4, carried=True)
     answer_change: DeviceArray = reals("world", 1)
+
+
+@topic
+class StripSolve:
+    """Solution for the tractions by products over strips, see `rolling.traction_solve`."""
+
+    strip_laid: DeviceArray = reals("world", "strip_pair", 1, unit="m", note="W of the next", carried=True)
+    strip_spectrum: DeviceArray = reals(
+        "world", "strip_pair", "strip_spectrum_number", unit="m3/Pa", carried=True, flat=True
+    )
+    strip_work: DeviceArray = reals("world", "strip_pair", "strip_number", flat=True)
+    strip_place: DeviceArray = reals("world", "strip_pair", "2*strip_place_number", flat=True)
+    strip_out: DeviceArray = reals("world", "strip_pair", "2*strip_place_number", flat=True)
+    strip_frame: DeviceArray = reals(
+        "world", "strip_pair", "cell", 8, note="see `rolling.cell_frames`", carried=True, flat=True
+    )
+    strip_ready: DeviceArray = integers("strip_world", note="1: frames and Z are those of the present L", carried=True)
+    strip_residual: DeviceArray = reals("world", "strip_pair", "2*cell", unit="m", flat=True)
+    strip_step: DeviceArray = reals("world", "strip_pair", "2*cell", unit="Pa", flat=True)
+    strip_direction: DeviceArray = reals("world", "strip_pair", "2*cell", unit="Pa", flat=True)
+    strip_image: DeviceArray = reals("world", "strip_pair", "2*cell", unit="m", flat=True)
+    strip_change: DeviceArray = reals("world", "strip_pair", "2*cell", unit="Pa", note="of the tractions", flat=True)
+    strip_retained: DeviceArray = reals("world", "strip_retained", note="increments along strip_direction", flat=True)
 
 
 @topic

@@ -512,6 +512,15 @@ class Rolling:
     count: int  # pairs with it
     shear_numbers: int  # of the near field of a pair at one W, maximum
     ring_cells: int  # cells including surrounding ones, maximum
+    strips: int  # 1: tractions are solved for by products over strips, of all pairs with friction, see `rolling.strips`
+    strip_numbers: int  # that a product needs, maximum
+    spectrum_numbers: int  # of the blocks by frequency of a pair, maximum
+    wave_start: DeviceArray = integers("pair", note="into wave: those of K, then those of the preconditioner")
+    spectrum_start: DeviceArray = integers("pair", note="into spectrum: (level, frequency, loaded, displaced)")
+    inverse_start: DeviceArray = integers("pair", note="into inverse: by level its diagonal, then blocks")
+    wave: DeviceArray = reals("wave_entry", note="(4, frequencies, pairs of strips)")
+    spectrum: DeviceArray = reals("spectrum_entry", note="K of the half-spaces, as shear")
+    inverse: DeviceArray = reals("inverse_entry", note="the preconditioner, times W^power")
     ring_rows: DeviceArray = integers("pair", note="rows around the cells, 0 where rows stay on the material")
     coupled: DeviceArray = integers("pair", note="1: pressures move the half-spaces along, tractions open the gap")
     shear_start: DeviceArray = integers(

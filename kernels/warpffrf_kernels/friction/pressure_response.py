@@ -308,7 +308,8 @@ def condense_answer(run: Run, normal: ContactSolve, tangential: FrictionSolve):
         return
     start = normal.block[w, pair, START]
     n = answering(model, pair, normal.block[w, pair, SLOTS])
-    if n > 0 or tangential.cell_block[w, pair, FRESH] < tangential.cell_block[w, pair, COUNT]:  # else D is G
+    fresh = tangential.cell_block[w, pair, FRESH] < tangential.cell_block[w, pair, COUNT]
+    if model.elements[0].rolling.strips == 0 and (n > 0 or fresh):  # else D is G
         subtract_answer(model, w, pair, start, n, lines, tangential.cell_Y, tangential.cell_G, tangential.cell_D)
     border_lines(
         model, w, pair, start, n, lines, tangential.cell_L, tangential.cell_Y, normal.W, tangential.cell_bordered

@@ -256,6 +256,8 @@ def assemble_patch_cells(
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or not rubs_on_patch(model, pair):
         return
+    if model.elements[0].rolling.strips != 0:
+        return
     if tangential.cell_block[w, pair, FRESH] == tangential.cell_block[w, pair, COUNT]:
         return
     elements = model.elements[0]

@@ -84,6 +84,14 @@ NAMES = {
     "rolling_mode": "modes of both bodies of a pair, in such scenes",
     "ring_cell": "cells of a patch and around it",
     "shear_number": "numbers of the near field along the surface of a patch",
+    "strip_pair": "pairs, in scenes whose tractions are solved for by products over strips",
+    "strip_retained": "retained unknowns, in such scenes",
+    "strip_world": "worlds, in such scenes",
+    "strip_number": "numbers of such a product",
+    "strip_spectrum_number": "numbers of the blocks by frequency of a pair",
+    "strip_place_number": "positions of the cells of a patch, in such scenes",
+    "block_pair": "pairs, in scenes whose tractions are solved for with blocks of all their cells",
+    "block_slot": "active cells or nodes, in such scenes",
     "lumped": "lumped contacts",
     "lumped_place": "points of lumped contacts: one, or one for each lamina",
     "lumped_moment": "such points with rolling or pivoting resistance",
@@ -183,6 +191,9 @@ NAMES = {
             "far_mode_entry",
             "beside_entry",
             "near_shear_entry",
+            "wave_entry",
+            "spectrum_entry",
+            "inverse_entry",
             "far_tangent_entry",
             "sheared_entry",
             "turned_entry",
@@ -240,6 +251,7 @@ def sizes_of(
     beside, layered = bool(m.pairs.beside), bool(elements.layers.count)
     by_speed = bool(elements.slip_speeds.count)
     patched, rolls = bool(elements.patches.count), bool(elements.rolling.count)
+    strips = bool(elements.rolling.strips)
     return {
         "world": worlds, "body": B, "mode": Q, "row": rows, "force": external.forces.count,
         "torque": external.torques.count, "load": external.torques.count + external.body_loads.count,
@@ -278,6 +290,11 @@ def sizes_of(
         "rolling_place": elements.patches.places if rolls else 0,
         "rolling_mode": m.pairs.most_modes if rolls else 0, "ring_cell": elements.rolling.ring_cells,
         "shear_number": elements.rolling.shear_numbers,
+        "strip_pair": P if strips else 0, "strip_world": worlds if strips else 0,
+        "strip_retained": retained if strips else 0,
+        "strip_number": elements.rolling.strip_numbers, "strip_spectrum_number": elements.rolling.spectrum_numbers,
+        "strip_place_number": elements.patches.places if strips else 0,
+        "block_pair": P if rubbing and not strips else 0, "block_slot": S if rubbing and not strips else 0,
         "surface_place": max(grid_node, node), "lumped": elements.lumped.count, "lumped_place": elements.lumped.places,
         "lumped_moment": elements.moments.count,
         **film_sizes(compiled), **matched_sizes(compiled),

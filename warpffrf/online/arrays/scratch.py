@@ -23,7 +23,7 @@ from warpffrf_kernels.core.contact_scratch import (
 )  # fmt: skip
 from warpffrf_kernels.core.declaration import DeviceArray, declared_in, structs
 from warpffrf_kernels.core.film_scratch import FilmScratch
-from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve, SlipSpeedSolve
+from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve, SlipSpeedSolve, StripSolve
 from warpffrf_kernels.core.matched_scratch import MatchedScratch
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem, RunWords, Trial
 from warpffrf_kernels.kinematics.contact_wrench import Held
@@ -54,7 +54,7 @@ class Frames(Arrays):
 
 class Scratch(
     RunWords, Trial, Residuals, RetainedSystem, ImpulsiveContact, ContactGeometry, PatchScratch, RollingScratch,
-    ContactFields, ContactSolve, LayerScratch, FrictionCells, FrictionSolve, SlipSpeedSolve, LumpedContacts,
+    ContactFields, ContactSolve, LayerScratch, FrictionCells, FrictionSolve, SlipSpeedSolve, StripSolve, LumpedContacts,
     FilmScratch, MatchedScratch, Frames, Before, Arrays,
 ):  # fmt: skip
     """Scratch arrays of a step."""
@@ -62,7 +62,7 @@ class Scratch(
 
 KEPT = tuple(
     name
-    for part in (PatchScratch, RollingScratch, FrictionCells, FrictionSolve, SlipSpeedSolve)
+    for part in (PatchScratch, RollingScratch, FrictionCells, FrictionSolve, SlipSpeedSolve, StripSolve)
     for name, declaration in declared_in(part).items()
     if declaration.carried
 )

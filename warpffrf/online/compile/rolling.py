@@ -29,6 +29,7 @@ from warpffrf.model.half_space import across, along_x, along_z, rectangle, towar
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.online.compile.patches.plan import OnMeridian, PatchPlan, bodies_under
 from warpffrf.online.compile.patches.tables import filled
+from warpffrf.online.compile.strips import StripTables
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.rolling.shear import COUPLED_KINDS, KINDS, RINGS
 
@@ -42,18 +43,21 @@ def fill_rolling(collector: Any, m: Model) -> None:
     rolling = {i: plan for i, plan in collector.patches.items() if contacts[i].friction.acts}
     per_pair: dict[str, list[int]] = {"ring_rows": [], "coupled": [], "shear_start": []}
     tables, numbers, cells = [np.zeros(0)], 0, 0
+    strips = StripTables.of(contacts, rolling)
     for i, contact in enumerate(contacts):
         per_pair["shear_start"].append(sum(map(len, tables)))
         plan = rolling.get(i)
         if plan is None:
             per_pair["ring_rows"].append(0)
             per_pair["coupled"].append(0)
+            strips.skip()
             continue
         bodies = bodies_under(contact)
         rings = RINGS if plan.follows else 0
         coupled = is_coupled(bodies)
         table = shear_levels(plan, bodies, contact.a.surface.shape.side, coupled)
         tables.append(table.ravel())
+        strips.add(table, plan.columns, rings, filled(len(plan.z)))
         per_pair["ring_rows"].append(rings)
         per_pair["coupled"].append(int(coupled))
         numbers = max(numbers, table[0].size)
@@ -75,7 +79,7 @@ def fill_rolling(collector: Any, m: Model) -> None:
     collector.fill(
         collector.elements.rolling, count=len(rolling), shear_numbers=numbers, ring_cells=cells, **per_pair, **far,
         shear=np.concatenate(tables), tangent=np.concatenate(tangent), sheared=np.concatenate(sheared),
-        turned=np.concatenate(turned),
+        turned=np.concatenate(turned), **strips.arrays(),
     )  # fmt: skip
 
 

@@ -26,11 +26,22 @@ from warpffrf_kernels.friction import (
     tangential_fields,
     traction_bounds,
 )
-from warpffrf_kernels.rolling import couple, entering, fields, places, shear, spline_tables, system
+from warpffrf_kernels.rolling import (
+    couple,
+    entering,
+    fields,
+    places,
+    shear,
+    spline_tables,
+    strips,
+    system,
+    traction_solve,
+)
 from warpffrf_kernels.rolling import history as rolling_history
 
 GRID = "grid_rubbing"  # pairs whose cells are fixed to the material of the first surface
 ROLLING = "rolling_pair"  # pairs whose cells are contact-fixed
+STRIPS, BLOCKS = "strip_pair", "block_pair"  # tractions by products over strips, or with blocks of all cells
 SPEED = "speed_pair"  # pairs whose coefficient depends on the slip speed
 LIMITS = {"radius": "cell_radius", "softness": "cell_softness"}
 
@@ -56,7 +67,8 @@ RUB = [
     blocks(stick_slip_problem.limit_tractions, "friction_pair"),
     blocks(slope_condensation.condense_slopes, when=SPEED),
     blocks(slope_condensation.pose_slopes, when=SPEED),
-    blocks(stick_slip_solve.solve_tractions, **LIMITS),
+    blocks(stick_slip_solve.solve_tractions, when=BLOCKS, **LIMITS),
+    blocks(traction_solve.solve_on_strips, when=STRIPS, **LIMITS),
     blocks(slip_speed.split_tractions, when=SPEED),
     blocks(fields.open_by_change, "pair", when=ROLLING),
     blocks(pressure_response.press_with_tractions),
@@ -74,6 +86,7 @@ FRICTION = Participant(
         threads(places.open_patch_cells, "pair", when=ROLLING),
         blocks(shear.lay_shear, "pair", when=ROLLING),
         blocks(places.place_patch_cells, "pair", when=ROLLING),
+        blocks(strips.lay_spectrum, "pair", when=STRIPS),
         blocks(spline_tables.lay_splines_along, "pair", when=ROLLING),
         blocks(cells.place_cells, "pair", when=GRID),
         blocks(cell_shares.spread_cells, "pair", when=GRID),
@@ -111,13 +124,15 @@ FRICTION = Participant(
         blocks(pressure_response.reduce_answer, "friction_pair"),
         blocks(pressure_response.condense_answer, "friction_pair"),
         blocks(receptance.invert_retained),
-        blocks(receptance.diagonal_blocks, "friction_pair"),
+        blocks(receptance.diagonal_blocks, "block_pair"),
+        blocks(traction_solve.soften_patches, "strip_pair"),
         press("pressure_change", "load_change", of_state=0),
         blocks(tangential_fields.shift_slips, "pair", when=GRID),
         blocks(fields.press_slips, "pair", when=ROLLING),
         blocks(stick_slip_problem.drive_modes),
         blocks(stick_slip_problem.pose_tractions, "friction_pair"),
-        blocks(stick_slip_problem.take_off_base),
+        blocks(stick_slip_problem.take_off_base, when=BLOCKS),
+        blocks(traction_solve.take_off_base, when=STRIPS),
         blocks(slip_speed.begin_slips, "speed_pair", when=SPEED),
         Loop("rubbing", RUB),
         blocks(stick_slip_problem.take_tractions),
