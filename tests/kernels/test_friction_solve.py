@@ -59,7 +59,7 @@ def device_solve(D, right, bound, start, softness=None, L=None, M=None) -> tuple
     pattern = find_pattern(1, np.zeros(1, int), np.zeros((0, 2), int), np.zeros((0, 2), bool))
     owner, patterns = on_device(pattern, chosen_device(None))
     sizes = {
-        "pair": P, "friction_pair": P, "speed_pair": P, "cell": n, "speed_cell": n, "coupled": N,
+        "pair": P, "friction_pair": P, "block_pair": P, "speed_pair": P, "cell": n, "speed_cell": n, "coupled": N,
         "friction_retained": N,
         "speed_retained": N, "friction_factor": pattern.factor_size, "friction_line": BLOCK * pattern.widest,
     }  # fmt: skip
