@@ -104,9 +104,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
     parser.add_argument("--steps", type=int, default=100)
-    parser.add_argument(
-        "--large", action="store_true", help="only 40 x 30 cells, by strips and by blocks"
-    )
+    parser.add_argument("--large", action="store_true", help="only 40 x 30 cells, by strips and by blocks")
     given = parser.parse_args()
     about = machine()
     rows = []

@@ -194,6 +194,7 @@ def test_runs_are_those_with_a_matrix(
     exact = run(SCENES[name](bodies), 20 * step, step=step, start="equilibrium", progress=False)
     assert found.status == exact.status == "completed"
     mine, theirs = found.contacts["pair"].friction, exact.contacts["pair"].friction
+    assert mine is not None and theirs is not None
     assert {1, 2} <= set(np.unique(theirs.state)) or name in ("free to turn", "regularised")
     assert np.abs(mine.traction - theirs.traction).max() < SAME * np.abs(theirs.traction).max()
     np.testing.assert_allclose(found.contacts["pair"].force, exact.contacts["pair"].force, rtol=0, atol=1e-5)
