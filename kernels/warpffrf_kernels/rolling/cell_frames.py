@@ -73,8 +73,8 @@ def frame_cells(
 ): ...
 
 
-# Whether the frames of Newton's method of a pair still hold: kinds as they are, directions within TURNED, added
-# compliances within LIES of what the diagonal of the preconditioner makes of them.
+# Whether the frames of Newton's method of a pair still hold: the same kinds, directions with at least this
+# cosine, added compliances within a fraction of the diagonal of the system.
 @wp.func_native("""
     const size_t here = (size_t)w * model.pairs.count + pair; const int cap = model.capacity.cells;
     const int line = (rows + 7) / 8 * 8;
@@ -87,10 +87,10 @@ def frame_cells(
         const int found = f[2] != 0.0 ? 1 : f[3] != 0.0 ? 2 : 0, r = slot[i] % rows;
         if (found != kind[i]) return 0;
         if (found == 0) continue;
-        if (found == 2 && f[0] * dir[2 * i] + f[1] * dir[2 * i + 1] < turned) return 0;
+        if (found == 2 && f[0] * dir[2 * i] + f[1] * dir[2 * i + 1] < cosine) return 0;
         const double mean = 0.5 * scale * (inverse[r] + inverse[line + r]);
         const double change = soft[i] + (found == 2 ? curve[i] : 0.0) - f[5];
-        if (::fabs(change) * mean > lies * (1.0 + mean * f[5])) return 0;
+        if (::fabs(change) * mean > fraction * (1.0 + mean * f[5])) return 0;
     }
     return 1;
 """)
@@ -100,8 +100,8 @@ def frames_hold(
     pair: int,
     count: int,
     rows: int,
-    turned: real,
-    lies: real,
+    cosine: real,
+    fraction: real,
     scale: real,
     own: wp.array(dtype=real),
     at_own: int,
@@ -205,7 +205,7 @@ def take_scaled(
 ): ...
 
 
-# v <- part of v + Lambda x in the free coordinates; `add` 0: of v alone. Lanes over the slots.
+# v <- v + Lambda x in the free coordinates, zero in the others. Lanes over the slots.
 @wp.func_native("""
     const size_t here = (size_t)w * model.pairs.count + pair; const int cap = model.capacity.cells;
     WP_TILE_SYNC();
@@ -213,8 +213,7 @@ def take_scaled(
         const double *f = frame.data + (here * cap + i) * 8, *q = x.data + (here * cap + i) * 2;
         double* y = v.data + (here * cap + i) * 2;
         double a = f[0] * y[0] + f[1] * y[1], b = f[0] * y[1] - f[1] * y[0];
-        if (add) { a += f[4] * (f[0] * q[0] + f[1] * q[1]); b += f[5] * (f[0] * q[1] - f[1] * q[0]); }
-        a *= f[2]; b *= f[3];
+        a = f[2] * (a + f[4] * (f[0] * q[0] + f[1] * q[1])); b = f[3] * (b + f[5] * (f[0] * q[1] - f[1] * q[0]));
         y[0] = a * f[0] - b * f[1]; y[1] = a * f[1] + b * f[0];
     }
     WP_TILE_SYNC();
@@ -224,7 +223,6 @@ def restrict(
     w: int,
     pair: int,
     count: int,
-    add: int,
     frame: wp.array(dtype=real),
     x: wp.array(dtype=real),
     v: wp.array(dtype=real),

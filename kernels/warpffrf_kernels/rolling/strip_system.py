@@ -20,8 +20,8 @@ from warpffrf_kernels.surfaces.fields import clear_field
 wp.set_module_options(MODULE_OPTIONS)
 
 MOST = wp.constant(200)  # iterations of a system
-TURNED = wp.constant(wp.float64(0.99999))  # cosine: frames of cells that slide in other directions are made anew
-LIES = wp.constant(wp.float64(0.02))  # of the diagonal of a system: likewise, where lambda has changed
+DIRECTION = wp.constant(wp.float64(0.99999))  # cosine: at a larger change of a slip direction frames are computed again
+STIFFNESS = wp.constant(wp.float64(0.02))  # of the diagonal of a system: likewise, at a larger change of lambda
 
 
 # Whether a column of L is not zero; n lines.
@@ -46,7 +46,7 @@ def frames_are_good(
         if count > 0:
             W = patch.patch_place[w, pair, 2]
             good = frames_hold(
-                model, w, pair, count, model.surfaces.rows[model.pairs.first[pair]], TURNED, LIES,
+                model, w, pair, count, model.surfaces.rows[model.pairs.first[pair]], DIRECTION, STIFFNESS,
                 wp.pow(W, -elements.patches.near_power[pair]), elements.rolling.inverse,
                 inverse_at(model, elements, pair, W), tangential.cell_slot, tangential.cell_sliding,
                 tangential.cell_direction, tangential.cell_curvature, softness, strips.strip_frame,
@@ -265,7 +265,7 @@ def iterate(
                         model, w, pair, 2 * count, real(1.0), tangential.cell_bordered, borders_of(model, w, pair),
                         strips.strip_retained, strips.strip_image, at,
                     )  # fmt: skip
-                    restrict(model, w, pair, count, 1, strips.strip_frame, strips.strip_direction, strips.strip_image)
+                    restrict(model, w, pair, count, strips.strip_frame, strips.strip_direction, strips.strip_image)
                     curved += dot(2 * count, strips.strip_direction, at, strips.strip_image, at)
                 pair += 1
             if not (curved > real(0.0)):

@@ -384,7 +384,7 @@ def solve_on_strips(
     if lane == 0:
         if bad != 0:
             run.ctl[w].failure = run.ctl[w].failure | k.INDEFINITE
-        elif defect > SETTLED:
+        elif not (defect <= SETTLED):  # or not a number
             run.ctl[w].failure = run.ctl[w].failure | k.CYCLING
 
 

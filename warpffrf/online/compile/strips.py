@@ -9,7 +9,7 @@ i every block is real and symmetric,
     M_k = sum_d cos(omega_k d) K_d    (even),      +- sum_d sin(omega_k d) K_d    (odd),      omega_k = 2 pi k/L.
 
 W has the inverse blocks of the kernel that is periodic with L = 1.25 columns + 3: its opposite order makes the
-spectrum of W K, restricted to any set of cells, nearly independent of their number (conditions of 2 to 7).
+spectrum of W K, restricted to any set of cells, nearly independent of their number (conditions below 8).
 
 Both are tabulated at the levels of W of the near field, over W^power; the blocks of K between levels follow by the same
 cubic, as they depend on the near field linearly, those of the preconditioner from the nearest level.
