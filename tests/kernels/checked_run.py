@@ -35,6 +35,8 @@ POINTER = re.compile(
 )
 NEXT_POINTER = re.compile(r",\s*\*\s*(?=\w+\s*=)")
 DATA = re.compile(r"(?<![\w.])([A-Za-z_][\w.]*)\.data\b")
+REGISTERS = re.compile(r"#ifdef __CUDACC__\n\s*typedef double part;(?P<one>[^\n]*)\n#else.*?#endif\n", re.DOTALL)
+CAST = re.compile(r"\((?:const )?double\s*\*\)")
 FROM_THE_END = re.compile(r">= -(i?arr\.shape\[\d\])")
 SAMPLE_SIZE = 5
 
@@ -64,6 +66,8 @@ def check_pointers(module: Any) -> None:
 
 def with_checked_pointers(name: str, snippet: str) -> str:
     text = re.sub(r"//[^\n]*", "", snippet)
+    if REGISTERS.search(text):  # by single numbers, as on a GPU
+        text = CAST.sub("", re.sub(r"\bpart\b", "double", REGISTERS.sub(r"\g<one>\n", text)))
     text = DATA.sub(rf'checked::data(\1, "{name}: \1", 0)', text)
     text = POINTER.sub(lambda m: f"{m['fixed'] or ''}checked::Pointer<{m['const'] or ''}{m['type']}> ", text)
     return NEXT_POINTER.sub(", ", text)

@@ -15,6 +15,7 @@ from warpffrf.online.worlds import side_by_side
 
 RUNS = (
     "chain, projected", "bead", "wheel", "plates", "rollers, asperities", "rollers, patch with friction",
+    "rollers, patch of many cells with friction",
     "three rollers, friction", "ball, impulsive and exact", "roller in a ring, friction", "journal, both yield",
     "small sliding", "too deep", "too fast",
 )  # fmt: skip

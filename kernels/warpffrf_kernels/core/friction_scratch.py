@@ -70,9 +70,6 @@ class FrictionSolve:
     cell_bordered: DeviceArray = reals(
         "world", "friction_pair", "2*cell", "coupled", note="L with the pressures' answer", carried=True, flat=True
     )
-    cell_V: DeviceArray = reals(
-        "world", "friction_pair", "2*cell", "coupled", note="retained increments by tractions", carried=True, flat=True
-    )
     cell_diagonal: DeviceArray = reals(
         "world", "friction_pair", "cell", 3, unit="m/Pa", note="of K: 00, 01, 11", carried=True, flat=True
     )
@@ -94,10 +91,14 @@ class FrictionSolve:
     cell_direction: DeviceArray = reals("world", "friction_pair", "2*cell", carried=True, flat=True)
     cell_curvature: DeviceArray = reals("world", "friction_pair", "cell", carried=True, flat=True)
     cell_slope: DeviceArray = reals("world", "friction_pair", "cell", note="lambda, see `interior_point`", flat=True)
+    cell_inside: DeviceArray = reals("world", 2)
     cell_order: DeviceArray = integers("world", "friction_pair", "2*cell", carried=True, flat=True)
     cell_sliding: DeviceArray = integers("world", "friction_pair", "2*cell", carried=True, flat=True)
     cell_outcome: DeviceArray = reals("world", 4)
-    cell_inside: DeviceArray = reals("world", 2)
+    cell_start: DeviceArray = reals(
+        "world", "friction_pair", "2*cell", unit="Pa", note="tractions before a step of Newton", flat=True
+    )
+    cell_start_slip: DeviceArray = reals("world", "friction_pair", "2*cell", unit="m", flat=True)
     cell_solution: DeviceArray = reals("world", "friction_pair", "2*cell", flat=True)
     cell_U: DeviceArray = reals(
         "world", "block_pair", "2*cell", "2*cell", note="factor of the free coordinates", carried=True, flat=True
@@ -133,7 +134,7 @@ class FrictionSolve:
 
 @topic
 class StripSolve:
-    """Solution for the tractions by products over strips, see `rolling.traction_solve`."""
+    """Solution for the tractions by products over strips, see `rolling.strip_system`."""
 
     strip_laid: DeviceArray = reals("world", "strip_pair", 1, unit="m", note="W of the next", carried=True)
     strip_spectrum: DeviceArray = reals(
@@ -145,7 +146,7 @@ class StripSolve:
     strip_frame: DeviceArray = reals(
         "world", "strip_pair", "cell", 8, note="see `rolling.cell_frames`", carried=True, flat=True
     )
-    strip_ready: DeviceArray = integers("strip_world", note="1: frames and Z are those of the present L", carried=True)
+    strip_ready: DeviceArray = integers("world", note="1: frames and Z are those of the present L", carried=True)
     strip_residual: DeviceArray = reals("world", "strip_pair", "2*cell", unit="m", flat=True)
     strip_step: DeviceArray = reals("world", "strip_pair", "2*cell", unit="Pa", flat=True)
     strip_direction: DeviceArray = reals("world", "strip_pair", "2*cell", unit="Pa", flat=True)
@@ -163,9 +164,6 @@ class SlipSpeedSolve:
     )
     speed_L: DeviceArray = reals(
         "world", "speed_pair", "2*speed_cell", "coupled", instead="cell_bordered", carried=True, flat=True
-    )
-    speed_V: DeviceArray = reals(
-        "world", "speed_pair", "2*speed_cell", "coupled", instead="cell_V", carried=True, flat=True
     )
     speed_diagonal: DeviceArray = reals(
         "world", "speed_pair", "speed_cell", 3, unit="m/Pa", instead="cell_diagonal", carried=True, flat=True

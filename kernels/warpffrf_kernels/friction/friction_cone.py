@@ -1,4 +1,4 @@
-"""Weak slips r = r_0 + K tau + softness tau of all cells for trial tractions, and their defect from the friction law.
+"""States of the cells for trial tractions and their slips r, and the defect of the tractions from the friction law.
 
 The defect of a cell is the distance of its traction from the point of its disc that corresponds to its slip,
 
@@ -10,7 +10,7 @@ import warp as wp
 from warpffrf_kernels.core.friction_scratch import FrictionSolve, SlipSpeedSolve
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
-from warpffrf_kernels.friction.cell_blocks import COUNT, add_slips, first_line
+from warpffrf_kernels.friction.cell_blocks import COUNT
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -18,40 +18,6 @@ DEFECT = wp.constant(0)  # columns of `outcome`: the largest defect,
 LARGEST = wp.constant(1)  # the largest bound,
 CHANGED = wp.constant(2)  # 1 if the kind of a cell differs from that of the present factorisation,
 JUMPED = wp.constant(3)  # 1 if sliding cells are not on their circles yet
-
-
-@wp.func
-def add_soft_slips(
-    model: Model, w: int, lane: int, tangential: FrictionSolve, slopes: SlipSpeedSolve, softness: wp.array(dtype=real),
-    x: wp.array(dtype=real),
-):  # fmt: skip
-    """slip += (K + softness) x."""
-    pair = int(0)
-    while pair < model.pairs.count:
-        line = first_line(model, w, pair) + lane
-        end = first_line(model, w, pair) + 2 * tangential.cell_block[w, pair, COUNT]
-        while line < end:
-            tangential.cell_slip[line] = tangential.cell_slip[line] + softness[line / 2] * x[line]
-            line += wp.block_dim()
-        pair += 1
-    sync()
-    add_slips(
-        model, w, lane, real(1.0), tangential, slopes.speed_D, slopes.speed_L, slopes.speed_M, x, tangential.cell_slip
-    )
-
-
-@wp.func
-def find_slips(
-    model: Model, w: int, lane: int, tangential: FrictionSolve, slopes: SlipSpeedSolve, softness: wp.array(dtype=real)
-):
-    """r of the tractions."""
-    all = model.pairs.count * 2 * model.capacity.cells
-    line = lane
-    while line < all:
-        tangential.cell_slip[w * all + line] = slopes.speed_right[w * all + line]
-        line += wp.block_dim()
-    sync()
-    add_soft_slips(model, w, lane, tangential, slopes, softness, slopes.speed_tau)
 
 
 # Sticking (1), sliding (2) and unloaded (0) cells of a pair, and the points to which sliding ones are moved; by one
@@ -130,17 +96,3 @@ def sort_cells(
     if tangential.cell_outcome[w, LARGEST] > real(0.0):
         return tangential.cell_outcome[w, DEFECT] / tangential.cell_outcome[w, LARGEST]
     return real(0.0)
-
-
-@wp.func
-def judge_cells(
-    model: Model, w: int, lane: int, tangential: FrictionSolve, slopes: SlipSpeedSolve, radius: wp.array(dtype=real),
-    softness: wp.array(dtype=real),
-) -> real:  # fmt: skip
-    """Slips of the tractions, kinds of the cells, and the right-hand side of the reduced system: the slips after
-    sliding cells have been moved to their circles. Returns the defect of the tractions."""
-    find_slips(model, w, lane, tangential, slopes, softness)
-    defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
-    if tangential.cell_outcome[w, JUMPED] != real(0.0):
-        add_soft_slips(model, w, lane, tangential, slopes, softness, tangential.cell_jump)
-    return defect

@@ -1,4 +1,4 @@
-"""Tractions near the solution of the stick-slip problem (`stick_slip_solve`), from any start.
+"""Tractions near the solution of the stick-slip problem (`rolling.traction_solve`), from any start.
 
 On a body that rotates freely, which all tractions move together, by 1e4 times as much as they displace each other,
 Newton's method alternates between all cells sliding one way and all sliding the other. With
@@ -12,14 +12,8 @@ negative; about ten of them suffice (the primal-dual method of convex programs).
 
 import warp as wp
 
-from warpffrf_kernels.core.friction_scratch import FrictionSolve, SlipSpeedSolve
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
-from warpffrf_kernels.core.scratch import RetainedSystem
-from warpffrf_kernels.friction.cell_blocks import COUNT, FREE
-from warpffrf_kernels.friction.friction_cone import find_slips, sort_cells
-from warpffrf_kernels.friction.reduced_system import factor_reduced, solve_reduced
-from warpffrf_kernels.linear.sparse_factor import Pattern
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -58,25 +52,44 @@ def begin_inside(
 ): ...
 
 
-# The block of a step over both lines of all loaded cells of a pair, and their lines of L. Returns their number, and
-# adds to the sum of lambda c.
+# Lines of the loaded cells of a pair, and the sum of their lambda c. Returns their number.
 @wp.func_native("""
-    const size_t here = (size_t)w * model.pairs.count + pair; const int cap = 2 * model.capacity.cells;
-    const int width = model.pairs.coupled_capacity, coupled = model.pairs.coupled_count.data[pair];
-    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
-    const double *A = D.data + here * cap * cap, *x = tau.data + here * cap, *b = radius.data + here * cap / 2;
-    const double *soft = softness.data + here * cap / 2, *lambda = slope.data + here * cap / 2;
-    int* list = order.data + here * cap;
-    double* U = work.data + here * cap * cap;
+    const size_t here = (size_t)w * model.pairs.count + pair; const int cap = model.capacity.cells;
+    const double *x = tau.data + here * 2 * cap, *b = radius.data + here * cap, *lambda = slope.data + here * cap;
+    int* list = order.data + here * 2 * cap;
     int m = 0; double sum = 0.0;
     for (int i = 0; i < count; ++i) if (b[i] > 0.0) {  // every lane counts for itself, in the same order
-        if (lane == 0) { list[m] = 2 * i; list[m + 1] = 2 * i + 1; }
+        if (WP_TILE_THREAD_IDX == 0) { list[m] = 2 * i; list[m + 1] = 2 * i + 1; }
         sum += lambda[i] * 0.5 * (b[i] * b[i] - x[2 * i] * x[2 * i] - x[2 * i + 1] * x[2 * i + 1]);
         m += 2;
     }
     WP_TILE_SYNC();
-    if (lane == 0) inside.data[(size_t)w * 2] += sum;
-    for (int u = lane; u < m; u += lanes) {
+    if (WP_TILE_THREAD_IDX == 0) inside.data[(size_t)w * 2] += sum;
+    return m;
+""")
+def order_inside(
+    model: Model,
+    w: int,
+    pair: int,
+    count: int,
+    radius: wp.array(dtype=real),
+    tau: wp.array(dtype=real),
+    slope: wp.array(dtype=real),
+    order: wp.array(dtype=int),
+    inside: wp.array2d(dtype=real),
+) -> int: ...
+
+
+# The block of a step over the m lines of all loaded cells of a pair, and their lines of L.
+@wp.func_native("""
+    const size_t here = (size_t)w * model.pairs.count + pair; const int cap = 2 * model.capacity.cells;
+    const int width = model.pairs.coupled_capacity, coupled = model.pairs.coupled_count.data[pair];
+    const double *A = D.data + here * cap * cap, *x = tau.data + here * cap, *b = radius.data + here * cap / 2;
+    const double *soft = softness.data + here * cap / 2, *lambda = slope.data + here * cap / 2;
+    const int* list = order.data + here * cap;
+    double* U = work.data + here * cap * cap;
+    WP_TILE_SYNC();
+    for (int u = WP_TILE_THREAD_IDX; u < m; u += WP_TILE_BLOCK_DIM) {
         const int p = list[u], i = p / 2;
         const double room = 0.5 * (b[i] * b[i] - x[2 * i] * x[2 * i] - x[2 * i + 1] * x[2 * i + 1]);
         double* row = U + (size_t)u * cap;
@@ -87,13 +100,12 @@ def begin_inside(
         for (int c = 0; c < coupled; ++c) border[c] = l[c];
     }
     WP_TILE_SYNC();
-    return m;
 """)
 def fill_inside(
     model: Model,
     w: int,
     pair: int,
-    count: int,
+    m: int,
     D: wp.array(dtype=real),
     L: wp.array(dtype=real),
     radius: wp.array(dtype=real),
@@ -103,8 +115,7 @@ def fill_inside(
     order: wp.array(dtype=int),
     work: wp.array(dtype=real),
     W: wp.array(dtype=real),
-    inside: wp.array2d(dtype=real),
-) -> int: ...
+): ...
 
 
 # Right-hand side -r - (mu/c) tau of a pair.
@@ -171,62 +182,26 @@ def go_inside(
 ): ...
 
 
-@wp.func
-def come_near(
-    model: Model, p: Pattern, w: int, lane: int, wanted: real, held: int, tangential: FrictionSolve,
-    slopes: SlipSpeedSolve, radius: wp.array(dtype=real), softness: wp.array(dtype=real), system: RetainedSystem,
-) -> int:  # fmt: skip
-    """Tractions near the solution, up to a defect of `wanted`; returns the number of steps."""
-    pair = int(0)
-    while pair < model.pairs.count:
-        begin_inside(
-            model, w, pair, tangential.cell_block[w, pair, COUNT], slopes.speed_diagonal, slopes.speed_right, radius,
-            slopes.speed_tau, tangential.cell_slip, tangential.cell_slope,
-        )  # fmt: skip
-        pair += 1
-    n = int(0)
-    defect = real(1.0)
-    bad = int(0)
-    while n < STEPS and defect > wanted and bad == 0:
-        sync()
-        if lane == 0:
-            tangential.cell_inside[w, MU] = real(0.0)
-            tangential.cell_inside[w, LENGTH] = real(1.0)
-        sync()
-        all = int(0)
-        pair = int(0)
-        while pair < model.pairs.count:
-            m = fill_inside(
-                model, w, pair, tangential.cell_block[w, pair, COUNT], slopes.speed_D, slopes.speed_L, radius, softness,
-                slopes.speed_tau, tangential.cell_slope, tangential.cell_order, tangential.cell_U, tangential.cell_W,
-                tangential.cell_inside,
-            )  # fmt: skip
-            if lane == 0:
-                tangential.cell_block[w, pair, FREE] = m
-            all += m
-            pair += 1
-        sync()
-        n += 1
-        mu = CENTRED * real(2.0) * tangential.cell_inside[w, MU] / wp.max(real(all), real(1.0))
-        bad = factor_reduced(model, p, w, tangential, slopes)
-        pair = int(0)
-        while pair < model.pairs.count:
-            pose_inside(
-                model, w, pair, tangential.cell_block[w, pair, FREE], mu, radius, slopes.speed_tau,
-                tangential.cell_slip, tangential.cell_order, tangential.cell_solution,
-            )  # fmt: skip
-            pair += 1
-        bad += solve_reduced(model, p, w, lane, 1, held, tangential, system)
-        if bad == 0:
-            for move in range(2):
-                pair = int(0)
-                while pair < model.pairs.count:
-                    go_inside(
-                        model, w, pair, tangential.cell_block[w, pair, FREE], mu, WITHIN, move, radius,
-                        tangential.cell_order, tangential.cell_solution, slopes.speed_tau, tangential.cell_slope,
-                        tangential.cell_inside,
-                    )  # fmt: skip
-                    pair += 1
-            find_slips(model, w, lane, tangential, slopes, softness)
-            defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
-    return n
+# By line <- by order, zero elsewhere; `back`: by order <- by line.
+@wp.func_native("""
+    const size_t at = ((size_t)w * model.pairs.count + pair) * 2 * model.capacity.cells;
+    const int* list = order.data + at;
+    WP_TILE_SYNC();
+    if (!back) for (int l = WP_TILE_THREAD_IDX; l < 2 * count; l += WP_TILE_BLOCK_DIM) lines.data[at + l] = 0.0;
+    WP_TILE_SYNC();
+    for (int u = WP_TILE_THREAD_IDX; u < m; u += WP_TILE_BLOCK_DIM) {
+        if (back) ordered.data[at + u] = lines.data[at + list[u]]; else lines.data[at + list[u]] = ordered.data[at + u];
+    }
+    WP_TILE_SYNC();
+""")
+def spread_order(
+    model: Model,
+    w: int,
+    pair: int,
+    count: int,
+    m: int,
+    back: int,
+    order: wp.array(dtype=int),
+    ordered: wp.array(dtype=real),
+    lines: wp.array(dtype=real),
+): ...

@@ -78,8 +78,8 @@ def invert_retained(
         c += 1
 
 
-# V = L M over the coupled columns of a pair, and the 2 x 2 blocks D + V L^T of its cells; `own`: M between these
-# columns, scratch. Lanes over the columns.
+# The 2 x 2 blocks D + L M L^T of the cells of a pair; `own`: M between its coupled columns, scratch. Lanes over the
+# cells.
 @wp.func_native("""
     const int width = model.pairs.coupled_capacity, stride = 2 * model.capacity.cells, N = model.retained.count;
     const int count = model.pairs.coupled_count.data[pair], lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
@@ -91,33 +91,22 @@ def invert_retained(
         for (int d = lane; d < count; d += lanes) m0[(size_t)c * width + d] = row[column[d]];
     }
     WP_TILE_SYNC();
-    for (int i = 0; i < lines; ++i) {
-        const double* l = L.data + (here * stride + i) * width;
-        double* __restrict v = V.data + (here * stride + i) * width;
-        for (int d = lane; d < count; d += lanes) v[d] = 0.0;
-        int c = 0;
-        for (; c + 3 < count; c += 4) {
-            const double *a = m0 + (size_t)c * width, *b = a + width, *e = b + width, *f = e + width;
-            const double p = l[c], q = l[c + 1], r = l[c + 2], s = l[c + 3];
-            for (int d = lane; d < count; d += lanes) v[d] += p * a[d] + q * b[d] + r * e[d] + s * f[d];
-        }
-        for (; c < count; ++c) { const double* a = m0 + (size_t)c * width; const double p = l[c];
-            for (int d = lane; d < count; d += lanes) v[d] += p * a[d]; }
-    }
-    WP_TILE_SYNC();
     for (int i = lane; i < lines / 2; i += lanes) {
-        const double *v = V.data + (here * stride + 2 * i) * width, *l = L.data + (here * stride + 2 * i) * width;
+        const double *l0 = L.data + (here * stride + 2 * i) * width, *l1 = l0 + width;
         const double* d = D.data + (here * stride + 2 * i) * stride + 2 * i;
-        double k00 = d[0], k01 = d[1], k11 = d[stride + 1];
+        double k00 = d[0], k01 = d[1], k11 = d[stride + 1], u[512], v[512];  // MOST_COUPLED_COLUMNS
+        for (int e = 0; e < count; ++e) u[e] = v[e] = 0.0;
         for (int c = 0; c < count; ++c) {
-            k00 += v[c] * l[c]; k01 += v[c] * l[width + c]; k11 += v[width + c] * l[width + c];
+            const double* a = m0 + (size_t)c * width; const double p = l0[c], q = l1[c];
+            if (p != 0.0 || q != 0.0) for (int e = 0; e < count; ++e) { u[e] += p * a[e]; v[e] += q * a[e]; }
         }
+        for (int e = 0; e < count; ++e) { k00 += u[e] * l0[e]; k01 += u[e] * l1[e]; k11 += v[e] * l1[e]; }
         double* k = diagonal.data + (here * stride / 2 + i) * 3;
         k[0] = k00; k[1] = k01; k[2] = k11;
     }
     WP_TILE_SYNC();
 """)
-def move_pair(
+def find_diagonal(
     model: Model,
     w: int,
     pair: int,
@@ -126,20 +115,19 @@ def move_pair(
     L: wp.array(dtype=real),
     M: wp.array(dtype=real),
     own: wp.array(dtype=real),
-    V: wp.array(dtype=real),
     diagonal: wp.array(dtype=real),
 ): ...
 
 
 @kernel
 def diagonal_blocks(run: Run, tangential: FrictionSolve):
-    """Per (world, pair): effect of each cell's tractions on the retained coordinates and on its own slip, if new."""
+    """Per (world, pair): effect of the tractions of each cell on its own slip, if new."""
     w, pair, _lane = wp.tid()
     model = run.models[w]
     lines = 2 * tangential.cell_block[w, pair, COUNT]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, RENEWED] == 0 or lines == 0:
         return
-    move_pair(
+    find_diagonal(
         model, w, pair, lines, tangential.cell_D, tangential.cell_bordered, tangential.friction_receptance,
-        tangential.friction_receptance_own, tangential.cell_V, tangential.cell_diagonal,
+        tangential.friction_receptance_own, tangential.cell_diagonal,
     )  # fmt: skip

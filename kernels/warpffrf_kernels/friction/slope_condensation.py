@@ -20,7 +20,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
 from warpffrf_kernels.core.scratch import ImpulsiveContact
 from warpffrf_kernels.friction.cell_blocks import COUNT, add_slips, block_of, borders_of, first_line
 from warpffrf_kernels.friction.pressure_response import OPEN, RENEWED, ROUND
-from warpffrf_kernels.friction.receptance import move_pair
+from warpffrf_kernels.friction.receptance import find_diagonal
 from warpffrf_kernels.friction.slip_speed import MARK, MILDER, SHORTER, share_of, speed_of
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -343,9 +343,9 @@ def pose_slopes(
                 slopes.speed_right[start + 2 * i + d] = tangential.cell_right[start + 2 * i + d]
             i += wp.block_dim()
         if count > 0:
-            move_pair(
+            find_diagonal(
                 model, w, pair, 2 * count, slopes.speed_D, slopes.speed_L, slopes.speed_M, slopes.speed_own,
-                slopes.speed_V, slopes.speed_diagonal,
+                slopes.speed_diagonal,
             )  # fmt: skip
         pair += 1
     sync()

@@ -20,7 +20,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, weighted
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem
 from warpffrf_kernels.core.state import ContactState, FrictionState
-from warpffrf_kernels.friction.cell_blocks import COUNT, add_slips, borders_of, first_line
+from warpffrf_kernels.friction.cell_blocks import COUNT, borders_of, first_line
 from warpffrf_kernels.friction.cell_forces import creep_softness
 from warpffrf_kernels.friction.cells import cell_at
 from warpffrf_kernels.friction.pressure_response import OPEN
@@ -90,18 +90,6 @@ def pose_tractions(
     follow_columns(
         model, w, pair, 2 * count, real(1.0), tangential.cell_L, borders_of(model, w, pair), system.z,
         tangential.cell_right, start,
-    )  # fmt: skip
-
-
-@kernel
-def take_off_base(run: Run, tangential: FrictionSolve):
-    """Per world: subtracts K tau_base from the right-hand side."""
-    w, lane = wp.tid()
-    if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
-        return
-    add_slips(
-        run.models[w], w, lane, real(-1.0), tangential, tangential.cell_D, tangential.cell_bordered,
-        tangential.friction_receptance, tangential.cell_base, tangential.cell_right,
     )  # fmt: skip
 
 

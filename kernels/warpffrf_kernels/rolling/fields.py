@@ -19,7 +19,7 @@ import warp as wp
 
 from warpffrf_kernels.core.contact_scratch import ContactFields, PatchScratch, RollingScratch
 from warpffrf_kernels.core.declaration import kernel
-from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve
+from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve, StripSolve
 from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
@@ -33,6 +33,7 @@ from warpffrf_kernels.patch.fields import add_splines, half_of, rows_of, sum_lin
 from warpffrf_kernels.patch.spline_tables import line_of, real_side
 from warpffrf_kernels.rolling.shear import STRIPS_AROUND, near_along, open_near, shear_line
 from warpffrf_kernels.rolling.spline_tables import half_along, load_side, read_side, sum_along, table_along, trace_along
+from warpffrf_kernels.rolling.strips import multiply_half_spaces
 from warpffrf_kernels.surfaces.fields import clear_field
 from warpffrf_kernels.surfaces.surface import radius_of
 
@@ -70,6 +71,7 @@ def load_along(run: Run, friction: FrictionState, cells: FrictionCells, patch: P
     line = line_of(rows)
     places = elements.patches.places
     here = (w * model.pairs.count + pair) * 4 * places
+    clear_field(lane, 4 * places, here, rolling.place_none)
     e = lane
     while e < elements.patches.columns[pair] * line:
         t_1 = real(0.0)
@@ -217,7 +219,7 @@ def curvature_along(model: Model, s: int, z: real, x: real, y: real) -> real:
 
 @kernel
 def move_cells(
-    run: Run, trial: Trial, patch: PatchScratch, rubbing: FrictionCells, rolling: RollingScratch,
+    run: Run, trial: Trial, patch: PatchScratch, rubbing: FrictionCells, rolling: RollingScratch, strips: StripSolve,
     patch_pressure: wp.array(dtype=real),
 ):  # fmt: skip
     """Per (world, pair), lanes over splines, then cells: e by local modes, total e [m], and the outward displacements
@@ -287,12 +289,33 @@ def move_cells(
     )  # fmt: skip
     # near field, and the difference of both sides per area
     rings = elements.rolling.ring_rows[pair]
-    near_along(
-        model, elements, w, pair, rows, shear_line(rows, rings), STRIPS_AROUND, 0, elements.patches.columns[pair],
-        rings, rows, rolling.shear_near, rolling.place_traction, patch_pressure, rolling.near_shift,
-            here * 2 * grid_nodes,
-        grid_nodes,
-    )  # fmt: skip
+    if elements.rolling.strips == 0:
+        near_along(
+            model, elements, w, pair, rows, shear_line(rows, rings), STRIPS_AROUND, 0, elements.patches.columns[pair],
+            rings, rows, rolling.shear_near, rolling.place_traction, patch_pressure, rolling.near_shift,
+            here * 2 * grid_nodes, grid_nodes,
+        )  # fmt: skip
+    else:
+        places = elements.patches.places
+        multiply_half_spaces(
+            model, elements, w, pair, strips, rolling.place_traction, here * 4 * places, strips.strip_out,
+            here * 2 * places,
+        )  # fmt: skip
+        if elements.rolling.coupled[pair] != 0:
+            near_along(
+                model, elements, w, pair, rows, shear_line(rows, rings), STRIPS_AROUND, 0,
+                elements.patches.columns[pair], rings, rows, rolling.shear_near, rolling.place_none, patch_pressure,
+                rolling.near_shift, here * 2 * grid_nodes, grid_nodes,
+            )  # fmt: skip
+        m = lane
+        while m < 2 * cells:
+            at = (here * 2 + m / cells) * grid_nodes + m % cells
+            value = strips.strip_out[(here * 2 + m / cells) * places + m % cells / rows * line_of(rows) + m % rows]
+            if elements.rolling.coupled[pair] != 0:
+                value += rolling.near_shift[at]
+            rolling.near_shift[at] = value
+            m += wp.block_dim()
+    sync()
     m = lane
     while m < cells:
         area = rubbing.cell_area[w, pair, m]
@@ -353,8 +376,8 @@ def press_slips(
     run: Run, contact: ContactState, fields: ContactFields, cells: FrictionCells, patch: PatchScratch,
     rolling: RollingScratch,
 ):  # fmt: skip
-    """Per (world, pair), lanes over places, splines, cells: change of the slips due to the change of the pressures [m].
-    place_none: zero tractions."""
+    """Per (world, pair), lanes over places, splines, cells: change of the slips due to the change of the pressures
+    [m]."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or not rubs_on_patch(model, pair):
@@ -375,13 +398,7 @@ def press_slips(
                 value += contact.pressure[w, pair, m]
         rolling.place_change[here * places + e] = value
         e += wp.block_dim()
-    m = lane
-    while m < 4 * wp.max(places, grid_nodes):
-        if m < 4 * places:
-            rolling.place_none[here * 4 * places + m] = real(0.0)
-        if m < 4 * grid_nodes:
-            rolling.weak_shift[here * 4 * grid_nodes + m] = real(0.0)
-        m += wp.block_dim()
+    clear_field(lane, 4 * grid_nodes, here * 4 * grid_nodes, rolling.weak_shift)
     sync()
     for side in range(2):
         s = real_side(elements, pair, side)

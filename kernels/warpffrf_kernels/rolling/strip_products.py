@@ -1,5 +1,8 @@
-"""Products with the compliance of tractions, without a matrix: half-spaces by strips, far fields and condensed modes by
-their splines (`traction_solve`).
+r"""Products with the compliance of tractions, K = D + L M L^T (`friction.cell_blocks`), without a matrix.
+
+Half-spaces act by strips (`strips`), far fields and condensed modes by their splines,
+
+    D = H_tt + P (S_tt + Phi_t sigma^-1 Phi_t^T) P^T of A + Q (the same of B) Q^T.
 """
 
 import warp as wp
@@ -25,7 +28,7 @@ def soft_at(model: Model, elements: Elements, w: int, pair: int, side: int) -> i
     return ((w * model.pairs.count + pair) * 2 + side) * 4 * nodes * nodes
 
 
-@wp.func
+@wp.func(inline=False)
 def add_product(
     model: Model, elements: Elements, w: int, pair: int, part: real, cells: FrictionCells, patch: PatchScratch,
     rolling: RollingScratch, tangential: FrictionSolve, strips: StripSolve, x: wp.array(dtype=real),
@@ -35,7 +38,8 @@ def add_product(
     count = tangential.cell_block[w, pair, COUNT]
     rows = model.surfaces.rows[model.pairs.first[pair]]
     place_cells(model, elements, w, pair, count, rows, tangential.cell_slot, x, strips.strip_place)
-    multiply_half_spaces(model, elements, w, pair, strips)
+    at = (w * model.pairs.count + pair) * 2 * elements.patches.places
+    multiply_half_spaces(model, elements, w, pair, strips, strips.strip_place, at, strips.strip_out, at)
     take_cells(model, elements, w, pair, count, rows, part, tangential.cell_slot, strips.strip_out, y)
     for side in range(2):
         s = real_side(elements, pair, side)
@@ -56,7 +60,7 @@ def add_product(
             )  # fmt: skip
 
 
-@wp.func
+@wp.func(inline=False)
 def add_all(
     model: Model, w: int, lane: int, part: real, cells: FrictionCells, patch: PatchScratch, rolling: RollingScratch,
     tangential: FrictionSolve, strips: StripSolve, x: wp.array(dtype=real), y: wp.array(dtype=real),

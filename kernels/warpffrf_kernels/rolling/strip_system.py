@@ -1,4 +1,14 @@
-"""Systems in the free coordinates of all cells, solved by conjugate gradients; equations: `traction_solve`."""
+r"""Steps of Newton's method for the tractions of large patches (`traction_solve`), by products over strips.
+
+A step is a system P_f (K + Lambda) P_f x = rhs in the free coordinates (`cell_frames`), solved by conjugate gradients.
+The preconditioner is that of the constrained system with D replaced by the inverse of P_f S W S P_f, W that of the
+half-spaces alone: with Z = P_f S W S P_f L and B = M^-1,
+
+    g = P_f S W S P_f rho - Z zeta,      (B + L^T Z) zeta = Z^T rho,
+
+so that M L^T g = zeta: the retained increments follow without M, and the number of iterations depends neither on soft
+motions nor on how many pairs there are. B + L^T Z is sparse (`friction.reduced_system`).
+"""
 
 import warp as wp
 
@@ -12,7 +22,15 @@ from warpffrf_kernels.linear.block_elimination import follow_columns, push_colum
 from warpffrf_kernels.linear.retained_solve import solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.normal.pair_elimination import add_borders
-from warpffrf_kernels.rolling.cell_frames import frame_cells, frames_hold, place_scaled, restrict, take_scaled
+from warpffrf_kernels.rolling.cell_frames import (
+    frame_cells,
+    frames_hold,
+    move_framed,
+    place_scaled,
+    pose_framed,
+    restrict,
+    take_scaled,
+)
 from warpffrf_kernels.rolling.strip_products import add_product
 from warpffrf_kernels.rolling.strips import inverse_at, multiply_inverse
 from warpffrf_kernels.surfaces.fields import clear_field
@@ -86,7 +104,7 @@ def product_of_borders(
 ): ...
 
 
-@wp.func
+@wp.func(inline=False)
 def prepare(
     model: Model, p: Pattern, w: int, lane: int, by_slope: int, patch: PatchScratch, tangential: FrictionSolve,
     slopes: SlipSpeedSolve, strips: StripSolve, radius: wp.array(dtype=real), softness: wp.array(dtype=real),
@@ -187,7 +205,7 @@ def precondition(
     return bad
 
 
-@wp.func
+@wp.func(inline=False)
 def iterate(
     model: Model, p: Pattern, w: int, lane: int, fresh: int, reduction: real, held: int, cells: FrictionCells,
     patch: PatchScratch, rolling: RollingScratch, tangential: FrictionSolve, strips: StripSolve,
@@ -284,3 +302,43 @@ def iterate(
             sync()
             n += 1
     return n
+
+
+@wp.func(inline=False)
+def step_on_strips(
+    model: Model, p: Pattern, w: int, lane: int, reduction: real, held: int, cells: FrictionCells, patch: PatchScratch,
+    rolling: RollingScratch, tangential: FrictionSolve, slopes: SlipSpeedSolve, strips: StripSolve,
+    system: RetainedSystem, radius: wp.array(dtype=real), softness: wp.array(dtype=real),
+) -> int:  # fmt: skip
+    """A step of Newton's method from the slips and kinds of the cells on. 1 if the system is not definite."""
+    renew = int(0)
+    if strips.strip_ready[w] == 0 or frames_are_good(model, w, patch, tangential, strips, softness) == 0:
+        renew = 1
+        prepare(model, p, w, lane, 0, patch, tangential, slopes, strips, radius, softness)
+    sync()
+    if lane == 0:
+        strips.strip_ready[w] = 1
+    cap = model.capacity.cells
+    pair = int(0)
+    while pair < model.pairs.count:
+        pose_framed(
+            model, w, pair, tangential.cell_block[w, pair, COUNT], tangential.cell_direction, tangential.cell_sliding,
+            tangential.cell_slip, strips.strip_frame, strips.strip_residual,
+        )  # fmt: skip
+        start = (w * model.pairs.count + pair) * 2 * cap
+        i = lane
+        while i < tangential.cell_block[w, pair, COUNT]:
+            tangential.cell_sliding[start + cap + i] = tangential.cell_sliding[start + i]  # kinds of this system
+            i += wp.block_dim()
+        pair += 1
+    sync()
+    if iterate(model, p, w, lane, renew, reduction, held, cells, patch, rolling, tangential, strips, system) < 0:
+        return 1
+    pair = int(0)
+    while pair < model.pairs.count:
+        move_framed(
+            model, w, pair, tangential.cell_block[w, pair, COUNT], radius, tangential.cell_direction,
+            tangential.cell_sliding, strips.strip_frame, strips.strip_change, tangential.cell_tau,
+        )  # fmt: skip
+        pair += 1
+    return 0

@@ -182,16 +182,19 @@ def nearest_level(elements: Elements, pair: int, width: real) -> int:
 
 
 @wp.func
-def multiply_half_spaces(model: Model, elements: Elements, w: int, pair: int, strips: StripSolve):
-    """strip_out = K of the half-spaces times strip_place, on A."""
+def multiply_half_spaces(
+    model: Model, elements: Elements, w: int, pair: int, strips: StripSolve, x: wp.array(dtype=real), at_x: int,
+    y: wp.array(dtype=real), at_y: int,
+):  # fmt: skip
+    """y = K of the half-spaces times x, both at places, on A."""
     columns = elements.patches.columns[pair]
     here = w * model.pairs.count + pair
     places = elements.patches.places
     multiply_strips(
         columns, model.surfaces.rows[model.pairs.first[pair]], places, waves_of(columns), real(1.0),
         elements.rolling.wave, elements.rolling.wave_start[pair], strips.strip_spectrum,
-        here * elements.rolling.spectrum_numbers, strips.strip_place, here * 2 * places, strips.strip_work,
-        here * elements.rolling.strip_numbers, strips.strip_out, here * 2 * places,
+        here * elements.rolling.spectrum_numbers, x, at_x, strips.strip_work, here * elements.rolling.strip_numbers, y,
+        at_y,
     )  # fmt: skip
 
 

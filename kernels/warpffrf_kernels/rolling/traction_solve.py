@@ -1,22 +1,32 @@
-r"""Tractions of patches of cells by products over strips: stick and slip of all cells at once, without a matrix.
+r"""Tractions of the cells: simultaneous stick-slip solution of all cells, for given bounds.
 
-The problem is that of `friction.stick_slip_solve`, r = r_0 + K tau in discs, K = D + L M L^T (`friction.cell_blocks`).
-A product with D is the half-spaces by strips (`strips`), far fields and condensed modes by their splines,
+With r(tau) = r_0 + K tau the weak slips due to the tractions, K symmetric positive definite (`cell_compliance`) and all
+other unknowns condensed, Coulomb's law in every cell i reads
 
-    D = H_tt + P (S_tt + Phi_t sigma^-1 Phi_t^T) P^T of A + Q (the same of B) Q^T.
+    |tau_i| <= b_i,     r_i = 0 where |tau_i| < b_i,     r_i = -lambda_i tau_i, lambda_i >= 0 where |tau_i| = b_i,
 
-Each step of the semismooth Newton method, and of the interior-point method that comes near where that does not
-converge, is a system P_f (K + Lambda) P_f x = rhs in the free coordinates (`cell_frames`). It is solved by conjugate
-gradients. The preconditioner is that of the constrained system with D replaced by the inverse of P_f S W S P_f, W that
-of the half-spaces alone: with Z = P_f S W S P_f L and B = M^-1,
+the conditions of the strictly convex problem min f = tau.K tau/2 + r_0.tau over discs: its solution exists and is
+unique (Panagiotopoulos; Kalker's tangential problem). The regularised law adds `area h v_slip/b_i` to the diagonal, a
+cell that the patch has reached during the step its softness (`bounds`).
 
-    g = P_f S W S P_f rho - Z zeta,      (B + L^T Z) zeta = Z^T rho,
+**Newton.** With y_i = tau_i - r_i/c (c the stiffness of the cell's own block) a cell sticks if |y_i| <= b_i and is free
+in both directions. A sliding cell is put on its circle, tau = b d + alpha t with d = y/|y| and t across it, and keeps
+the free coordinate alpha: t.r + lambda alpha = 0 with lambda = -r.d/b, so the reduced matrix stays symmetric positive
+definite. The system is solved by the factors of blocks (`friction.reduced_system`), or for large patches by conjugate
+gradients with products over strips (`strip_system`), loosely while cells change their states.
 
-so that M L^T g = zeta: the retained increments follow without M, and the number of iterations depends neither on soft
-motions nor on how many pairs there are. B + L^T Z is sparse (`friction.reduced_system`).
+**Guard.** Cells may slide to and fro from step to step. After PATIENCE steps that do not halve the defect, the
+tractions are kept in their discs, and each step is shortened to where f is least along it. Discs are convex, so the
+chord to the projected end of the step stays inside; r is linear along it, so no further product is needed:
 
-Tractions begin at those of the last evaluation, sets at what these make of the slips. An iteration takes two products;
-a system about ten to twenty iterations.
+    s = -r(0).dtau / (r(1) - r(0)).dtau,      at most 1.
+
+If f does not fall along a step, one of the projected gradient, P(tau - r/c), takes its place. Near the solution s = 1
+and the steps are Newton's. Where the bodies move so easily that the projection upsets their balance, the steps become
+short; after GUARDED of them an interior-point method comes near (`friction.interior_point`), and Newton goes on.
+
+A solution reduces the defect that it begins with to a FRACTION: the retained iteration around it, which renews bounds
+and slips, reduces its own error less. The last ones, which begin with a small defect, go to the end.
 """
 
 import warp as wp
@@ -27,9 +37,9 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve, SlipSpeedSolve, StripSolve
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem
-from warpffrf_kernels.friction.cell_blocks import COUNT, first_line
+from warpffrf_kernels.friction.cell_blocks import COUNT, FREE, add_slips, first_line
 from warpffrf_kernels.friction.cells import rubs_on_patch
 from warpffrf_kernels.friction.friction_cone import CHANGED, JUMPED, sort_cells
 from warpffrf_kernels.friction.interior_point import (
@@ -39,36 +49,60 @@ from warpffrf_kernels.friction.interior_point import (
     STEPS,
     WITHIN,
     begin_inside,
+    fill_inside,
     go_inside,
+    order_inside,
     pose_inside,
+    spread_order,
 )
 from warpffrf_kernels.friction.pressure_response import RENEWED
+from warpffrf_kernels.friction.reduced_system import factor_reduced, solve_reduced, step_by_blocks
 from warpffrf_kernels.linear.retained_solve import held_motions
 from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.patch.spline_tables import real_side
-from warpffrf_kernels.rolling.cell_frames import move_framed, pose_framed
 from warpffrf_kernels.rolling.shear import STRIPS_AROUND, shear_line
 from warpffrf_kernels.rolling.spline_tables import table_along, trace_along
 from warpffrf_kernels.rolling.strip_products import add_all, soft_at
-from warpffrf_kernels.rolling.strip_system import frames_are_good, iterate, prepare
+from warpffrf_kernels.rolling.strip_system import iterate, prepare, step_on_strips
 from warpffrf_kernels.rolling.system import soften_splines
 
 wp.set_module_options(MODULE_OPTIONS)
 
 SETTLED = wp.constant(wp.float64(1.0e-11))  # of the largest bound: below the tolerance of the retained iteration
-COARSE = wp.constant(wp.float64(0.05))  # reduction of a system while cells change their states
+FRACTION = wp.constant(wp.float64(1.0e-4))  # of the defect at the beginning,
+LATE = wp.constant(wp.float64(1.0e-4))  # unless this is small: the retained iteration is near its end
+SLOW = wp.constant(wp.float64(0.1))  # of the previous defect: an old factor that leaves more is recomputed
+CLOSE = wp.constant(wp.float64(1.0e-2))  # defect below which cells are expected to keep their states
+COARSE = wp.constant(wp.float64(0.05))  # reduction of a system while cells change their states,
+CAREFUL = wp.constant(wp.float64(1.0e-3))  # when the guard is near the end: the least loaded cells decide
 LEAST = wp.constant(wp.float64(1.0e-12))  # reduction, at most
 FINER = wp.constant(wp.float64(0.3))  # of what the present defect needs
-NEWTON = wp.constant(14)  # steps of Newton before it comes near by the interior-point method
-TRIES = wp.constant(4)  # of these
+STALLED = wp.constant(wp.float64(0.5))  # of the least defect: a step that leaves more has stalled
+PATIENCE = wp.constant(3)  # stalled steps before the guard
+GUARDED = wp.constant(12)  # steps with it before the interior-point method
+TURNS = wp.constant(4)  # of all this
 INSIDE = wp.constant(wp.float64(1.0e-3))  # reduction of a system of the interior-point method
-NEAR = wp.constant(wp.float64(1.0e-6))  # of the largest bound: where it ends
+NEAR = wp.constant(wp.float64(1.0e-6))  # of the largest bound: where it ends the first time
+
+
+@wp.func
+def add_compliance(
+    model: Model, w: int, lane: int, part: real, cells: FrictionCells, patch: PatchScratch, rolling: RollingScratch,
+    tangential: FrictionSolve, strips: StripSolve, D: wp.array(dtype=real), L: wp.array(dtype=real),
+    M: wp.array(dtype=real), x: wp.array(dtype=real), y: wp.array(dtype=real),
+):  # fmt: skip
+    """y += part K x over the lines of all pairs, by strips or with the blocks D."""
+    if model.elements[0].rolling.strips != 0:
+        add_all(model, w, lane, part, cells, patch, rolling, tangential, strips, x, y)
+    else:
+        add_slips(model, w, lane, part, tangential, D, L, M, x, y)
 
 
 @wp.func
 def add_soft(
     model: Model, w: int, lane: int, cells: FrictionCells, patch: PatchScratch, rolling: RollingScratch,
-    tangential: FrictionSolve, strips: StripSolve, softness: wp.array(dtype=real), x: wp.array(dtype=real),
+    tangential: FrictionSolve, slopes: SlipSpeedSolve, strips: StripSolve, softness: wp.array(dtype=real),
+    x: wp.array(dtype=real),
 ):  # fmt: skip
     """cell_slip += (K + softness) x."""
     pair = int(0)
@@ -80,58 +114,150 @@ def add_soft(
             line += wp.block_dim()
         pair += 1
     sync()
-    add_all(model, w, lane, real(1.0), cells, patch, rolling, tangential, strips, x, tangential.cell_slip)
+    add_compliance(
+        model, w, lane, real(1.0), cells, patch, rolling, tangential, strips, slopes.speed_D, slopes.speed_L,
+        slopes.speed_M, x, tangential.cell_slip,
+    )  # fmt: skip
 
 
 @wp.func
 def find_slips(
     model: Model, w: int, lane: int, cells: FrictionCells, patch: PatchScratch, rolling: RollingScratch,
-    tangential: FrictionSolve, strips: StripSolve, softness: wp.array(dtype=real),
+    tangential: FrictionSolve, slopes: SlipSpeedSolve, strips: StripSolve, softness: wp.array(dtype=real),
 ):  # fmt: skip
     """r of the tractions."""
     all = model.pairs.count * 2 * model.capacity.cells
     line = lane
     while line < all:
-        tangential.cell_slip[w * all + line] = tangential.cell_right[w * all + line]
+        tangential.cell_slip[w * all + line] = slopes.speed_right[w * all + line]
         line += wp.block_dim()
     sync()
-    add_soft(model, w, lane, cells, patch, rolling, tangential, strips, softness, tangential.cell_tau)
+    add_soft(model, w, lane, cells, patch, rolling, tangential, slopes, strips, softness, slopes.speed_tau)
 
 
-@wp.func
-def judge(
-    model: Model, w: int, lane: int, cells: FrictionCells, patch: PatchScratch, rolling: RollingScratch,
-    tangential: FrictionSolve, slopes: SlipSpeedSolve, strips: StripSolve, radius: wp.array(dtype=real),
+# Tractions of a pair to the nearest points of their discs; `by_gradient`: of those a step along the slips away from
+# `start`. Lanes over the slots.
+@wp.func_native("""
+    const size_t here = (size_t)w * model.pairs.count + pair; const int cap = model.capacity.cells;
+    const double *x = start.data + here * 2 * cap, *r = slip.data + here * 2 * cap, *b = radius.data + here * cap;
+    const double *k = diagonal.data + here * cap * 3, *soft = softness.data + here * cap;
+    double* out = tau.data + here * 2 * cap;
+    WP_TILE_SYNC();
+    for (int i = WP_TILE_THREAD_IDX; i < count; i += WP_TILE_BLOCK_DIM) {
+        double* y = out + 2 * i;
+        if (by_gradient) {
+            const double c = 0.5 * (k[3 * i] + k[3 * i + 2]) + soft[i];
+            y[0] = x[2 * i] - r[2 * i] / c; y[1] = x[2 * i + 1] - r[2 * i + 1] / c;
+        }
+        const double size = ::sqrt(y[0] * y[0] + y[1] * y[1]);
+        if (size > b[i]) { y[0] *= b[i] / size; y[1] *= b[i] / size; }
+    }
+    WP_TILE_SYNC();
+""")
+def confine_pair(
+    model: Model,
+    w: int,
+    pair: int,
+    count: int,
+    by_gradient: int,
+    diagonal: wp.array(dtype=real),
+    radius: wp.array(dtype=real),
     softness: wp.array(dtype=real),
-) -> real:  # fmt: skip
-    """Slips, kinds of the cells, and the slips after sliding cells have been moved to their circles. Returns the defect
-    of the tractions, as a fraction of the largest bound."""
-    find_slips(model, w, lane, cells, patch, rolling, tangential, strips, softness)
-    defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
-    if tangential.cell_outcome[w, JUMPED] != real(0.0):
-        add_soft(model, w, lane, cells, patch, rolling, tangential, strips, softness, tangential.cell_jump)
-    return defect
+    start: wp.array(dtype=real),
+    slip: wp.array(dtype=real),
+    tau: wp.array(dtype=real),
+): ...
 
 
 @wp.func
+def keep_start(model: Model, w: int, lane: int, tangential: FrictionSolve, slopes: SlipSpeedSolve):
+    """The tractions and slips from which a step begins."""
+    all = model.pairs.count * 2 * model.capacity.cells
+    line = lane
+    while line < all:
+        tangential.cell_start[w * all + line] = slopes.speed_tau[w * all + line]
+        tangential.cell_start_slip[w * all + line] = tangential.cell_slip[w * all + line]
+        line += wp.block_dim()
+    sync()
+
+
+@wp.func
+def confine(
+    model: Model, w: int, by_gradient: int, tangential: FrictionSolve, slopes: SlipSpeedSolve,
+    radius: wp.array(dtype=real), softness: wp.array(dtype=real),
+):  # fmt: skip
+    """The tractions of all pairs to the nearest points of their discs."""
+    pair = int(0)
+    while pair < model.pairs.count:
+        confine_pair(
+            model, w, pair, tangential.cell_block[w, pair, COUNT], by_gradient, slopes.speed_diagonal, radius, softness,
+            tangential.cell_start, tangential.cell_start_slip, slopes.speed_tau,
+        )  # fmt: skip
+        pair += 1
+
+
+@wp.func(inline=False)
+def shorten(
+    model: Model, w: int, lane: int, by_gradient: int, cells: FrictionCells, patch: PatchScratch,
+    rolling: RollingScratch, tangential: FrictionSolve, slopes: SlipSpeedSolve, strips: StripSolve,
+    radius: wp.array(dtype=real), softness: wp.array(dtype=real),
+) -> int:  # fmt: skip
+    """The step of the tractions from `cell_start` on, in their discs, to where f is least along it, and the slips
+    there; by_gradient: of the projected gradient instead. Returns 0 if f does not fall."""
+    confine(model, w, by_gradient, tangential, slopes, radius, softness)
+    find_slips(model, w, lane, cells, patch, rolling, tangential, slopes, strips, softness)
+    falls = real(0.0)
+    rises = real(0.0)
+    pair = int(0)
+    while pair < model.pairs.count:
+        at = first_line(model, w, pair)
+        n = 2 * tangential.cell_block[w, pair, COUNT]
+        line = at + lane
+        while line < at + n:
+            tangential.cell_jump[line] = slopes.speed_tau[line] - tangential.cell_start[line]
+            line += wp.block_dim()
+        sync()
+        falls -= dot(n, tangential.cell_start_slip, at, tangential.cell_jump, at)
+        rises += dot(n, tangential.cell_slip, at, tangential.cell_jump, at)
+        pair += 1
+    if not (falls > real(0.0)):
+        return 0
+    part = real(1.0)
+    if rises > real(0.0):
+        part = falls / (falls + rises)
+    sync()
+    pair = int(0)
+    while pair < model.pairs.count:
+        line = first_line(model, w, pair) + lane
+        end = first_line(model, w, pair) + 2 * tangential.cell_block[w, pair, COUNT]
+        while line < end:
+            slip = tangential.cell_start_slip[line]
+            slopes.speed_tau[line] = tangential.cell_start[line] + part * tangential.cell_jump[line]
+            tangential.cell_slip[line] = slip + part * (tangential.cell_slip[line] - slip)
+            line += wp.block_dim()
+        pair += 1
+    sync()
+    return 1
+
+
+@wp.func(inline=False)
 def come_near(
-    model: Model, p: Pattern, w: int, lane: int, held: int, cells: FrictionCells, patch: PatchScratch,
+    model: Model, p: Pattern, w: int, lane: int, held: int, near: real, cells: FrictionCells, patch: PatchScratch,
     rolling: RollingScratch, tangential: FrictionSolve, slopes: SlipSpeedSolve, strips: StripSolve,
     system: RetainedSystem, radius: wp.array(dtype=real), softness: wp.array(dtype=real),
 ) -> int:  # fmt: skip
-    """Tractions near the solution, as `interior_point.come_near`; returns the number of iterations, -1 if a system is
-    not definite."""
+    """Tractions near the solution by the interior-point method, to the defect `near`; returns the number of steps, -1
+    if a system is not definite."""
     pair = int(0)
     while pair < model.pairs.count:
         begin_inside(
-            model, w, pair, tangential.cell_block[w, pair, COUNT], tangential.cell_diagonal, tangential.cell_right,
-            radius, tangential.cell_tau, tangential.cell_slip, tangential.cell_slope,
+            model, w, pair, tangential.cell_block[w, pair, COUNT], slopes.speed_diagonal, slopes.speed_right, radius,
+            slopes.speed_tau, tangential.cell_slip, tangential.cell_slope,
         )  # fmt: skip
         pair += 1
     n = int(0)
-    total = int(0)
     defect = real(1.0)
-    while n < STEPS and defect > NEAR:
+    while n < STEPS and defect > near:
         sync()
         if lane == 0:
             tangential.cell_inside[w, MU] = real(0.0)
@@ -140,116 +266,68 @@ def come_near(
         all = int(0)
         pair = int(0)
         while pair < model.pairs.count:
-            all += order_inside(
-                model, w, pair, tangential.cell_block[w, pair, COUNT], radius, tangential.cell_tau,
-                tangential.cell_slope, tangential.cell_order, tangential.cell_inside,
+            m = order_inside(
+                model, w, pair, tangential.cell_block[w, pair, COUNT], radius, slopes.speed_tau, tangential.cell_slope,
+                tangential.cell_order, tangential.cell_inside,
             )  # fmt: skip
+            if lane == 0:
+                tangential.cell_block[w, pair, FREE] = m
+            all += m
             pair += 1
         sync()
         mu = CENTRED * real(2.0) * tangential.cell_inside[w, MU] / wp.max(real(all), real(1.0))
-        prepare(model, p, w, lane, 1, patch, tangential, slopes, strips, radius, softness)
         pair = int(0)
         while pair < model.pairs.count:
-            loaded = loaded_of(model, w, pair, tangential.cell_block[w, pair, COUNT], radius)
             pose_inside(
-                model, w, pair, loaded, mu, radius, tangential.cell_tau, tangential.cell_slip, tangential.cell_order,
-                tangential.cell_solution,
-            )  # fmt: skip
-            spread_order(
-                model, w, pair, tangential.cell_block[w, pair, COUNT], loaded, 0, tangential.cell_order,
-                tangential.cell_solution, strips.strip_residual,
+                model, w, pair, tangential.cell_block[w, pair, FREE], mu, radius, slopes.speed_tau,
+                tangential.cell_slip, tangential.cell_order, tangential.cell_solution,
             )  # fmt: skip
             pair += 1
-        found = iterate(model, p, w, lane, 1, INSIDE, held, cells, patch, rolling, tangential, strips, system)
-        if found < 0:
+        bad = int(0)
+        if model.elements[0].rolling.strips != 0:
+            prepare(model, p, w, lane, 1, patch, tangential, slopes, strips, radius, softness)
+            pair = int(0)
+            while pair < model.pairs.count:
+                spread_order(
+                    model, w, pair, tangential.cell_block[w, pair, COUNT], tangential.cell_block[w, pair, FREE], 0,
+                    tangential.cell_order, tangential.cell_solution, strips.strip_residual,
+                )  # fmt: skip
+                pair += 1
+            if iterate(model, p, w, lane, 1, INSIDE, held, cells, patch, rolling, tangential, strips, system) < 0:
+                bad = 1
+            pair = int(0)
+            while pair < model.pairs.count:
+                spread_order(
+                    model, w, pair, tangential.cell_block[w, pair, COUNT], tangential.cell_block[w, pair, FREE], 1,
+                    tangential.cell_order, tangential.cell_solution, strips.strip_change,
+                )  # fmt: skip
+                pair += 1
+        else:
+            pair = int(0)
+            while pair < model.pairs.count:
+                fill_inside(
+                    model, w, pair, tangential.cell_block[w, pair, FREE], slopes.speed_D, slopes.speed_L, radius,
+                    softness, slopes.speed_tau, tangential.cell_slope, tangential.cell_order, tangential.cell_U,
+                    tangential.cell_W,
+                )  # fmt: skip
+                pair += 1
+            bad = factor_reduced(model, p, w, tangential, slopes)
+            bad += solve_reduced(model, p, w, lane, 1, held, tangential, system)
+        if bad != 0:
             return -1
-        total += found
-        pair = int(0)
-        while pair < model.pairs.count:
-            spread_order(
-                model, w, pair, tangential.cell_block[w, pair, COUNT],
-                loaded_of(model, w, pair, tangential.cell_block[w, pair, COUNT], radius), 1, tangential.cell_order,
-                tangential.cell_solution, strips.strip_change,
-            )  # fmt: skip
-            pair += 1
         for move in range(2):
             pair = int(0)
             while pair < model.pairs.count:
                 go_inside(
-                    model, w, pair, loaded_of(model, w, pair, tangential.cell_block[w, pair, COUNT], radius), mu,
-                    WITHIN, move, radius, tangential.cell_order, tangential.cell_solution, tangential.cell_tau,
-                    tangential.cell_slope, tangential.cell_inside,
+                    model, w, pair, tangential.cell_block[w, pair, FREE], mu, WITHIN, move, radius,
+                    tangential.cell_order, tangential.cell_solution, slopes.speed_tau, tangential.cell_slope,
+                    tangential.cell_inside,
                 )  # fmt: skip
                 pair += 1
-        find_slips(model, w, lane, cells, patch, rolling, tangential, strips, softness)
+        find_slips(model, w, lane, cells, patch, rolling, tangential, slopes, strips, softness)
         defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
         n += 1
-    return total
-
-
-@wp.func
-def loaded_of(model: Model, w: int, pair: int, count: int, radius: wp.array(dtype=real)) -> int:
-    """Lines of the loaded cells of a pair."""
-    loaded = int(0)
-    i = int(0)
-    while i < count:
-        if radius[(w * model.pairs.count + pair) * model.capacity.cells + i] > real(0.0):
-            loaded += 2
-        i += 1
-    return loaded
-
-
-# Lines of the loaded cells of a pair, and the sum of their lambda c. Returns their number.
-@wp.func_native("""
-    const size_t here = (size_t)w * model.pairs.count + pair; const int cap = model.capacity.cells;
-    const double *x = tau.data + here * 2 * cap, *b = radius.data + here * cap, *lambda = slope.data + here * cap;
-    int* list = order.data + here * 2 * cap;
-    int m = 0; double sum = 0.0;
-    for (int i = 0; i < count; ++i) if (b[i] > 0.0) {  // every lane counts for itself, in the same order
-        if (WP_TILE_THREAD_IDX == 0) { list[m] = 2 * i; list[m + 1] = 2 * i + 1; }
-        sum += lambda[i] * 0.5 * (b[i] * b[i] - x[2 * i] * x[2 * i] - x[2 * i + 1] * x[2 * i + 1]);
-        m += 2;
-    }
-    WP_TILE_SYNC();
-    if (WP_TILE_THREAD_IDX == 0) inside.data[(size_t)w * 2] += sum;
-    return m;
-""")
-def order_inside(
-    model: Model,
-    w: int,
-    pair: int,
-    count: int,
-    radius: wp.array(dtype=real),
-    tau: wp.array(dtype=real),
-    slope: wp.array(dtype=real),
-    order: wp.array(dtype=int),
-    inside: wp.array2d(dtype=real),
-) -> int: ...
-
-
-# By line <- by order, zero elsewhere; `back`: by order <- by line.
-@wp.func_native("""
-    const size_t at = ((size_t)w * model.pairs.count + pair) * 2 * model.capacity.cells;
-    const int* list = order.data + at;
-    WP_TILE_SYNC();
-    if (!back) for (int l = WP_TILE_THREAD_IDX; l < 2 * count; l += WP_TILE_BLOCK_DIM) lines.data[at + l] = 0.0;
-    WP_TILE_SYNC();
-    for (int u = WP_TILE_THREAD_IDX; u < m; u += WP_TILE_BLOCK_DIM) {
-        if (back) ordered.data[at + u] = lines.data[at + list[u]]; else lines.data[at + list[u]] = ordered.data[at + u];
-    }
-    WP_TILE_SYNC();
-""")
-def spread_order(
-    model: Model,
-    w: int,
-    pair: int,
-    count: int,
-    m: int,
-    back: int,
-    order: wp.array(dtype=int),
-    ordered: wp.array(dtype=real),
-    lines: wp.array(dtype=real),
-): ...
+    return n
 
 
 @kernel
@@ -299,105 +377,125 @@ def take_off_base(
     w, lane = wp.tid()
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
-    add_all(
-        run.models[w], w, lane, real(-1.0), cells, patch, rolling, tangential, strips, tangential.cell_base,
-        tangential.cell_right,
+    add_compliance(
+        run.models[w], w, lane, real(-1.0), cells, patch, rolling, tangential, strips, tangential.cell_D,
+        tangential.cell_bordered, tangential.friction_receptance, tangential.cell_base, tangential.cell_right,
     )  # fmt: skip
 
 
+@wp.func
+def wanted(model: Model, defect: real) -> real:
+    """Defect at which a solution ends: not far from the end of the retained iteration, or where the tangents of bounds
+    that depend on slip speeds need all slips (`slip_speed`), at once."""
+    pair = int(0)
+    while pair < model.pairs.count and model.elements[0].slip_speeds.pieces[pair] == 0:
+        pair += 1
+    if pair < model.pairs.count or defect < LATE:
+        return SETTLED
+    return FRACTION * defect
+
+
 @kernel
-def solve_on_strips(
+def solve_tractions(
     run: Run, system: RetainedSystem, cells: FrictionCells, patch: PatchScratch, rolling: RollingScratch,
     tangential: FrictionSolve, slopes: SlipSpeedSolve, strips: StripSolve, patterns: wp.array(dtype=Pattern),
     radius: wp.array(dtype=real), softness: wp.array(dtype=real),
 ):  # fmt: skip
-    """Per world: the tractions of all slots, from an initial guess, in discs of `radius`. If the problem does not
-    converge, the attempt fails."""
+    """Per world: the tractions tau of all slots, from an initial guess, for r = right + K tau + softness tau and discs
+    of `radius`. If the problem does not converge, the attempt fails.
+
+    The factors of the last solution are reused as long as no cell changes its state and each step reduces the defect
+    to a tenth: within a step of time the matrix hardly changes.
+    """
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
     held = held_motions(run.ctl, w, system.hold_count)
-    defect = judge(model, w, lane, cells, patch, rolling, tangential, slopes, strips, radius, softness)
-    n = int(0)
+    factored = run.ctl[w].factored
+    find_slips(model, w, lane, cells, patch, rolling, tangential, slopes, strips, softness)
+    defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
+    settled = wanted(model, defect)
+    least = defect
+    before = real(0.0)
+    stalled = int(0)
+    guarded = int(0)  # steps with the guard
+    turn = int(0)
     bad = int(0)
-    while defect > SETTLED and n < NEWTON * TRIES and bad == 0:
-        if n > 0 and n % NEWTON == 0:
-            if (
-                come_near(
-                    model,
-                    patterns[0],
-                    w,
-                    lane,
-                    held,
-                    cells,
-                    patch,
-                    rolling,
-                    tangential,
-                    slopes,
-                    strips,
-                    system,
-                    radius,
-                    softness,
-                )
-                < 0
-            ):
-                bad = 1
-            if lane == 0:
-                strips.strip_ready[w] = 0
-            defect = judge(model, w, lane, cells, patch, rolling, tangential, slopes, strips, radius, softness)
-        renew = int(0)
-        if strips.strip_ready[w] == 0 or frames_are_good(model, w, patch, tangential, strips, softness) == 0:
-            renew = 1
-            prepare(model, patterns[0], w, lane, 0, patch, tangential, slopes, strips, radius, softness)
-        sync()
-        if lane == 0:
-            strips.strip_ready[w] = 1
-        pair = int(0)
-        while pair < model.pairs.count:
-            pose_framed(
-                model, w, pair, tangential.cell_block[w, pair, COUNT], tangential.cell_direction,
-                tangential.cell_sliding, tangential.cell_slip, strips.strip_frame, strips.strip_residual,
+    while defect > settled and turn < TURNS and bad == 0:
+        if guarded > GUARDED:
+            near = NEAR
+            if turn > 0:
+                near = wp.min(settled, NEAR)
+            turn += 1
+            stalled = -GUARDED
+            guarded = int(0)
+            steps = come_near(
+                model, patterns[0], w, lane, held, near, cells, patch, rolling, tangential, slopes, strips, system,
+                radius, softness,
             )  # fmt: skip
-            pair += 1
-        reduction = wp.max(FINER * SETTLED / defect, LEAST)
-        if n == 0 or tangential.cell_outcome[w, CHANGED] != real(0.0):
-            reduction = wp.max(reduction, COARSE)
-        mark_states(model, w, lane, tangential)
-        found = iterate(
-            model, patterns[0], w, lane, renew, reduction, held, cells, patch, rolling, tangential, strips, system
-        )
-        if found < 0:
-            bad = 1
+            if steps < 0:
+                bad = 1
+            factored = 0
+            if lane == 0:
+                if model.elements[0].rolling.strips != 0:
+                    strips.strip_ready[w] = 0
+                run.ctl[w].solves = run.ctl[w].solves + steps
+            sync()
+            defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
+            least = defect
         else:
-            pair = int(0)
-            while pair < model.pairs.count:
-                move_framed(
-                    model, w, pair, tangential.cell_block[w, pair, COUNT], radius, tangential.cell_direction,
-                    tangential.cell_sliding, strips.strip_frame, strips.strip_change, tangential.cell_tau,
+            keep_start(model, w, lane, tangential, slopes)
+            if stalled == PATIENCE and guarded == 0:
+                guarded = int(1)
+                confine(model, w, 0, tangential, slopes, radius, softness)
+                find_slips(model, w, lane, cells, patch, rolling, tangential, slopes, strips, softness)
+                defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
+                keep_start(model, w, lane, tangential, slopes)
+            if tangential.cell_outcome[w, JUMPED] != real(0.0):
+                add_soft(
+                    model, w, lane, cells, patch, rolling, tangential, slopes, strips, softness, tangential.cell_jump
+                )
+            changed = tangential.cell_outcome[w, CHANGED] != real(0.0)
+            if model.elements[0].rolling.strips != 0:
+                reduction = wp.max(FINER * settled / defect, LEAST)
+                if defect > CLOSE or (changed and guarded == 0):
+                    reduction = wp.max(reduction, COARSE)
+                elif changed:
+                    reduction = wp.max(reduction, CAREFUL)
+                bad += step_on_strips(
+                    model, patterns[0], w, lane, reduction, held, cells, patch, rolling, tangential, slopes, strips,
+                    system, radius, softness,
                 )  # fmt: skip
-                pair += 1
-            defect = judge(model, w, lane, cells, patch, rolling, tangential, slopes, strips, radius, softness)
-        n += 1
-        if lane == 0:
-            run.ctl[w].solves = run.ctl[w].solves + 1
+            else:
+                renew = int(0)
+                if factored == 0 or changed or (before > real(0.0) and defect > SLOW * before):
+                    renew = 1
+                bad += step_by_blocks(
+                    model, patterns[0], w, lane, renew, held, tangential, slopes, system, radius, softness
+                )
+                factored = 1 - wp.min(bad, 1)
+            before = defect
+            if bad == 0 and guarded == 0:
+                find_slips(model, w, lane, cells, patch, rolling, tangential, slopes, strips, softness)
+            elif bad == 0:
+                fell = shorten(model, w, lane, 0, cells, patch, rolling, tangential, slopes, strips, radius, softness)
+                if fell == 0:
+                    fell = shorten(
+                        model, w, lane, 1, cells, patch, rolling, tangential, slopes, strips, radius, softness
+                    )
+                guarded += 1
+                if fell == 0:  # round-off
+                    guarded = GUARDED + 1
+            defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
+            if defect > STALLED * least:
+                stalled += 1
+            least = wp.min(least, defect)
+            if lane == 0:
+                run.ctl[w].solves = run.ctl[w].solves + 1
     if lane == 0:
+        run.ctl[w].factored = factored
         if bad != 0:
             run.ctl[w].failure = run.ctl[w].failure | k.INDEFINITE
-        elif not (defect <= SETTLED):  # or not a number
+        elif not (defect <= settled):  # or not a number
             run.ctl[w].failure = run.ctl[w].failure | k.CYCLING
-
-
-@wp.func
-def mark_states(model: Model, w: int, lane: int, tangential: FrictionSolve):
-    """The present kinds of the cells are those of the system."""
-    cap = model.capacity.cells
-    pair = int(0)
-    while pair < model.pairs.count:
-        start = (w * model.pairs.count + pair) * 2 * cap
-        i = lane
-        while i < tangential.cell_block[w, pair, COUNT]:
-            tangential.cell_sliding[start + cap + i] = tangential.cell_sliding[start + i]
-            i += wp.block_dim()
-        pair += 1
-    sync()

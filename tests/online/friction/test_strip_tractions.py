@@ -215,5 +215,5 @@ def test_only_scenes_of_large_patches_with_constant_coefficients_have_strips(bod
         scene.contacts[0].cells = cells
         return bool(Engine(scene).compiled.elements.rolling.strips)
 
-    assert has_strips(MU, (20, 20)) and not has_strips(MU, (19, 21))
-    assert not has_strips(wf.laws.Stribeck(0.3, 0.2, 5e-3), (20, 20))
+    assert has_strips(MU, (25, 10)) and not has_strips(MU, (19, 13))
+    assert not has_strips(wf.laws.Stribeck(0.3, 0.2, 5e-3), (25, 10))

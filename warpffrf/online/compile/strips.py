@@ -28,7 +28,7 @@ from warpffrf_kernels.rolling.shear import RINGS
 
 Array = np.ndarray
 LONGER, MORE = 1.25, 3  # L of the preconditioner is LONGER columns + MORE
-FEWEST = 400  # cells of a patch: below, a factor of all tractions costs less than iterations
+FEWEST = 250  # cells of a patch: below, factors of all tractions cost less than iterations
 LEAST_EIGENVALUE = 0.02  # of the median of a preconditioner's: smaller ones, of kernels cut off, are raised to it
 
 
