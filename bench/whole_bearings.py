@@ -177,9 +177,9 @@ def run(name: str, case: Case, share: float) -> dict:
     row["asked"], row["done"] = steps, len(result.time) - 1
     row["seconds_per_step"] = counters["seconds_in_graph"] / max(row["done"], 1)
     row["iterations"], row["halved"] = counters["mean_iterations"], int(counters["rejected_steps"])
-    forces = [result.contact(f"b outer {i + 1}").force[-1] for i in range(case.elements)]
-    row["largest"] = float(np.linalg.norm(forces, axis=1).max())
-    row["carried"] = float(abs(np.sum(forces, axis=0)[2]) / LOAD)
+    pushed = [result.contact(f"b outer {i + 1}").force[-1] for i in range(case.elements)]
+    row["largest"] = float(np.linalg.norm(pushed, axis=1).max())
+    row["carried"] = float(abs(np.sum(pushed, axis=0)[2]) / LOAD)
     row["energy"] = float(np.ptp(result.energy_residual))
     return row
 

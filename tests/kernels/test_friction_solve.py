@@ -24,9 +24,9 @@ from warpffrf_kernels.core.scalars import BLOCK
 from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.rolling import traction_solve
 
-SAME = 1e-9  # of the largest bound: the solution stops at 1e-11 of it, and the compliances' condition is below 100
+SAME = 1e-10  # of the largest bound: the solution stops at 1e-11 of it, and the compliances' condition is below 100
 SOLUTIONS = 4  # each reduces its first defect to 1e-4
-STIFF = 1e-7  # of the same, where one motion common to all raises the condition to 1e7
+STIFF = 1e-8  # of the same, where one motion common to all raises the condition to 1e7
 
 
 def compliance(count: int, generator: np.random.Generator) -> np.ndarray:
@@ -122,7 +122,7 @@ def test_tractions_that_all_move_a_free_body(seed: int, common: float) -> None:
     K = compliance(count, generator) + common * np.outer(along, along)
     right, bound = 2.0 * generator.normal(size=2 * count), generator.uniform(0.2, 1.5, count)
     tau, words = device_solve(K, right, bound, -np.repeat(bound, 2) * along)
-    assert words["failure"] == 0 and words["solves"] < 200
+    assert words["failure"] == 0 and words["solves"] < 80
     exact = solve(K, right.reshape(-1, 2), bound).ravel()
     np.testing.assert_allclose(tau, exact, atol=STIFF * bound.max(), rtol=0.0)
     stick = np.hypot(*tau.reshape(-1, 2).T) < (1.0 - STIFF) * bound

@@ -40,7 +40,7 @@ from warpffrf_kernels.rolling import history as rolling_history
 
 GRID = "grid_rubbing"  # pairs whose cells are fixed to the material of the first surface
 ROLLING = "rolling_pair"  # pairs whose cells are contact-fixed
-STRIPS, BLOCKS = "strip_pair", "block_pair"  # tractions by products over strips, or with blocks of all cells
+STRIPS = "strip_pair"  # tractions by products over strips
 SPEED = "speed_pair"  # pairs whose coefficient depends on the slip speed
 LIMITS = {"radius": "cell_radius", "softness": "cell_softness"}
 
