@@ -15,6 +15,7 @@ from warpffrf_kernels.core.declaration import Declaration
 SET_FIRST = {
     ("joint_friction.rub", "slip_branch"),
     ("joint_friction.rub", "slip_way"),
+    ("forces.find_forces", "lumped_load"),
     ("moments.find_moments", "lumped_moment"),
     ("solve.solve_matched", "matched_guess"),
     ("solve.solve_matched", "matched_rest"),

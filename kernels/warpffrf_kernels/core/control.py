@@ -125,9 +125,10 @@ LEAPT = wp.constant(8192)  # two surfaces have passed each other without contact
 NOT_AT_REST = wp.constant(16384)  # a load step that has not come to rest, see `proximal`
 ROOM = wp.constant(1024)  # more slots are needed than allocated: `Engine` allocates more and repeats the attempt
 
-# --- values of `Control.impulsive`
+# --- values of `Control.impulsive`, and of each pair's
 SMOOTH = wp.constant(0)
 IMPULSIVE = wp.constant(1)  # its force keeps no history
+IDLE = wp.constant(2)  # nor is it judged: a pair of negligible energy, see `impulsive_means`
 
 # --- constraint row kinds
 TRANSLATION = wp.constant(0)

@@ -89,7 +89,7 @@ class ContactState:
     pair_energy: DeviceArray = reals("world", "pair", 2, unit="J", note="accepted, trial: energy of the contact")
     made: DeviceArray = reals("world", "pair", unit="J", note="what of `created` is beyond doubt, see `energy_watch`")
     created: DeviceArray = reals("world", "pair", unit="J", note="made so far, see `impulsive_means.judge_pairs`")
-    impulsive: DeviceArray = integers("world", "pair", note="1 where the attempt takes the pair as impulsive")
+    impulsive: DeviceArray = integers("world", "pair", note="how the attempt takes the pair: SMOOTH, IMPULSIVE, IDLE")
 
 
 @topic

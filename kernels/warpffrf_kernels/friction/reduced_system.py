@@ -21,9 +21,12 @@ from warpffrf_kernels.normal.pair_elimination import add_borders
 
 wp.set_module_options(MODULE_OPTIONS)
 
+EVERY = wp.constant(2)  # values of `renew`: the factors of every pair,
+CHANGED_ONES = wp.constant(1)  # or of those in which a cell has changed its kind
+
 
 # Lines of D and L of a pair's free coordinates: two for a sticking cell, the one across its direction for a sliding
-# cell. Returns their number.
+# cell. Returns their number; -1, and nothing changes, if no cell of the pair has changed its kind, unless `every`.
 @wp.func_native("""
     const size_t here = (size_t)w * model.pairs.count + pair;
     const int cap = 2 * model.capacity.cells, lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
@@ -32,7 +35,10 @@ wp.set_module_options(MODULE_OPTIONS)
     const double *soft = softness.data + here * cap / 2, *slope = curvature.data + here * cap / 2;
     double *held = frozen.data + here * cap, *U = work.data + here * cap * cap;
     int *list = order.data + here * cap, *kind = sliding.data + here * cap;
-    int m = 0;
+    int m = 0, same = 1;
+    for (int i = 0; i < count; ++i) if (kind[i] != kind[cap / 2 + i]) same = 0;
+    WP_TILE_SYNC();
+    if (same && !every) return -1;
     for (int i = 0; i < count; ++i) {  // every lane counts for itself, in the same order
         if (kind[i] == 0) continue;
         if (lane == 0) { list[m] = 2 * i; if (kind[i] == 1) list[m + 1] = 2 * i + 1; }
@@ -72,6 +78,7 @@ def reduce_pair(
     w: int,
     pair: int,
     count: int,
+    every: int,
     D: wp.array(dtype=real),
     L: wp.array(dtype=real),
     softness: wp.array(dtype=real),
@@ -150,29 +157,28 @@ def move_cells(
 
 
 @wp.func
-def factor_reduced(model: Model, p: Pattern, w: int, tangential: FrictionSolve, slopes: SlipSpeedSolve) -> int:
-    """U replaces D^, W replaces L^, and `retained` = `bordered` + sum W^T W; 1 if a block is not definite."""
+def factor_pair(model: Model, w: int, pair: int, m: int, tangential: FrictionSolve) -> int:
+    """U replaces D^, W replaces L^; 1 if the block is not definite."""
     stride = 2 * model.capacity.cells
     width = model.pairs.coupled_capacity
-    bad = int(0)
-    pair = int(0)
-    while pair < model.pairs.count:
-        if tangential.cell_block[w, pair, COUNT] > 0:
-            m = tangential.cell_block[w, pair, FREE]
-            coupled = model.pairs.coupled_count[pair]
-            at = borders_of(model, w, pair)
-            bad += block_elimination.factor(tangential.cell_U, block_of(model, w, pair), stride, m)
-            block_elimination.forward_lines(
-                tangential.cell_U, block_of(model, w, pair), stride, m, tangential.cell_W, at, width, coupled
-            )
-            block_elimination.square_of(
-                m, tangential.cell_W, at, width, coupled, tangential.cell_square, square_at(model, w, pair)
-            )
-        pair += 1
+    coupled = model.pairs.coupled_count[pair]
+    at = borders_of(model, w, pair)
+    bad = block_elimination.factor(tangential.cell_U, block_of(model, w, pair), stride, m)
+    block_elimination.forward_lines(
+        tangential.cell_U, block_of(model, w, pair), stride, m, tangential.cell_W, at, width, coupled
+    )
+    block_elimination.square_of(
+        m, tangential.cell_W, at, width, coupled, tangential.cell_square, square_at(model, w, pair)
+    )
+    return bad
+
+
+@wp.func
+def border_reduced(model: Model, p: Pattern, w: int, tangential: FrictionSolve, slopes: SlipSpeedSolve):
+    """`retained` = `bordered` + sum W^T W."""
     add_borders(
         model, p, w, slopes.speed_bordered, tangential.cell_block, tangential.cell_square, tangential.cell_retained
     )
-    return bad
 
 
 @wp.func
@@ -234,22 +240,24 @@ def step_by_blocks(
     model: Model, p: Pattern, w: int, lane: int, renew: int, held: int, tangential: FrictionSolve,
     slopes: SlipSpeedSolve, system: RetainedSystem, radius: wp.array(dtype=real), softness: wp.array(dtype=real),
 ) -> int:  # fmt: skip
-    """A step of Newton's method from the slips and kinds of the cells on, with new factors if `renew`. 1 if the system
-    is not definite."""
+    """A step of Newton's method from the slips and kinds of the cells on, with new factors of the pairs where kinds
+    have changed, or of EVERY pair. 1 if the system is not definite."""
     bad = int(0)
     if renew != 0:
         pair = int(0)
         while pair < model.pairs.count:
             m = reduce_pair(
-                model, w, pair, tangential.cell_block[w, pair, COUNT], slopes.speed_D, slopes.speed_L, softness,
-                tangential.cell_direction, tangential.cell_curvature, tangential.cell_frozen, tangential.cell_order,
-                tangential.cell_sliding, tangential.cell_U, tangential.cell_W,
+                model, w, pair, tangential.cell_block[w, pair, COUNT], int(renew == EVERY), slopes.speed_D,
+                slopes.speed_L, softness, tangential.cell_direction, tangential.cell_curvature, tangential.cell_frozen,
+                tangential.cell_order, tangential.cell_sliding, tangential.cell_U, tangential.cell_W,
             )  # fmt: skip
-            if lane == 0:
-                tangential.cell_block[w, pair, FREE] = m
+            if m >= 0:
+                bad += factor_pair(model, w, pair, m, tangential)
+                if lane == 0:
+                    tangential.cell_block[w, pair, FREE] = m
             pair += 1
         sync()
-        bad = factor_reduced(model, p, w, tangential, slopes)
+        border_reduced(model, p, w, tangential, slopes)
     pair = int(0)
     while pair < model.pairs.count:
         pose_reduced(

@@ -73,10 +73,11 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import ContactState, FrictionState, LoadState, MotionState
 from warpffrf_kernels.normal.contact_solve import push_by_slots
-from warpffrf_kernels.normal.pair_forces import force_on, is_closed, mean_of, modal_place, whole
+from warpffrf_kernels.normal.pair_forces import force_on, is_closed, mean_of, modal_place, surface_of, whole
 
 wp.set_module_options(MODULE_OPTIONS)
 
+NEGLIGIBLE = wp.constant(wp.float64(1.0e-3))  # of the contact energy on its bodies: a pair with less is idle
 LEAST_WEIGHT = wp.constant(wp.float64(1.0e-4))  # of a pair that closes at the end of the step
 
 
@@ -143,6 +144,39 @@ def weight_of(kappa: real, theta: real) -> real:
     return wp.max(wp.sqrt(kappa * theta), LEAST_WEIGHT)
 
 
+# --- idle pairs: see `impulsive_means`
+
+
+@wp.func
+def joined(model: Model, pair: int, other: int) -> bool:
+    """Whether two pairs touch the same body, or are the same."""
+    found = pair == other
+    for side in range(2):
+        b = model.surfaces.body[surface_of(model, pair, side)]
+        for across in range(2):
+            if b >= 0 and b == model.surfaces.body[surface_of(model, other, across)]:
+                found = True
+    return found
+
+
+@wp.func
+def energy_about(model: Model, w: int, pair: int, pair_energy: wp.array3d(dtype=real)) -> real:
+    """Contact energy [J] of all pairs on the bodies of a pair."""
+    energy = real(0.0)
+    other = int(0)
+    while other < model.pairs.count:
+        if joined(model, pair, other):
+            energy += wp.max(pair_energy[w, other, 0], pair_energy[w, other, 1])
+        other += 1
+    return energy
+
+
+@wp.func
+def is_idle(model: Model, w: int, pair: int, own: real, pair_energy: wp.array3d(dtype=real)) -> bool:
+    """Whether the energy of a pair, `own` [J], is negligible compared with the contact energy on its bodies."""
+    return own < NEGLIGIBLE * energy_about(model, w, pair, pair_energy)
+
+
 # --- start of an attempt
 
 
@@ -170,12 +204,12 @@ def begin_contact(
                 elif run.ctl[w].again != 0:
                     kind = contact.impulsive[w, pair]
                 elif not is_closed(contact.pair_force, w, pair, 0):
-                    kind = 1
+                    kind = k.IMPULSIVE
+                elif is_idle(model, w, pair, contact.pair_energy[w, pair, 0], contact.pair_energy):
+                    kind = k.IDLE
             contact.impulsive[w, pair] = kind
-            if model.modes.dynamic_count > 0:
+            if model.modes.dynamic_count > 0 or run.ctl[w].again == 0:
                 impulses.theta[w, pair] = real(1.0)
-            elif run.ctl[w].again == 0:
-                impulses.theta[w, pair] = real(0.5)
             impulses.bracket[w, pair, 0] = real(0.0)
             impulses.bracket[w, pair, 1] = real(1.0)
             impulses.bracket[w, pair, 2] = real(0.0)

@@ -19,15 +19,17 @@ because the patch moves over the grids, which no mean of forces compensates. Suc
 not resist. Then theta is 1, which supplies the least energy to the motion. A step that must end uses the end of its
 bracket on which energy is lost.
 
-A pair whose own energy is below IDLE of the contact energy of all pairs on its two bodies has no search: its theta is 1
-at once, with which it never gains energy, and loses little compared with contacts that carry load; otherwise idle
-rollers of a bearing, which bounce under their own weight, would cost a round each. Energies of other bodies are not
-considered: a light body that bounces where nothing else is pressed has its search, however much energy the machine has.
-
 **When.** A pair is impulsive in a step that it begins open: without forces at its beginning there is no memory to
 remove, and if it stays open both kinds of step are the same. A step in which it swings, or in which the memory of its
 force does more work than the trapezoidal rule by OWN of the pair's own energy (contact energy, or kinetic energy along
-the force), is repeated as an impulsive one (`judge_pairs`).
+the force), is repeated as an impulsive one (`judge_pairs`), with a search that begins at theta 1/2.
+
+**Idle pairs.** A pair whose own energy is below NEGLIGIBLE of the contact energy of all pairs on its two bodies is impulsive
+from the start, with theta 1 and without a search or a repetition: it never gains energy, and loses little compared with
+contacts that carry load. Otherwise the idle rollers of a bearing, which bounce under their own weight, would cost every
+step a repetition and a round each. Energies of other bodies are not considered: a light body that bounces where nothing
+else is pressed has its search, however much energy the machine has. Between pairs that are pressed on one body the
+energy of an idle one may be negative: the deformation by its neighbours does work on its pressures.
 
 **Local modes with inertia** leave almost no compliance to contact (D_rest), and a force that stops a face within a step
 would chatter on it. There theta is 1, the force at the end: E is convex, so no energy is gained and a face may lose all
@@ -49,7 +51,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, Trial
 from warpffrf_kernels.core.state import ContactState, FrictionState, MotionState
-from warpffrf_kernels.impulsive.impulsive_contact import mode_kappa, retained_kappa, weight_of
+from warpffrf_kernels.impulsive.impulsive_contact import energy_about, is_idle, mode_kappa, retained_kappa, weight_of
 from warpffrf_kernels.impulsive.impulsive_memory import filtered
 from warpffrf_kernels.normal.pair_forces import (
     body_mobility,
@@ -71,12 +73,12 @@ CALM = wp.constant(wp.float64(0.5))
 # of a pair's own energy: what a step in which it stays closed may create; more than the movement of a patch of a few
 # columns over the grids creates
 OWN = wp.constant(wp.float64(2.0e-3))
+SMALL = wp.constant(wp.float64(0.02))  # of the contact energy on its bodies, if its own is less
 # of the larger contact energy: a pair that stores or releases more than that does so not because of the grids
 SWING = wp.constant(wp.float64(0.5))
 # of a pair's own energy: target loss of the mean force of an impulsive step, and its tolerance: it creates none
 LOST = wp.constant(wp.float64(1.0e-4))
 MISSED = wp.constant(wp.float64(1.0001e-4))  # plus round-off
-IDLE = wp.constant(wp.float64(2.5e-4))  # of the contact energy on its bodies: a pair below that has no search
 MOST_ROUNDS = wp.constant(12)  # of theta; then the end of the bracket with a loss is used
 
 
@@ -105,35 +107,11 @@ def own_energy(model: Model, w: int, pair: int, contact: ContactState, state: Mo
 
 
 @wp.func
-def joined(model: Model, pair: int, other: int) -> bool:
-    """Whether two pairs touch the same body, or are the same."""
-    found = pair == other
-    for side in range(2):
-        b = model.surfaces.body[surface_of(model, pair, side)]
-        for across in range(2):
-            if b >= 0 and b == model.surfaces.body[surface_of(model, other, across)]:
-                found = True
-    return found
-
-
-@wp.func
-def energy_about(model: Model, w: int, pair: int, pair_energy: wp.array3d(dtype=real)) -> real:
-    """Contact energy [J] of all pairs on the bodies of a pair."""
-    energy = real(0.0)
-    other = int(0)
-    while other < model.pairs.count:
-        if joined(model, pair, other):
-            energy += wp.max(pair_energy[w, other, 0], pair_energy[w, other, 1])
-        other += 1
-    return energy
-
-
-@wp.func
 def swings(pair_energy: wp.array3d(dtype=real), w: int, pair: int) -> bool:
     """Whether a pair stores or releases most of its contact energy in the attempt."""
     before = pair_energy[w, pair, 0]
     after = pair_energy[w, pair, 1]
-    return wp.abs(after - before) > SWING * wp.max(before, after)
+    return wp.abs(after - before) > SWING * wp.max(wp.abs(before), wp.abs(after))
 
 
 @wp.func
@@ -173,7 +151,7 @@ def balance_means(
             own = own_energy(model, w, pair, contact, state)
             excess = mean_of(at, before, after) + stored + LOST * own
             to = at
-            if own < IDLE * energy_about(model, w, pair, contact.pair_energy):
+            if is_idle(model, w, pair, own, contact.pair_energy):
                 to = real(1.0)
             elif wp.abs(excess) > MISSED * own:
                 side = int(0)
@@ -331,7 +309,8 @@ def root(a: real, b: real, c: real) -> real:
 @kernel
 def judge_pairs(run: Run, contact: ContactState, impulses: ImpulsiveContact, trial: Trial, state: MotionState):
     """Per (world, pair): the energy that its contact creates in the attempt, and whether it is to be repeated as
-    impulsive: if it swings and its mean was not searched, or its memory creates more than OWN of its own energy.
+    impulsive: if it is not idle, and swings and its mean was not searched, or its memory creates more than OWN of its
+    own energy.
 
     Created is the work of the effective normal force in the step, plus the change of the contact energy, plus the
     dissipation of damped layers. Local modes with inertia may step exactly, with other forces: nothing is judged there.
@@ -355,9 +334,13 @@ def judge_pairs(run: Run, contact: ContactState, impulses: ImpulsiveContact, tri
         worked = mean_of(run.clk[w].retained.gamma, recalled, ahead)
     total = worked + contact.pair_energy[w, pair, 1] - contact.pair_energy[w, pair, 0] + impulses.pair_loss[w, pair]
     own = own_energy(model, w, pair, contact, state)
+    noticed = OWN * wp.max(own, SMALL * energy_about(model, w, pair, contact.pair_energy))
     swung = swings(contact.pair_energy, w, pair)
-    if contact.impulsive[w, pair] == 0:
-        if swung or worked - mean_of(real(0.5), before, after) > OWN * own:
+    if is_idle(model, w, pair, own, contact.pair_energy):
+        if contact.impulsive[w, pair] != 0:
+            contact.impulsive[w, pair] = k.IDLE
+    elif contact.impulsive[w, pair] == 0:
+        if swung or worked - mean_of(real(0.5), before, after) > noticed:
             impulses.wanted[w, pair] = 1
     elif swung and run.ctl[w].again == 0:
         impulses.wanted[w, pair] = 1

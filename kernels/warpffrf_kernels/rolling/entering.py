@@ -21,7 +21,7 @@ that carries less than IDLE of the largest load of the scene. The length of a pa
 load; rollers that enter or leave the load zone, or are loaded by their weight only, would otherwise limit the step of a
 whole bearing. The traction -s/k of a step that is accepted nevertheless has no transient: it is that of steady rolling
 with an error of 5 to 25 % of mu p at one length, of up to 47 % at several (on half-planes, 4 to 9 cells in a
-half-width); at most a tenth of that relative to the largest load of the scene.
+half-width); at most a fifth of that relative to the largest load of the scene.
 
 Measured on half-planes (docs/studies/patch_rolling.md): Carter's force within 1 % of mu P from five cells in a
 half-width on, 0.1 to 4 cells per step, at every phase; with cells that count the whole step it is 3 to 10 % high.
@@ -53,7 +53,7 @@ STEEPEST = wp.constant(wp.float64(0.75))
 ALONE = wp.constant(wp.float64(0.5))  # the same for a row with one cell under pressure
 OFFSET = wp.constant(wp.vec2d(0.35, -0.15))  # cells, measured with Carter's force
 LEAST = wp.constant(wp.float64(0.02))  # cells: lower limit of d
-IDLE = wp.constant(wp.float64(0.1))  # of the largest load of a pair
+IDLE = wp.constant(wp.float64(0.2))  # of the largest load of a pair
 BOTH = wp.constant(wp.float64(2.0))  # what a cell gains, its neighbour loses
 
 

@@ -56,7 +56,14 @@ from warpffrf_kernels.friction.interior_point import (
     spread_order,
 )
 from warpffrf_kernels.friction.pressure_response import RENEWED
-from warpffrf_kernels.friction.reduced_system import factor_reduced, solve_reduced, step_by_blocks
+from warpffrf_kernels.friction.reduced_system import (
+    CHANGED_ONES,
+    EVERY,
+    border_reduced,
+    factor_pair,
+    solve_reduced,
+    step_by_blocks,
+)
 from warpffrf_kernels.linear.retained_solve import held_motions
 from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.patch.spline_tables import real_side
@@ -246,8 +253,8 @@ def come_near(
     rolling: RollingScratch, tangential: FrictionSolve, slopes: SlipSpeedSolve, strips: StripSolve,
     system: RetainedSystem, radius: wp.array(dtype=real), softness: wp.array(dtype=real),
 ) -> int:  # fmt: skip
-    """Tractions near the solution by the interior-point method, to the defect `near`; returns the number of steps, -1
-    if a system is not definite."""
+    """Tractions near the solution by the interior-point method, to the defect `near`, or until round-off in its
+    barriers makes a system indefinite; returns the number of steps, -1 if the first system is."""
     pair = int(0)
     while pair < model.pairs.count:
         begin_inside(
@@ -311,10 +318,16 @@ def come_near(
                     tangential.cell_W,
                 )  # fmt: skip
                 pair += 1
-            bad = factor_reduced(model, p, w, tangential, slopes)
+            pair = int(0)
+            while pair < model.pairs.count:
+                bad += factor_pair(model, w, pair, tangential.cell_block[w, pair, FREE], tangential)
+                pair += 1
+            border_reduced(model, p, w, tangential, slopes)
             bad += solve_reduced(model, p, w, lane, 1, held, tangential, system)
-        if bad != 0:
+        if bad != 0 and n == 0:
             return -1
+        if bad != 0:
+            return n
         for move in range(2):
             pair = int(0)
             while pair < model.pairs.count:
@@ -469,8 +482,10 @@ def solve_tractions(
                 )  # fmt: skip
             else:
                 renew = int(0)
-                if factored == 0 or changed or (before > real(0.0) and defect > SLOW * before):
-                    renew = 1
+                if changed:
+                    renew = CHANGED_ONES
+                if factored == 0 or (before > real(0.0) and defect > SLOW * before and not changed):
+                    renew = EVERY
                 bad += step_by_blocks(
                     model, patterns[0], w, lane, renew, held, tangential, slopes, system, radius, softness
                 )

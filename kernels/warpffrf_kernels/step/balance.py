@@ -219,8 +219,13 @@ def balance(
             f = vec3(pairs.pair_force[w, pair, 0, 0], pairs.pair_force[w, pair, 0, 1], pairs.pair_force[w, pair, 0, 2])
             scale = wp.max(scale, wp.length(f))
         pair += 1
+    beyond = real(0.0)  # friction beyond its bound, see `lumped.forces`
     place = int(0)
     while place < model.elements[0].lumped.places:
+        contact = model.elements[0].lumped.contact[place]
+        if model.elements[0].lumped.slip_velocity[contact] == real(0.0):
+            bound = model.elements[0].lumped.friction[contact] * lumped.lumped_force[w, 1, place]
+            beyond = wp.max(beyond, wp.length(lumped.lumped_friction[w, 1, place]) - bound)
         scale = wp.max(scale, lumped.lumped_force[w, 1, place])
         if loading:
             scale = wp.max(scale, lumped.lumped_force[w, 0, place])
@@ -279,7 +284,7 @@ def balance(
         worst = wp.max(worst, wp.max(wp.length(f), wp.length(t) / gyration) / scale)
         sum += wp.length(f) + wp.length(t)
         b += 1
-    worst = wp.max(worst, residuals.gap_defect[w, 0])
+    worst = wp.max(worst, wp.max(residuals.gap_defect[w, 0], beyond / scale))
     open_load = real(0.0)
     n = int(0)
     while n < model.modes.count:

@@ -84,11 +84,11 @@ def decide(
     while pair < model.pairs.count:
         before = is_closed(contact.pair_force, w, pair, 0)
         after = is_closed(contact.pair_force, w, pair, 1)
-        if before != after:
+        if before != after and contact.impulsive[w, pair] != k.IDLE:
             event = int(1)
         if before or after:
             touching = int(1)
-            if contact.impulsive[w, pair] != 0:
+            if contact.impulsive[w, pair] == k.IMPULSIVE:
                 impulse = int(1)
                 made += impulses.created_now[w, pair]
         if model.modes.dynamic_count > 0 and impulses.unsettled[w, pair] != 0:
@@ -185,7 +185,9 @@ def decide(
     if dynamic and bearable and again != 0:
         pair = int(0)
         while pair < model.pairs.count:
-            contact.impulsive[w, pair] = wp.max(contact.impulsive[w, pair], impulses.wanted[w, pair])
+            if impulses.wanted[w, pair] != 0:
+                contact.impulsive[w, pair] = k.IMPULSIVE
+                impulses.theta[w, pair] = real(0.5)
             pair += 1
         run.ctl[w].again = 1
         run.ctl[w].repeated = run.ctl[w].repeated + 1

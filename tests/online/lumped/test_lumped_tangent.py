@@ -71,11 +71,11 @@ def engine_of(name: str, regime: str) -> tuple[Engine, np.ndarray, np.ndarray]:
     return engine, dx, psi
 
 
-def evaluated(engine: Engine, dx: np.ndarray, psi: np.ndarray) -> np.ndarray:
+def evaluated(engine: Engine, dx: np.ndarray, psi: np.ndarray, iteration: int = 1) -> np.ndarray:
     """Residuals of the rigid coordinates."""
     engine.scratch.dx.assign(dx[None])
     engine.scratch.psi.assign(psi[None])
-    engine.control(mode=int(k.DYNAMIC), run=1, moved=1, refresh=1, iteration=1)
+    engine.control(mode=int(k.DYNAMIC), run=1, moved=1, refresh=1, iteration=iteration)
     engine.graph.evaluate()
     return engine.scratch.residual.numpy()[0].copy()
 
@@ -127,6 +127,23 @@ def test_action_equals_reaction(name: str, regime: str) -> None:
     assert size > 1.0
     assert np.abs(force.sum(axis=0)).max() < 1e-12 * size
     assert np.abs(moment.sum(axis=0)).max() < 1e-12 * size * ARM
+
+
+@pytest.mark.parametrize("name", ALL_REGIMES)
+def test_slip_that_has_turned_round_ignores_the_bound_once(name: str) -> None:
+    """Otherwise Newton's method alternates between +-mu F."""
+    engine, dx, psi = engine_of(name, "slip")
+
+    def beyond(way: float) -> float:
+        """Of the bound, friction that exceeds it, after the increments `way` times those of the case."""
+        evaluated(engine, way * dx, way * psi, iteration=2)
+        friction = np.linalg.norm(engine.state.lumped_friction.numpy()[0, 1], axis=-1)
+        force = REGIMES["slip"][0] * engine.state.lumped_force.numpy()[0, 1]
+        return float((friction[force > 0.0] / force[force > 0.0]).max() - 1.0)
+
+    assert abs(beyond(1.0)) < 1e-12
+    assert beyond(-1.0) > 1.0  # that of the spring
+    assert abs(beyond(-1.0)) < 1e-12
 
 
 def inertia_forces(engine: Engine) -> np.ndarray:
