@@ -63,6 +63,25 @@ def modal_line(model: Model, w: int, pair: int) -> int:
 
 
 @wp.func
+def load_before(w: int, pair: int, pair_force: wp.array4d(dtype=real)) -> real:
+    """Normal force [N] of a pair at the end of the last step."""
+    return wp.length(vec3(pair_force[w, pair, 0, 0], pair_force[w, pair, 0, 1], pair_force[w, pair, 0, 2]))
+
+
+@wp.func
+def load_share(model: Model, w: int, pair: int, pair_force: wp.array4d(dtype=real)) -> real:
+    """That force over the largest of all pairs; 1 without any."""
+    largest = real(0.0)
+    p = int(0)
+    while p < model.pairs.count:
+        largest = wp.max(largest, load_before(w, p, pair_force))
+        p += 1
+    if largest == real(0.0):
+        return real(1.0)
+    return load_before(w, pair, pair_force) / largest
+
+
+@wp.func
 def whole(
     model: Model,
     normal: wp.array4d(dtype=real),

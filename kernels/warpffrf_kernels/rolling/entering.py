@@ -36,10 +36,11 @@ from warpffrf_kernels.core.friction_scratch import FrictionCells
 from warpffrf_kernels.core.integration import is_whole
 from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.run import Run
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.core.state import ContactState, FrictionState
 from warpffrf_kernels.friction.cells import rubs_on_patch
 from warpffrf_kernels.kinematics.line_of_centres import wrap
+from warpffrf_kernels.normal.pair_forces import load_share
 from warpffrf_kernels.patch.cells import row_place
 from warpffrf_kernels.rolling.places import strip_columns
 from warpffrf_kernels.rolling.shear import STRIPS_AROUND, shear_line
@@ -55,23 +56,6 @@ OFFSET = wp.constant(wp.vec2d(0.35, -0.15))  # cells, measured with Carter's for
 LEAST = wp.constant(wp.float64(0.02))  # cells: lower limit of d
 IDLE = wp.constant(wp.float64(0.2))  # of the largest load of a pair
 BOTH = wp.constant(wp.float64(2.0))  # what a cell gains, its neighbour loses
-
-
-@wp.func
-def load_before(w: int, pair: int, pair_force: wp.array4d(dtype=real)) -> real:
-    """Normal force [N] of a pair at the end of the last step."""
-    return wp.length(vec3(pair_force[w, pair, 0, 0], pair_force[w, pair, 0, 1], pair_force[w, pair, 0, 2]))
-
-
-@wp.func
-def carries(model: Model, w: int, pair: int, pair_force: wp.array4d(dtype=real)) -> bool:
-    """Whether the load of a pair at the end of the last step was not negligible compared with the largest."""
-    largest = real(0.0)
-    p = int(0)
-    while p < model.pairs.count:
-        largest = wp.max(largest, load_before(w, p, pair_force))
-        p += 1
-    return load_before(w, pair, pair_force) > IDLE * largest
 
 
 @wp.func
@@ -171,7 +155,7 @@ def soften_entering(
     if across != 0:
         long = real(rows)
     passed = of_state != 0 and lane == 0 and is_whole(run.ctl, w) and c * elements.patches.span[pair] > long
-    if passed and carries(model, w, pair, contact.pair_force):
+    if passed and load_share(model, w, pair, contact.pair_force) > IDLE:
         run.ctl[w].failure = run.ctl[w].failure | k.PASSED  # none of its material was there before
     part = wp.min(c, real(1.0))
     m = lane

@@ -3,6 +3,10 @@
 As in `friction.cells`, except for the positions: the centres of the patch's strips and rows. Pressures and tractions
 are both constant on a cell, so its bound is mu times its own pressure.
 
+**Light patches.** Friction of a pair that carried less than LIGHT of the largest load in the last step acts on the cell
+in the middle of its patch alone, with the bound mu times the whole load: an idle roller keeps its torque and its slip
+at the cost of two unknowns, and only the distribution of a negligible traction is lost.
+
 **Rolling moment.** The wrench of a pressure has no torque about the axles of bodies of revolution (`contact_wrench`),
 which is correct for pressures centred on a patch. Tractions between unlike bodies shift them by an arm x of the force N
 along e_theta. The surfaces are flat there, and pressure acts along the common normal c: a couple N x t_z on the first
@@ -25,6 +29,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.core.state import ContactState, FrictionState, MotionState
 from warpffrf_kernels.friction.cells import cell_at, find_cell, keep_cell, look, rubs_on_patch
+from warpffrf_kernels.normal.pair_forces import load_share
 from warpffrf_kernels.patch.cells import row_place
 from warpffrf_kernels.rolling.shear import shear_line
 from warpffrf_kernels.surfaces.surface import radius_of
@@ -44,6 +49,7 @@ def strip_columns(model: Model, elements: Elements, w: int, pair: int, patch_pla
 # It varies with the second or third power of W; far fields, a sixth of it, vary over the columns of the mesh.
 SAME_WIDTH = wp.constant(wp.float64(2.0e-3))
 SAME_PLACE = wp.constant(wp.float64(0.5))  # columns
+LIGHT = wp.constant(wp.float64(0.01))  # of the largest load: friction acts on one cell of a patch with less
 SAME_NORMAL = wp.constant(wp.float64(1.0e-2))  # rad: gradients with respect to the bodies' motion rotate with it
 
 
@@ -113,6 +119,14 @@ def place_patch_cells(
         m += wp.block_dim()
 
 
+@wp.func
+def pressure_of(w: int, pair: int, m: int, geometry: ContactGeometry, contact: ContactState) -> real:
+    """Pressure [Pa] of a cell; 0 if it is open, has no opposite surface, or is drawn."""
+    if contact.active[w, pair, m] == 0 or not (geometry.area[w, pair, m] > real(0.0)):
+        return real(0.0)
+    return wp.max(contact.pressure[w, pair, m], real(0.0))
+
+
 @kernel
 def bound_patch_cells(
     run: Run, contact: ContactState, geometry: ContactGeometry, rubbing: FrictionCells, friction: FrictionState,
@@ -128,12 +142,20 @@ def bound_patch_cells(
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     cells = model.elements[0].patches.columns[pair] * rows
+    middle = (model.elements[0].patches.columns[pair] / 2) * rows + rows / 2
+    light = load_share(model, w, pair, contact.pair_force) < LIGHT and geometry.area[w, pair, middle] > real(0.0)
     m = lane
     while m < model.window.grid_nodes:
         value = real(0.0)
         if m < cells and is_whole(run.ctl, w):
-            if contact.active[w, pair, m] != 0 and geometry.area[w, pair, m] > real(0.0):
-                value = model.pairs.friction[pair] * wp.max(contact.pressure[w, pair, m], real(0.0))
+            if light and m == middle:
+                cell = int(0)
+                while cell < cells:
+                    value += pressure_of(w, pair, cell, geometry, contact) * geometry.area[w, pair, cell]
+                    cell += 1
+                value *= model.pairs.friction[pair] / geometry.area[w, pair, m]
+            elif not light:
+                value = model.pairs.friction[pair] * pressure_of(w, pair, m, geometry, contact)
         rubbing.bound[w, pair, m] = value
         if clip != 0 and m < cells:
             i = cell_at(rows, m, 0)
