@@ -57,6 +57,7 @@ class Case:
     fine: bool = False
     ramp: float = 0.0
     clearance: float = 0.0
+    pockets: float = 0.0  # clearance of a pocket cage [m]; 0: a prescribed cage
 
 
 RPM = 2.0 * np.pi / 60.0
@@ -70,6 +71,9 @@ CASES = {
     "revolution, outer ring, frictionless": replace(REVOLUTION, friction=0.0),
     "revolution, outer ring, default cells": replace(REVOLUTION, cells=None),
     "revolution, rings and rollers": replace(REVOLUTION, flexible=("inner", "outer", "rollers")),
+    "revolution, rings and rollers, pocket cage": replace(
+        REVOLUTION, flexible=("inner", "outer", "rollers"), pockets=1e-4
+    ),
 }
 
 
@@ -127,7 +131,9 @@ def bearing(case: Case) -> Scene:
             pitch_diameter=PITCH, clearance=case.clearance,
         ),
         first=(0, 0, -1), inner=None if shaft is None else shaft["rim"], outer=housing["bore"],
-        cage=bearings.PrescribedCage(speed=turning(orbit)),
+        cage=bearings.PocketCage(case.pockets, friction=case.friction)
+        if case.pockets
+        else bearings.PrescribedCage(speed=turning(orbit)),
         contact=bearings.RollingContact(law=laws.PalmgrenLine(LENGTH, LAMINAE), friction=case.friction),
         materials=bearings.Materials(STEEL, element_body=reduced("rollers") if "rollers" in case.flexible else None),
     )  # fmt: skip

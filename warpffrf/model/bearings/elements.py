@@ -32,13 +32,12 @@ from scipy.spatial.transform import Rotation
 
 from warpffrf.model import laws, surfaces
 from warpffrf.model.bearings.geometry import Geometry
-from warpffrf.model.bearings.parts import Place
+from warpffrf.model.bearings.parts import Place, RollingContact, contact_of
 from warpffrf.model.bodies import Body, Port, PortLike, as_port
 from warpffrf.model.errors import InputError, require_array, require_number
 from warpffrf.model.friction import FrictionLike
 from warpffrf.model.joints import Drive, LineInPlane, PointInPlane, Revolute
 from warpffrf.model.laws.lumped import LumpedLaw
-from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.signals import SignalLike
@@ -226,8 +225,8 @@ class PrescribedCage(Cage):
 class PocketCage(Cage):
     """A body with a pocket for each element, with the diametral `clearance` [m].
 
-    law: of the force in a pocket, a lumped law: of a ball None for PowerForce(1e9, 1.5), of a roller, whose laminae
-    each meet the wall, None for PalmgrenLine. friction: of elements in their pockets. guided: whether the cage is kept
+    law: of the force of a rigid element in a pocket, a lumped law: of a ball None for PowerForce(1e9, 1.5), of a
+    roller, whose laminae each meet the wall, None for PalmgrenLine; flexible ones have distributed contact. friction: of elements in their pockets. guided: whether the cage is kept
     on the axis by a joint without friction, as on a land of the guide; else its pockets alone support it, which is
     possible for balls. inertia: its diagonal (3,) [kg m2] across the axis twice and about it, None for that of a ring.
     Contacts are `bearing.contacts["pocket_3"]`, of rollers ["pocket_3_front"] and ["pocket_3_back"].
@@ -261,11 +260,6 @@ class PocketCage(Cage):
             raise InputError(
                 f"{label}: rollers do not guide a cage along their axes or against tilting; leave guided=True"
             )
-        if any(element.reduced is not None for element in bearing.elements):
-            raise InputError(
-                f"{label}: pockets are of rigid elements, these are flexible; use cage=bearings.PrescribedCage(...), "
-                "with the speed of bearing.orbit_speed(...)"
-            )
         body = self.ring(scene, bearing)
         if self.inertia is not None:
             across, other, about = require_array(self.inertia, f"{label}: inertia", (3,))
@@ -275,10 +269,9 @@ class PocketCage(Cage):
         for i, element in enumerate(bearing.elements, start=1):
             for name, shape in self._walls(bearing, body, i, 0.5 * (D + play)).items():
                 wall = body.surface(shape, name=name.replace("_", " "))
-                port = element[bearing.element_surface]
-                contact = LumpedContact(
-                    port, wall, law=self._law(bearing), friction=self.friction,
-                    name=f"{bearing.name} {name.replace('_', ' ')}",
+                contact = contact_of(
+                    element[bearing.element_surface], wall, self._law(bearing), RollingContact(friction=self.friction),
+                    f"{bearing.name} {name.replace('_', ' ')}",
                 )  # fmt: skip
                 bearing.contacts[name] = scene.add(contact)
 
