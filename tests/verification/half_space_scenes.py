@@ -48,10 +48,11 @@ def _held(scene: Scene, body: ReducedBody) -> Any:
 
 
 def pushed(
-    body: ReducedBody, shape: Any, load: float, shift: float, quarter: int, friction: float
+    body: ReducedBody, shape: Any, load: float, most: float, quarter: int, friction: float, *, by_force: bool = False
 ) -> tuple[Scene, int]:
-    """`shape` (about the origin of a rigid body), pressed down by `load` [N]; its body then moves along x from 0 to
-    `shift` [m] in `quarter` steps and once to -shift and back, in four times as many. Scene and number of steps."""
+    """`shape` (about the origin of a rigid body), pressed down by `load` [N]; its body is then shifted along x from 0
+    to `most` [m] in `quarter` steps and once to -most and back, in four times as many, or pushed so `by_force`, `most`
+    in N. Scene and number of steps."""
     scene = Scene()
     face = _held(scene, body)
     place = (0.0, 0.0, shape.radius)
@@ -63,9 +64,12 @@ def pushed(
     scene.add(forces.PointForce(center, (0.0, 0.0, -load)))
     first = 0.5 * (1.0 - np.cos(np.pi * np.arange(quarter + 1) / quarter))
     cycle = np.cos(0.5 * np.pi * np.arange(1, 4 * quarter + 2) / quarter)
-    path = shift * np.concatenate([first, cycle])
+    path = most * np.concatenate([first, cycle])
     table = signals.Table(STEP * np.arange(len(path)), path, cubic=True)
-    scene.add(joints.Drive(side, table, quantity="position"))
+    if by_force:
+        scene.add(forces.PointForce(middle, (table, (1.0, 0.0, 0.0))))
+    else:
+        scene.add(joints.Drive(side, table, quantity="position"))
     scene.add(Contact(face, partner["face"], friction=friction, name=PAIR, overlap=1.0))
     return scene, 5 * quarter
 

@@ -72,6 +72,8 @@ def take_cells(run: Run, cells: FrictionCells, tangential: FrictionSolve):
                     if count < model.capacity.cells:
                         tangential.cell_slot_of[w, pair, m] = count
                         tangential.cell_slot[w, pair, count] = m
+                        kind = (w * model.pairs.count + pair) * 2 * model.capacity.cells + count
+                        tangential.cell_sliding[kind] = 0  # unknown
                     count += 1
                 m += 1
         if count > tangential.cell_block[w, pair, FRESH]:

@@ -21,7 +21,7 @@ JUMPED = wp.constant(3)  # 1 if sliding cells are not on their circles yet
 
 
 # Sticking (1), sliding (2) and unloaded (0) cells of a pair, and the points to which sliding ones are moved; by one
-# lane.
+# lane. With `carry` cells keep their kinds, and sliding ones the direction of their traction.
 @wp.func_native("""
     const size_t here = (size_t)w * model.pairs.count + pair; const int cap = model.capacity.cells;
     const double *x = tau.data + here * 2 * cap, *r = slip.data + here * 2 * cap;
@@ -32,6 +32,7 @@ JUMPED = wp.constant(3)  # 1 if sliding cells are not on their circles yet
     WP_TILE_SYNC();
     if (WP_TILE_THREAD_IDX == 0) for (int i = 0; i < count; ++i) {
         const int p = 2 * i;
+        const int known = carry ? kind[i] : 0;
         int found = 0; jump[p] = jump[p + 1] = 0.0;
         if (b[i] > 0.0) {
             const double c = 0.5 * (k[3 * i] + k[3 * i + 2]) + soft[i];
@@ -43,11 +44,18 @@ JUMPED = wp.constant(3)  # 1 if sliding cells are not on their circles yet
                 jump[p] = v0 - x[p]; jump[p + 1] = v1 - x[p + 1];
                 if (jump[p] != 0.0 || jump[p + 1] != 0.0) report[3] = 1.0;
                 const double lambda = -(r[p] * dir[p] + r[p + 1] * dir[p + 1]) / b[i];
-                curvature.data[here * cap + i] = lambda > 0.0 ? lambda : 0.0;
+                if (known != 2) curvature.data[here * cap + i] = lambda > 0.0 ? lambda : 0.0;
             }
             const double e = ::sqrt((v0 - x[p]) * (v0 - x[p]) + (v1 - x[p + 1]) * (v1 - x[p + 1]));
             if (!(e <= report[0])) report[0] = e;
             if (b[i] > report[1]) report[1] = b[i];
+            const double was = ::sqrt(x[p] * x[p] + x[p + 1] * x[p + 1]);
+            if (known == 1) { found = 1; jump[p] = jump[p + 1] = 0.0; }
+            if (known == 2 && was > 0.0) {
+                found = 2; dir[p] = x[p] / was; dir[p + 1] = x[p + 1] / was;
+                jump[p] = b[i] * dir[p] - x[p]; jump[p + 1] = b[i] * dir[p + 1] - x[p + 1];
+                if (jump[p] != 0.0 || jump[p + 1] != 0.0) report[3] = 1.0;
+            }
         }
         if (found != factored[i]) report[2] = 1.0;
         kind[i] = found;
@@ -59,6 +67,7 @@ def sort_pair(
     w: int,
     pair: int,
     count: int,
+    carry: int,
     diagonal: wp.array(dtype=real),
     radius: wp.array(dtype=real),
     softness: wp.array(dtype=real),
@@ -74,8 +83,8 @@ def sort_pair(
 
 @wp.func
 def sort_cells(
-    model: Model, w: int, lane: int, tangential: FrictionSolve, slopes: SlipSpeedSolve, radius: wp.array(dtype=real),
-    softness: wp.array(dtype=real),
+    model: Model, w: int, lane: int, carry: int, tangential: FrictionSolve, slopes: SlipSpeedSolve,
+    radius: wp.array(dtype=real), softness: wp.array(dtype=real),
 ) -> real:  # fmt: skip
     """Kinds of the cells of all pairs; returns the defect of the tractions, as a fraction of the largest bound."""
     sync()
@@ -88,8 +97,8 @@ def sort_cells(
         count = tangential.cell_block[w, pair, COUNT]
         if count > 0:
             sort_pair(
-                model, w, pair, count, slopes.speed_diagonal, radius, softness, slopes.speed_tau, tangential.cell_slip,
-                tangential.cell_jump, tangential.cell_direction, tangential.cell_curvature, tangential.cell_sliding,
+                model, w, pair, count, carry, slopes.speed_diagonal, radius, softness, slopes.speed_tau,
+                tangential.cell_slip, tangential.cell_jump, tangential.cell_direction, tangential.cell_curvature, tangential.cell_sliding,
                 tangential.cell_outcome,
             )  # fmt: skip
         pair += 1

@@ -338,7 +338,7 @@ def come_near(
                 )  # fmt: skip
                 pair += 1
         find_slips(model, w, lane, cells, patch, rolling, tangential, slopes, strips, softness)
-        defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
+        defect = sort_cells(model, w, lane, 0, tangential, slopes, radius, softness)
         n += 1
     return n
 
@@ -427,7 +427,7 @@ def solve_tractions(
     held = held_motions(run.ctl, w, system.hold_count)
     factored = run.ctl[w].factored
     find_slips(model, w, lane, cells, patch, rolling, tangential, slopes, strips, softness)
-    defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
+    defect = sort_cells(model, w, lane, 1, tangential, slopes, radius, softness)
     settled = wanted(model, defect)
     least = defect
     before = real(0.0)
@@ -455,7 +455,7 @@ def solve_tractions(
                     strips.strip_ready[w] = 0
                 run.ctl[w].solves = run.ctl[w].solves + steps
             sync()
-            defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
+            defect = sort_cells(model, w, lane, 0, tangential, slopes, radius, softness)
             least = defect
         else:
             keep_start(model, w, lane, tangential, slopes)
@@ -463,7 +463,7 @@ def solve_tractions(
                 guarded = int(1)
                 confine(model, w, 0, tangential, slopes, radius, softness)
                 find_slips(model, w, lane, cells, patch, rolling, tangential, slopes, strips, softness)
-                defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
+                defect = sort_cells(model, w, lane, 0, tangential, slopes, radius, softness)
                 keep_start(model, w, lane, tangential, slopes)
             if tangential.cell_outcome[w, JUMPED] != real(0.0):
                 add_soft(
@@ -502,7 +502,7 @@ def solve_tractions(
                 guarded += 1
                 if fell == 0:  # round-off
                     guarded = GUARDED + 1
-            defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
+            defect = sort_cells(model, w, lane, 0, tangential, slopes, radius, softness)
             if defect > STALLED * least:
                 stalled += 1
             least = wp.min(least, defect)

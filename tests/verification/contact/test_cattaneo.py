@@ -28,9 +28,10 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import ContactGrid, reduce
 from warpffrf.output.result import Result
+from warpffrf.output.simulate import static
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from half_space_scenes import PAIR, STEEL, ball, cylinder, pushed, simulated
+from half_space_scenes import PAIR, STEEL, STEP, ball, cylinder, pushed, simulated
 
 FRICTION = 0.3
 STICK = 1.0  # grid spacings, promised
@@ -115,6 +116,21 @@ def test_point(cells: float, share: float, loss: bool) -> None:
     shift = float(MINDLIN.loading(share * MINDLIN.limit))
     scene, steps = pushed(body, ball(POINT.radius), POINT.load, shift, QUARTER, FRICTION)
     check(simulated(scene, steps * 1e-3, 1e-3), MINDLIN, 1.0, loss=loss, displaced=DISPLACEMENT if loss else COARSE)
+
+
+@pytest.mark.parametrize("by_force", [False, True], ids=["by displacement", "by force"])
+@pytest.mark.parametrize("cells", [8, pytest.param(12, marks=pytest.mark.slow)])
+def test_point_in_load_steps(cells: int, by_force: bool) -> None:
+    """The same without inertia, to 0.9 of sliding."""
+    count = 2 * int(cells + 3) + 1
+    body = half_space(count, count, POINT.half_width / cells, STEEL)
+    most = 0.9 * MINDLIN.limit
+    if not by_force:
+        most = float(MINDLIN.loading(most))
+    scene, steps = pushed(body, ball(POINT.radius), POINT.load, most, QUARTER, FRICTION, by_force=by_force)
+    result = static(scene, steps * STEP, step=STEP, progress=False)
+    assert result.status == "completed", result.message
+    check(result, MINDLIN, 1.0, displaced=DISPLACEMENT if cells > 8 else COARSE)
 
 
 def uncoupled(body: ReducedBody) -> ReducedBody:

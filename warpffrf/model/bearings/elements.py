@@ -226,9 +226,10 @@ class PocketCage(Cage):
     """A body with a pocket for each element, with the diametral `clearance` [m].
 
     law: of the force of a rigid element in a pocket, a lumped law: of a ball None for PowerForce(1e9, 1.5), of a
-    roller, whose laminae each meet the wall, None for PalmgrenLine; flexible ones have distributed contact. friction: of elements in their pockets. guided: whether the cage is kept
-    on the axis by a joint without friction, as on a land of the guide; else its pockets alone support it, which is
-    possible for balls. inertia: its diagonal (3,) [kg m2] across the axis twice and about it, None for that of a ring.
+    roller, whose laminae each meet the wall, None for PalmgrenLine; flexible ones have distributed contact. friction:
+    of elements in their pockets. guided: whether the cage is kept on the axis by a joint without friction, as on a land
+    of the guide; else its pockets alone support it, which is possible for balls. inertia: its diagonal (3,) [kg m2]
+    across the axis twice and about it, None for that of a ring.
     Contacts are `bearing.contacts["pocket_3"]`, of rollers ["pocket_3_front"] and ["pocket_3_back"].
     """
 
