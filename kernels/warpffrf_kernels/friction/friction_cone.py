@@ -98,8 +98,8 @@ def sort_cells(
         if count > 0:
             sort_pair(
                 model, w, pair, count, carry, slopes.speed_diagonal, radius, softness, slopes.speed_tau,
-                tangential.cell_slip, tangential.cell_jump, tangential.cell_direction, tangential.cell_curvature, tangential.cell_sliding,
-                tangential.cell_outcome,
+                tangential.cell_slip, tangential.cell_jump, tangential.cell_direction, tangential.cell_curvature,
+                tangential.cell_sliding, tangential.cell_outcome,
             )  # fmt: skip
         pair += 1
     if tangential.cell_outcome[w, LARGEST] > real(0.0):
