@@ -181,10 +181,9 @@ class ContactSolve:
     )
     bordered_rhs: DeviceArray = reals("world", "contact_retained")
     solution: DeviceArray = reals("world", "slot", unit="Pa", flat=True)
-    krylov: DeviceArray = reals("world", 4, "slot_beside", note="of the gradients: see `solve_between`", run=True)
+    krylov: DeviceArray = reals("world", 6, "slot_beside", note="vectors of `solve_between`", run=True)
     krylov_rhs: DeviceArray = reals("world", "retained_beside", run=True)
     krylov_z: DeviceArray = reals("world", "retained_beside", run=True)
-    krylov_path: DeviceArray = reals("world", "retained_beside", run=True)
 
 
 @topic

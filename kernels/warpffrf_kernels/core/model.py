@@ -339,6 +339,7 @@ class Pairs:
     first: DeviceArray = integers("pair", note="surface")
     second: DeviceArray = integers("pair", note="surface")
     family: DeviceArray = integers("pair", note="0 LINE_OF_CENTRES, 1 AT_POINTS, 2 PATCH")
+    group: DeviceArray = integers("pair", note="the same for pairs that a chain of bodies and pairs connects")
     coupled_count: DeviceArray = integers("pair", note="retained columns the gap of a pair depends on")
     coupled: DeviceArray = integers("pair", "coupled", note="these")
     friction: DeviceArray = reals("pair", note="coefficient mu, the largest of all slip speeds; 0 without")

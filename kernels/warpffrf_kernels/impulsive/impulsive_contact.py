@@ -73,11 +73,11 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import ContactState, FrictionState, LoadState, MotionState
 from warpffrf_kernels.normal.contact_solve import push_by_slots
-from warpffrf_kernels.normal.pair_forces import force_on, is_closed, mean_of, modal_place, surface_of, whole
+from warpffrf_kernels.normal.pair_forces import force_on, is_closed, mean_of, modal_place, whole
 
 wp.set_module_options(MODULE_OPTIONS)
 
-NEGLIGIBLE = wp.constant(wp.float64(1.0e-3))  # of the contact energy on its bodies: a pair with less is idle
+NEGLIGIBLE = wp.constant(wp.float64(1.0e-3))  # of the contact energy of its group: a pair with less is idle
 LEAST_WEIGHT = wp.constant(wp.float64(1.0e-4))  # of a pair that closes at the end of the step
 
 
@@ -148,24 +148,12 @@ def weight_of(kappa: real, theta: real) -> real:
 
 
 @wp.func
-def joined(model: Model, pair: int, other: int) -> bool:
-    """Whether two pairs touch the same body, or are the same."""
-    found = pair == other
-    for side in range(2):
-        b = model.surfaces.body[surface_of(model, pair, side)]
-        for across in range(2):
-            if b >= 0 and b == model.surfaces.body[surface_of(model, other, across)]:
-                found = True
-    return found
-
-
-@wp.func
 def energy_about(model: Model, w: int, pair: int, pair_energy: wp.array3d(dtype=real)) -> real:
-    """Contact energy [J] of all pairs on the bodies of a pair."""
+    """Contact energy [J] of all pairs of the group of a pair."""
     energy = real(0.0)
     other = int(0)
     while other < model.pairs.count:
-        if joined(model, pair, other):
+        if model.pairs.group[pair] == model.pairs.group[other]:
             energy += wp.max(pair_energy[w, other, 0], pair_energy[w, other, 1])
         other += 1
     return energy
@@ -173,7 +161,7 @@ def energy_about(model: Model, w: int, pair: int, pair_energy: wp.array3d(dtype=
 
 @wp.func
 def is_idle(model: Model, w: int, pair: int, own: real, pair_energy: wp.array3d(dtype=real)) -> bool:
-    """Whether the energy of a pair, `own` [J], is negligible compared with the contact energy on its bodies."""
+    """Whether the energy of a pair, `own` [J], is negligible compared with the contact energy of its group."""
     return own < NEGLIGIBLE * energy_about(model, w, pair, pair_energy)
 
 

@@ -24,12 +24,13 @@ remove, and if it stays open both kinds of step are the same. A step in which it
 force does more work than the trapezoidal rule by OWN of the pair's own energy (contact energy, or kinetic energy along
 the force), is repeated as an impulsive one (`judge_pairs`), with a search that begins at theta 1/2.
 
-**Idle pairs.** A pair whose own energy is below NEGLIGIBLE of the contact energy of all pairs on its two bodies is
-impulsive from the start, with theta 1 and without a search or a repetition: it never gains energy, and loses little
-compared with contacts that carry load. Otherwise the idle rollers of a bearing, which bounce under their own weight,
-would cost every step a repetition and a few rounds. Energies of other bodies are not considered: a light body that
-bounces where nothing else is pressed has its search, however much energy the machine has. The energy of an idle pair
-may be negative: the deformation of the body by its neighbours does work on its pressures.
+**Idle pairs.** Pairs that a chain of bodies and pairs connects form a group: all contacts of a bearing, pockets of its
+cage included. A pair whose own energy is below NEGLIGIBLE of the contact energy of its group is impulsive from the
+start, with theta 1 and without a search or a repetition: it never gains energy, and loses little compared with contacts
+that carry load. Otherwise the idle rollers of a bearing, which bounce under their own weight, would cost every step a
+repetition and a few rounds. Energies of other groups are not considered: a light body that bounces where nothing else
+is pressed has its search, however much energy the machine has. The energy of an idle pair may be negative: the
+deformation of the body by its neighbours does work on its pressures.
 
 **Local modes with inertia** leave almost no compliance to contact (D_rest), and a force that stops a face within a step
 would chatter on it. There theta is 1, the force at the end: E is convex, so no energy is gained and a face may lose all
@@ -73,7 +74,7 @@ CALM = wp.constant(wp.float64(0.5))
 # of a pair's own energy: what a step in which it stays closed may create; more than the movement of a patch of a few
 # columns over the grids creates
 OWN = wp.constant(wp.float64(2.0e-3))
-SMALL = wp.constant(wp.float64(0.02))  # of the contact energy on its bodies, if its own is less
+SMALL = wp.constant(wp.float64(0.02))  # of the contact energy of its group, if its own is less
 # of the larger contact energy: a pair that stores or releases more than that does so not because of the grids
 SWING = wp.constant(wp.float64(0.5))
 # of a pair's own energy: target loss of the mean force of an impulsive step, and its tolerance: it creates none

@@ -1,8 +1,14 @@
 """Coupling of pairs by the condensed or local modes of the bodies that they share.
 
-(M + F) ds = b of `contact_solve`, with F the blocks of G between pairs and M the system without them, is solved by
-conjugate gradients from the solution without F, with M as preconditioner. Each step costs a solve with the present
-factors.
+(M + F) ds = b of `contact_solve`, with F the blocks of G between pairs and M the system without them, is solved from
+the solution without F with M as preconditioner. With the weights w of impulsive pairs the blocks of local modes are
+F_ij w_i/w_j: not symmetric where an idle pair touches next to one that is pressed, so the method is that of van der
+Vorst (BiCGStab, 1992), on the right:
+
+    (1 + F M^-1) y = b,      ds = M^-1 y.
+
+Symmetric ones in their place would not agree with the gaps by which the active set is corrected: cells at the edge of a
+patch would enter and leave it indefinitely. Each step costs two solves with the present factors.
 """
 
 import warp as wp
@@ -20,8 +26,8 @@ from warpffrf_kernels.normal.pair_elimination import LEFT_START, eliminated, put
 
 wp.set_module_options(MODULE_OPTIONS)
 
-EXACT = wp.constant(wp.float64(1.0e-16))  # of the energy of the first correction: tolerance of the gradients
-GRADIENTS = wp.constant(100)  # maximum number of steps; the rest stays in the gaps for the Newton iteration
+EXACT = wp.constant(wp.float64(1.0e-18))  # of the square of the first residual
+MOST = wp.constant(60)  # steps; the rest stays in the gaps for the Newton iteration
 
 
 # y += F x over the first n places: displacements due to the pressures of each pair on the others. Lanes over the
@@ -79,89 +85,108 @@ def inner(n: int, x: wp.array(dtype=real), a: int, b: int) -> real:
     return total
 
 
+@wp.func
+def copy(n: int, lane: int, x: wp.array(dtype=real), a: int, b: int):
+    """x[b:] = x[a:] of n numbers. Lanes over them."""
+    i = lane
+    while i < n:
+        x[b + i] = x[a + i]
+        i += wp.block_dim()
+    sync()
+
+
+@wp.func
+def without_coupling(
+    model: Model, p: Pattern, w: int, lane: int, normal: ContactSolve, system: RetainedSystem, answer: int
+):  # fmt: skip
+    """krylov[answer:] = M^-1 of itself, and its retained increments in `krylov_z`."""
+    i = lane
+    while i < model.retained.count:
+        normal.krylov_rhs[w * model.retained.count + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    eliminated(model, p, w, lane, 0, 0, normal, system, normal.krylov, answer, normal.krylov_rhs, normal.krylov_z)
+    sync()
+
+
+@wp.func
+def go(
+    model: Model, w: int, lane: int, count: int, length: real, normal: ContactSolve, system: RetainedSystem,
+    answer: int, residual: int, image: int,
+):  # fmt: skip
+    """A step of `length` along krylov[answer:], whose image is krylov[image:]."""
+    i = lane
+    while i < count:
+        at = w * model.capacity.slots + i
+        normal.solution[at] = normal.solution[at] + length * normal.krylov[answer + i]
+        normal.krylov[residual + i] = normal.krylov[residual + i] - length * normal.krylov[image + i]
+        i += wp.block_dim()
+    i = w * model.retained.count + lane
+    while i < (w + 1) * model.retained.count:
+        system.z[i] = system.z[i] + length * normal.krylov_z[i]
+        i += wp.block_dim()
+    sync()
+
+
 @kernel
 def solve_between(
     run: Run, fields: ContactFields, normal: ContactSolve, impulses: ImpulsiveContact, system: RetainedSystem,
     contact: ContactState, patterns: wp.array(dtype=Pattern),
 ):  # fmt: skip
-    """Per world: retained increments and pressures with the coupling of pairs by local modes, by conjugate gradients
-    from the solution without it."""
+    """Per world: retained increments and pressures with the coupling of pairs by local modes, from the solution without
+    it."""
     w, lane = wp.tid()
     model = run.models[w]
     count = normal.block[w, 0, LEFT_START]
     if run.ctl[w].run == 0 or count == 0 or lags(model, run.ctl, w):
         return
     cap = model.capacity.slots
-    N = model.retained.count
     at = w * cap
-    residual = w * 4 * cap  # r, M^-1 r, the direction p and M p
-    answer = residual + cap
+    residual = w * 6 * cap
+    shadow = residual + cap  # the first residual
     path = residual + 2 * cap
-    image = residual + 3 * cap
+    image = residual + 3 * cap  # of the path
+    answer = residual + 4 * cap  # M^-1 of the path, or of the residual
+    second = residual + 5 * cap  # image of the latter
     i = lane
     while i < count:
         normal.krylov[residual + i] = real(0.0)
-        normal.krylov[path + i] = -normal.solution[at + i]
-        normal.krylov[image + i] = real(0.0)
+        normal.krylov[answer + i] = -normal.solution[at + i]
         i += wp.block_dim()
-    i = lane
-    while i < N:
-        normal.krylov_path[w * N + i] = real(0.0)
-        i += wp.block_dim()
-    add_between(model, w, count, normal.soft, normal.order, normal.block, normal.krylov, path, residual)  # r = -F x
-    reference = real(0.0)
-    before = real(0.0)
+    add_between(model, w, count, normal.soft, normal.order, normal.block, normal.krylov, answer, residual)  # r = -F x
+    copy(count, lane, normal.krylov, residual, shadow)
+    copy(count, lane, normal.krylov, residual, path)
+    size = inner(count, normal.krylov, residual, residual)
+    least = EXACT * size
+    product = size
     step = int(0)
-    while step < GRADIENTS:
-        i = lane
-        while i < count:
-            normal.krylov[answer + i] = normal.krylov[residual + i]
-            i += wp.block_dim()
-        i = lane
-        while i < N:
-            normal.krylov_rhs[w * N + i] = real(0.0)
-            i += wp.block_dim()
-        sync()
-        eliminated(
-            model, patterns[0], w, lane, 0, 0, normal, system, normal.krylov, answer, normal.krylov_rhs, normal.krylov_z
-        )
-        product = inner(count, normal.krylov, residual, answer)
-        if step == 0:
-            reference = product
-        if not (product > EXACT * reference):
-            break
-        share = real(0.0)
-        if step > 0:
-            share = product / before
+    while step < MOST and size > least and product != real(0.0):
+        copy(count, lane, normal.krylov, path, answer)
+        copy(count, lane, normal.krylov, path, image)
+        without_coupling(model, patterns[0], w, lane, normal, system, answer)
+        add_between(model, w, count, normal.soft, normal.order, normal.block, normal.krylov, answer, image)
+        length = product / inner(count, normal.krylov, shadow, image)
+        go(model, w, lane, count, length, normal, system, answer, residual, image)
+        copy(count, lane, normal.krylov, residual, answer)
+        copy(count, lane, normal.krylov, residual, second)
+        without_coupling(model, patterns[0], w, lane, normal, system, answer)
+        add_between(model, w, count, normal.soft, normal.order, normal.block, normal.krylov, answer, second)
+        square = inner(count, normal.krylov, second, second)
+        part = real(0.0)
+        if square > real(0.0):
+            part = inner(count, normal.krylov, second, residual) / square
+        go(model, w, lane, count, part, normal, system, answer, residual, second)
+        size = inner(count, normal.krylov, residual, residual)
         before = product
+        product = inner(count, normal.krylov, shadow, residual)
+        turn = real(0.0)
+        if part != real(0.0):
+            turn = product / before * length / part
         i = lane
         while i < count:
-            if step == 0:
-                normal.krylov[path + i] = real(0.0)
-            normal.krylov[path + i] = normal.krylov[answer + i] + share * normal.krylov[path + i]
-            normal.krylov[image + i] = normal.krylov[residual + i] + share * normal.krylov[image + i]
-            i += wp.block_dim()
-        i = lane
-        while i < N:
-            normal.krylov_path[w * N + i] = normal.krylov_z[w * N + i] + share * normal.krylov_path[w * N + i]
-            i += wp.block_dim()
-        sync()
-        # the image by M is carried along; that by F is added for the step and subtracted again
-        i = lane
-        while i < count:
-            normal.krylov[answer + i] = normal.krylov[image + i]
-            i += wp.block_dim()
-        sync()
-        add_between(model, w, count, normal.soft, normal.order, normal.block, normal.krylov, path, answer)
-        length = product / inner(count, normal.krylov, path, answer)
-        i = lane
-        while i < count:
-            normal.solution[at + i] = normal.solution[at + i] + length * normal.krylov[path + i]
-            normal.krylov[residual + i] = normal.krylov[residual + i] - length * normal.krylov[answer + i]
-            i += wp.block_dim()
-        i = lane
-        while i < N:
-            system.z[w * N + i] = system.z[w * N + i] + length * normal.krylov_path[w * N + i]
+            normal.krylov[path + i] = normal.krylov[residual + i] + turn * (
+                normal.krylov[path + i] - part * normal.krylov[image + i]
+            )
             i += wp.block_dim()
         sync()
         step += 1

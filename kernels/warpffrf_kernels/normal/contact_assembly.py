@@ -212,10 +212,14 @@ def assemble_between(run: Run, geometry: ContactGeometry, normal: ContactSolve, 
     start = w * wp.max(model.window.grid_nodes, model.window.nodes)
     slot = run.ctl[w].fresh
     while slot < run.ctl[w].slots:
+        couple_others(model, w, slot, normal.slot_node, normal.J, impulses.contact_receptance, normal.G)
+        slot += 1
+    sync()
+    mirror_between(model, w, run.ctl[w].fresh, run.ctl[w].slots, normal.slot_node, normal.G)
+    slot = run.ctl[w].fresh
+    while slot < run.ctl[w].slots:
         pair = normal.slot_node[w, slot, 0]
         m = normal.slot_node[w, slot, 1]
-        couple_others(model, w, slot, normal.slot_node, normal.J, impulses.contact_receptance, normal.G)
-        sync()
         for side in range(2):
             loads = 2 * pair + side
             n = model.responses.load_start[loads]  # sides on one body load each other
@@ -225,9 +229,7 @@ def assemble_between(run: Run, geometry: ContactGeometry, normal: ContactSolve, 
                 if other == pair:
                     n += 1
                     continue
-                ratio = wp.min(impulses.weight[w, pair], impulses.weight[w, other]) / wp.max(
-                    impulses.weight[w, pair], impulses.weight[w, other]
-                )
+                ratio = impulses.weight[w, pair] / impulses.weight[w, other]
                 rows = model.surfaces.rows[surface_of(model, other, reads % 2)]
                 rows_a = model.surfaces.rows[model.pairs.first[other]]
                 first = geometry.window[w, other, 0] + model.window.half
@@ -265,11 +267,9 @@ def assemble_between(run: Run, geometry: ContactGeometry, normal: ContactSolve, 
                                     if column >= 0 and column < columns:
                                         g += part * normal.field_beside[start + column * rows + row]
                                 e += 1
-                        g = g * ratio
-                        normal.G[w, slot, j] = normal.G[w, slot, j] + g
+                        normal.G[w, slot, j] = normal.G[w, slot, j] + g * ratio
+                        normal.G[w, j, slot] = normal.G[w, j, slot] + g / ratio
                     grid_node += wp.block_dim()
                 sync()
                 n += 1
         slot += 1
-    sync()
-    mirror_between(model, w, run.ctl[w].fresh, run.ctl[w].slots, normal.slot_node, normal.G)

@@ -5,15 +5,11 @@ pairs, the rows of the linearised system read
 
     w_i (gap_i + sum_j F_ij dp_j) = 0,      dp_j = ds_j / w_j      (`contact_solve`),
 
-with blocks F_ij w_i / w_j, which are symmetric only if the weights are equal. Conjugate gradients need symmetric
-blocks, min(w_i, w_j) / max(w_i, w_j) of F_ij on both sides; the correction of the active set uses true gaps. If the
-weights differ, for example if an idle roller touches next to loaded ones, the two are inconsistent, and cells at the
-edge of a patch enter and leave the set indefinitely.
-
-In dynamic steps of scenes in which only patches are coupled in this way, F_ij dp_j is therefore omitted from both,
-matrix and correction, and taken from the pressures of the evaluation. Residuals stay exact, so the converged solution
-is the same; an iteration contracts by |F| / |G|, 0.01 for steel rings. Where it contracts more slowly, for example if
-patches of soft bodies lie close together, the blocks are assembled after LAGS iterations of a round.
+with blocks F_ij w_i / w_j (`between_pairs`). They are as many as the pairs squared. In dynamic steps of scenes in which
+only patches are coupled in this way, F_ij dp_j is omitted from both, matrix and correction of the active set, and taken
+from the pressures of the evaluation. Residuals stay exact, so the converged solution is the same; an iteration
+contracts by |F| / |G|, 0.01 for steel rings. Where it contracts more slowly, for example if patches of soft bodies lie
+close together, the blocks are assembled after LAGS iterations of a round.
 """
 
 import warp as wp

@@ -345,9 +345,7 @@ def assemble_patches_beside(run: Run, normal: ContactSolve, patch: PatchScratch,
                 table = elements.patches.beside_table[e]
                 stride = elements.patches.table_source[table] * lines
                 at = side * model.window.grid_nodes + m
-                ratio = wp.min(impulses.weight[w, pair], impulses.weight[w, other]) / wp.max(
-                    impulses.weight[w, pair], impulses.weight[w, other]
-                )
+                ratio = impulses.weight[w, pair] / impulses.weight[w, other]
                 n = lane
                 while n < patch.far_window[w, other, there, 1] * lines:
                     source = turned_column(model, r, patch.far_window[w, other, there, 0] + n / lines)
@@ -385,9 +383,8 @@ def assemble_patches_beside(run: Run, normal: ContactSolve, patch: PatchScratch,
                             strips = strip_width(elements, w, pair, patch.patch_place)
                             strips *= strip_width(elements, w, other, patch.patch_place)
                             value += strips * patch.patch_between[w, e, own * its + normal.slot_node[w, q, 1] % its]
-                        value = ratio * value
-                        normal.G[w, slot, q] = normal.G[w, slot, q] + value
-                        normal.G[w, q, slot] = normal.G[w, q, slot] + value
+                        normal.G[w, slot, q] = normal.G[w, slot, q] + value * ratio
+                        normal.G[w, q, slot] = normal.G[w, q, slot] + value / ratio
                     q += wp.block_dim()
                 sync()
                 e += 1

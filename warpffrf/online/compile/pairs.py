@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from warpffrf.model.bodies import Body, Ground
 from warpffrf.model.contact import Contact
@@ -98,7 +101,7 @@ def fill_pairs(collector: Collector, m: Model) -> None:
             f"most {k.MOST_STENCIL}: swap the two surfaces, or give the second a coarser grid, ContactGrid(spacing=)"
         )
     collector.fill(
-        m.pairs, first=collector.sides[::2], second=collector.sides[1::2], family=families,
+        m.pairs, first=collector.sides[::2], second=collector.sides[1::2], family=families, group=_groups(pairs),
         most_modes=pair_modes, coupled_capacity=most_coupled, coupled_count=[len(c) for c in coupled],
         coupled=[c + [0] * (most_coupled - len(c)) for c in coupled],
     )  # fmt: skip
@@ -109,6 +112,13 @@ def fill_pairs(collector: Collector, m: Model) -> None:
         for pair, family in zip(pairs, families, strict=True)
     ]
     fill_points(collector, m, [pair.a for pair in pairs], rules)
+
+
+def _groups(pairs: Sequence[Pair]) -> np.ndarray:
+    """Number of the group of each pair: pairs on one body are in one; the ground connects none."""
+    bodies = [{body.index for body in _moving(pair.body_a, pair.body_b)} for pair in pairs]
+    shared = [[bool(one & other) for other in bodies] for one in bodies]
+    return connected_components(np.array(shared).reshape(len(pairs), len(pairs)), directed=False)[1]
 
 
 def family_of(collector: Collector, pair: Pair, turned: float) -> int:
