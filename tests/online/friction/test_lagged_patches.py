@@ -54,3 +54,28 @@ def test_lagged_blocks_change_no_result(ring: wf.ReducedBody, apart: float, monk
     for name in lagged.contacts:
         force = lagged.contacts[name].force - assembled.contacts[name].force
         assert np.abs(force).max() < BALANCED * LOAD
+
+
+@pytest.mark.parametrize("idle", [5.0, 50.0])
+def test_an_idle_roller_beside_a_pressed_one_keeps_its_set_on_a_turning_grid(idle: float) -> None:
+    """Blocks between pairs of unequal weights: with symmetric ones in their place nodes of the idle patch entered and
+    left the active set without end, and every other step was halved."""
+    mesh = wf.mesh.roller(0.05, 0.015, 0.02, sectors=720, layers=12, axial=2, grading=1.3, order=1)
+    body = wf.reduce(
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0,
+        grid=wf.ContactGrid(contact_fixed=False), cache=False, progress=False,
+    )  # fmt: skip
+    scene, spin = wf.Scene(gravity=(0.0, 0.0, 0.0)), 20.0
+    turning = scene.add_body(body, name="ring", angular_velocity=(0.0, spin, 0.0))
+    axle = scene.add(wf.joints.Revolute(scene.ground, turning["bore"], axis=(0, 1, 0)))
+    scene.add(wf.joints.Drive(axle, spin, quantity="velocity"))
+    for name, angle, load in (("pressed", 0.0, LOAD), ("idle", 0.25, idle)):
+        out = np.array([np.sin(angle), 0.0, np.cos(angle)])
+        tread = wf.surfaces.Cylinder(radius=0.02, axis_point=(0.0, 0.0, 0.0), axis_direction=(0.0, 1.0, 0.0))
+        roller = scene.add_rigid_body(0.1, (1e-5,) * 3, name=name, position=0.07 * out, surfaces={"tread": tread})
+        scene.add(wf.joints.Prismatic(scene.ground, roller.at((0.0, 0.0, 0.0)), axis=out))
+        scene.add(wf.Contact(turning["rim"], roller["tread"]))
+        scene.add(wf.forces.PointForce(roller.at((0.0, 0.0, 0.0)), (load, tuple(-out))))
+    history = run(scene, 40 * 4e-5, step=4e-5, start="equilibrium", progress=False)
+    assert history.status == "completed", history.message
+    assert history.counters["rejected_steps"] == history.counters["impulsive_steps"] == 0
