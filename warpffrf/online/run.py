@@ -458,6 +458,7 @@ def finish(
         "coarse_steps": int(engine.word("coarse")[0]),
         "repeated_steps": int(engine.word("repeated")[0]),
         "impulsive_steps": int(engine.word("impulses")[0]),
+        "idle_steps": int(engine.word("idle_steps")[0]),
         "retained_columns": engine.compiled.model.retained.count + engine.compiled.model.modes.count,
     }
     if engine.compiled.slips.laws or engine.compiled.tensions.laws:

@@ -55,6 +55,7 @@ class Control:
     even: int  # 1 if these means return the energy of their pairs
     reweighed: int  # 1 if their weights have changed since the rows of G were assembled
     impulses: int  # accepted steps in which a pair was impulsive and touched
+    idle_steps: int  # the same with an idle pair
     shaken: int  # 1 if the previous step was impulsive, or halved after an impulsive one
     gaining_steps: int  # consecutive steps with too high a numerical line, see `energy_watch`
     trapezoidal: int  # 1 if the attempt uses the trapezoidal rule from true accelerations

@@ -76,6 +76,7 @@ def decide(
         run.ctl[w].failure = run.ctl[w].failure | k.NOT_FINITE
     event = int(0)
     impulse = int(0)
+    idle = int(0)
     again = int(0)
     calm = int(1)
     touching = int(0)
@@ -88,6 +89,8 @@ def decide(
             event = int(1)
         if before or after:
             touching = int(1)
+            if contact.impulsive[w, pair] == k.IDLE:
+                idle = int(1)
             if contact.impulsive[w, pair] == k.IMPULSIVE:
                 impulse = int(1)
                 made += impulses.created_now[w, pair]
@@ -225,6 +228,7 @@ def decide(
         run.ctl[w].commit = 1
     if dynamic:
         run.ctl[w].impulses = run.ctl[w].impulses + impulse
+        run.ctl[w].idle_steps = run.ctl[w].idle_steps + idle
         run.ctl[w].restarted_steps = run.ctl[w].restarted_steps + run.ctl[w].restart
         run.ctl[w].restart = run.ctl[
             w

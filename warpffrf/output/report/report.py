@@ -314,6 +314,7 @@ WHERE_THERE = {  # listed if not zero
     "coarse_steps": "coarse steps",
     "repeated_steps": "repeated steps",
     "impulsive_steps": "impulsive steps",
+    "idle_steps": "idle steps",
     "restarted_steps": "implicit steps",
     "dense_fallbacks": "dense solves",
 }
@@ -322,6 +323,7 @@ MEANINGS = {
     "coarse_steps": "less accurate than required, at the smallest step",
     "repeated_steps": "repeated as impacts",
     "impulsive_steps": "with an impact",
+    "idle_steps": "with a contact of negligible energy, which does not rebound",
     "restarted_steps": "by implicit Euler, at transitions of friction or pretension",
     "dense_fallbacks": "after a small pivot of the sparse solver",
 }
