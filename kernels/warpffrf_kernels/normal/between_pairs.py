@@ -110,7 +110,7 @@ def without_coupling(
 
 
 @wp.func
-def go(
+def step_along(
     model: Model, w: int, lane: int, count: int, length: real, normal: ContactSolve, system: RetainedSystem,
     answer: int, residual: int, image: int,
 ):  # fmt: skip
@@ -165,8 +165,11 @@ def solve_between(
         copy(count, lane, normal.krylov, path, image)
         without_coupling(model, patterns[0], w, lane, normal, system, answer)
         add_between(model, w, count, normal.soft, normal.order, normal.block, normal.krylov, answer, image)
-        length = product / inner(count, normal.krylov, shadow, image)
-        go(model, w, lane, count, length, normal, system, answer, residual, image)
+        along = inner(count, normal.krylov, shadow, image)
+        if along == real(0.0):
+            break
+        length = product / along
+        step_along(model, w, lane, count, length, normal, system, answer, residual, image)
         copy(count, lane, normal.krylov, residual, answer)
         copy(count, lane, normal.krylov, residual, second)
         without_coupling(model, patterns[0], w, lane, normal, system, answer)
@@ -175,16 +178,16 @@ def solve_between(
         part = real(0.0)
         if square > real(0.0):
             part = inner(count, normal.krylov, second, residual) / square
-        go(model, w, lane, count, part, normal, system, answer, residual, second)
+        step_along(model, w, lane, count, part, normal, system, answer, residual, second)
         size = inner(count, normal.krylov, residual, residual)
         before = product
         product = inner(count, normal.krylov, shadow, residual)
-        turn = real(0.0)
+        kept = real(0.0)
         if part != real(0.0):
-            turn = product / before * length / part
+            kept = product / before * length / part
         i = lane
         while i < count:
-            normal.krylov[path + i] = normal.krylov[residual + i] + turn * (
+            normal.krylov[path + i] = normal.krylov[residual + i] + kept * (
                 normal.krylov[path + i] - part * normal.krylov[image + i]
             )
             i += wp.block_dim()
