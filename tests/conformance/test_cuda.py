@@ -155,6 +155,39 @@ np.savez(sys.argv[2], lanes=lanes.numpy()[0], **made)
 """
 
 
+# an oil film, and one with asperities that touch
+FILMS = """
+import sys
+import numpy as np
+import warp as wp
+
+wp.config.enable_cpu_blocks = sys.argv[1] == "blocks"
+import warpffrf as wf
+from warpffrf.online import run
+from scenes.film_bearing import GROOVE, bearing, bore
+
+made = {}
+mixed = wf.films.MixedLubrication(wf.laws.ExponentialAsperities(1e9, 1e-6), 0.1)
+for name, load, more in (("smooth", 8e3, {}), ("rough", 30e3, {"mixed": mixed, "speed": 30.0, "at": (0.7, 0.0)})):
+    scene = bearing(bore((32, 7)), (load, 1e3), feeds=[GROOVE], **more)
+    history = run(scene, 20 * 1e-4, step=1e-4, progress=False)
+    assert history.status == "completed", history.message
+    film = history.films["film"]
+    made |= {f"{name} pressure": film.pressure, f"{name} gap": film.gap, f"{name} force": film.force,
+             f"{name} friction": history.energy["friction"]}
+    if more:
+        made["asperities"] = film.asperity
+np.savez(sys.argv[2], **made)
+"""
+
+
+@pytest.mark.slow
+def test_one_lane_and_64_lanes_agree_on_films(tmp_path: Path) -> None:
+    one, blocks = both(FILMS, tmp_path)
+    assert np.any(one["asperities"] > 0.0) and np.any(one["smooth pressure"] > 1e6)
+    compare(one, blocks)
+
+
 @pytest.mark.slow
 def test_one_lane_and_64_lanes_agree_on_cells_that_travel(tmp_path: Path) -> None:
     one, blocks = both(ROLLING, tmp_path)

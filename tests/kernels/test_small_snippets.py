@@ -11,7 +11,7 @@ import warp as wp
 from warpffrf.online.compile.retained_pattern import find_pattern, on_device
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real
-from warpffrf_kernels.linear import block_elimination, general_elimination
+from warpffrf_kernels.linear import banded_elimination, block_elimination, general_elimination
 from warpffrf_kernels.linear.retained_solve import PIVOT_TOLERANCE, invert
 from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.normal.pair_elimination import block_at, gather_block, gather_lines, lines_at
@@ -234,42 +234,85 @@ def test_dependent_constraints_are_singular() -> None:
 
 @wp.kernel
 def eliminate_any(
-    at: int, stride: int, n: int, more: int, thin: int, a: wp.array(dtype=real), pivots: wp.array(dtype=int),
+    at: int, stride: int, n: int, more: int, a: wp.array(dtype=real), pivots: wp.array(dtype=int),
     again: wp.array(dtype=real), bad: wp.array(dtype=int),
 ):  # fmt: skip
     _w, _lane = wp.tid()
-    bad[0] = general_elimination.eliminate(a, at, stride, n, more, thin, pivots, 0)
+    bad[0] = general_elimination.eliminate(a, at, stride, n, more, pivots, 0)
     general_elimination.solve_again(a, at, stride, n, pivots, 0, again, 0)
 
 
 @pytest.mark.parametrize("n", [1, 7, 8, 29])
-@pytest.mark.parametrize("thin", [0, 1, 5])
-def test_a_general_matrix_is_solved_as_by_numpy(n: int, thin: int) -> None:
-    """With pivots that have to be sought, and columns of few entries before, whose pivots are on the diagonal."""
-    thin = min(thin, n)
-    random = np.random.default_rng(n + thin)
+def test_a_general_matrix_is_solved_as_by_numpy(n: int) -> None:
+    """With pivots that have to be sought."""
+    random = np.random.default_rng(n)
     A, b, c = random.normal(size=(n, n)), random.normal(size=(n, 3)), random.normal(size=n)
-    A[:, :thin] = np.eye(n)[:, :thin] - 0.5 * np.eye(n, k=-1)[:, :thin]
     at, stride = 4, n + 5
     whole = np.full(at + n * stride, np.nan)
     lines = whole[at:].reshape(n, stride)
     lines[:, :n], lines[:, n : n + 3] = A, b
     arrays = [wp.array(v, dtype=t, device=DEVICE) for v, t in ((whole, real), (np.zeros(n, int), int), (c, real))]
     bad = wp.zeros(1, dtype=int, device=DEVICE)
-    wp.launch_tiled(eliminate_any, dim=(1,), inputs=[at, stride, n, 3, thin, *arrays, bad], block_dim=64, device=DEVICE)
-    found = arrays[0].numpy()[at:].reshape(n, stride)[:, n : n + 3]
-    expected = np.linalg.solve(A, b)
+    wp.launch_tiled(eliminate_any, dim=(1,), inputs=[at, stride, n, 3, *arrays, bad], block_dim=64, device=DEVICE)
     assert bad.numpy()[0] == 0
-    np.testing.assert_allclose(found, expected, rtol=0, atol=ROUND_OFF * np.linalg.cond(A) * np.abs(expected).max())
-    again = np.linalg.solve(A, c)
-    np.testing.assert_allclose(
-        arrays[2].numpy(), again, rtol=0, atol=ROUND_OFF * np.linalg.cond(A) * np.abs(again).max()
+    solved(A, b, arrays[0].numpy()[at:].reshape(n, stride)[:, n : n + 3])
+    solved(A, c, arrays[2].numpy())
+
+
+def solved(A: np.ndarray, b: np.ndarray, x: np.ndarray) -> None:
+    expected = np.linalg.solve(A, b)
+    np.testing.assert_allclose(x, expected, rtol=0, atol=ROUND_OFF * np.linalg.cond(A) * np.abs(expected).max())
+
+
+@wp.kernel
+def eliminate_within(
+    at: int, stride: int, n: int, half: int, more: int, a: wp.array(dtype=real), pivots: wp.array(dtype=int),
+    again: wp.array(dtype=real), bad: wp.array(dtype=int),
+):  # fmt: skip
+    _w, _lane = wp.tid()
+    bad[0] = banded_elimination.eliminate_band(a, at, stride, n, half, more, pivots, 0)
+    banded_elimination.solve_band_again(a, at, stride, n, half, pivots, 0, again, 0)
+
+
+@pytest.mark.parametrize("n", [1, 6, 31])
+@pytest.mark.parametrize("half", [0, 1, 4, 9])
+@pytest.mark.parametrize("sparse", [False, True])
+def test_a_banded_matrix_is_solved_as_by_numpy(n: int, half: int, sparse: bool) -> None:
+    """Pivots from below the diagonal, multipliers that are zero, and bands wider than the matrix."""
+    random = np.random.default_rng(10 * n + half)
+    A = np.triu(np.tril(random.normal(size=(n, n)), half), -half)
+    A *= (random.uniform(size=A.shape) < 0.6) | np.eye(n, dtype=bool) if sparse else 1.0
+    b, c = random.normal(size=(n, 5)), random.normal(size=n)
+    at, stride = 3, 3 * half + 1 + 5 + 2
+    whole = np.full(at + n * stride, np.nan)
+    lines = whole[at:].reshape(n, stride)
+    lines[:, : 3 * half + 1], lines[:, 3 * half + 1 : 3 * half + 6] = 0.0, b
+    for i in range(n):
+        columns = np.arange(max(0, i - half), min(n, i + half + 1))
+        lines[i, columns - i + half] = A[i, columns]
+    arrays = [wp.array(v, dtype=t, device=DEVICE) for v, t in ((whole, real), (np.zeros(n, int), int), (c, real))]
+    bad = wp.zeros(1, dtype=int, device=DEVICE)
+    wp.launch_tiled(
+        eliminate_within, dim=(1,), inputs=[at, stride, n, half, 5, *arrays, bad], block_dim=64, device=DEVICE
     )
+    assert bad.numpy()[0] == 0
+    found = arrays[0].numpy()[at:].reshape(n, stride)
+    solved(A, b, found[:, 3 * half + 1 : 3 * half + 6])
+    solved(A, c, arrays[2].numpy())
+    assert np.all(np.isnan(found[:, 3 * half + 6 :]))  # what stands behind is not touched
+
+
+def test_a_singular_band_is_told() -> None:
+    a = wp.array(np.array([[0.0, 1.0, 2.0, 0.0, 1.0], [2.0, 4.0, 0.0, 0.0, 1.0]]).ravel(), dtype=real, device=DEVICE)
+    rest = [wp.zeros(2, dtype=t, device=DEVICE) for t in (int, real)]
+    bad = wp.zeros(1, dtype=int, device=DEVICE)
+    wp.launch_tiled(eliminate_within, dim=(1,), inputs=[0, 5, 2, 1, 1, a, *rest, bad], block_dim=64, device=DEVICE)
+    assert bad.numpy()[0] == 1
 
 
 def test_a_singular_matrix_is_told() -> None:
     a = wp.array(np.array([[1.0, 2.0, 1.0], [2.0, 4.0, 1.0]]).ravel(), dtype=real, device=DEVICE)
     rest = [wp.zeros(2, dtype=t, device=DEVICE) for t in (int, real)]
     bad = wp.zeros(1, dtype=int, device=DEVICE)
-    wp.launch_tiled(eliminate_any, dim=(1,), inputs=[0, 3, 2, 1, 0, a, *rest, bad], block_dim=64, device=DEVICE)
+    wp.launch_tiled(eliminate_any, dim=(1,), inputs=[0, 3, 2, 1, a, *rest, bad], block_dim=64, device=DEVICE)
     assert bad.numpy()[0] == 1

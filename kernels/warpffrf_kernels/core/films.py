@@ -2,9 +2,10 @@
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, reals, topic, vectors
 
-LINE = 22  # values per point, see `films.sampling`
-PULL = 13  # sums over the points
-NODE_LINE = 11  # values per node with asperities
+LINE = 16  # values per point, see `films.sampling`
+PULL = 10  # values per point that are summed
+SUMS = 13  # of these, and of the torque on the second body
+NODE_LINE = 5  # values per node with asperities
 NUMBERS = 19  # saved values per film, see `films.history`
 
 
@@ -14,6 +15,9 @@ class Films:
     film by film; indices of nodes and functions count within a film. Frames are those of the first body."""
 
     count: int
+    most_smooth: int  # smooth functions of a film and its second surface, largest number
+    most_columns: int  # columns it is coupled to, likewise
+    most_room: int  # lines in the columns around a line, likewise
     first: DeviceArray = integers("film", note="surface, with the grid")
     second: DeviceArray = integers("film", note="surface")
     modes: DeviceArray = integers("film", note="global modes of the first body, which are retained unknowns")
@@ -36,10 +40,37 @@ class Films:
     table_count: DeviceArray = integers("film")
     table: DeviceArray = reals("film_table_entry", 3, unit="m, Pa, J/m2", note="depth, pressure, energy")
     system_start: DeviceArray = integers("film+1", note="into what each unknown and rough hat has one of")
-    compliance_start: DeviceArray = integers("film", note="into compliance: (hat, unknown and rough hat)")
+    compliance_start: DeviceArray = integers("film", note="into compliance: (unknown and rough hat, hat)")
     shape_start: DeviceArray = integers("film", note="into shape: (hat, mode)")
     moment_start: DeviceArray = integers("film", note="into moment: (mode, function)")
-    matrix_start: DeviceArray = integers("film+1", note="into film_matrix: (line, lines, columns)")
+    matrix_start: DeviceArray = integers("film+1", note="into film_matrix: lines of `films.system`")
+    reach: DeviceArray = integers("film", note="columns beside a line within which its compliance is exact")
+    most_band: DeviceArray = integers("film", note="lines in these columns, at most")
+    grid_columns: DeviceArray = integers("film", note="of the first surface")
+    grid_rows: DeviceArray = integers("film", note="likewise")
+    turns: DeviceArray = integers("film", note="1 where they go around")
+    seam: DeviceArray = integers("film", note="the first of the columns whose lines are eliminated last")
+    width: DeviceArray = integers("film", note="places of lines in a column")
+    line_at_start: DeviceArray = integers("film", note="into line_at: (column, place)")
+    line_at: DeviceArray = integers("film_place", note="line of the system, -1: none")
+    station_start: DeviceArray = integers("film+1", note="into what each station has one of")
+    station_rows: DeviceArray = integers("film", note="stations per column: hats, or points of profiles")
+    station_seat: DeviceArray = integers("film", note="the first of their seats, counted within the film")
+    station: DeviceArray = integers("film_point", 4, note="stations of which the opening there is interpolated")
+    station_part: DeviceArray = reals("film_point", 4, note="their values")
+    close_start: DeviceArray = integers("film", note="into close: (station, column beside its own, place)")
+    close: DeviceArray = reals("film_close_entry", unit="m/Pa", note="the near part of the compliance")
+    smooth_count: DeviceArray = integers("film", note="smooth functions of the first surface")
+    smooth_start: DeviceArray = integers("film", note="into smooth: (station, smooth function)")
+    smooth: DeviceArray = reals("film_smooth_entry", note="their values")
+    smooth_load_start: DeviceArray = integers("film", note="into smooth_load: (line, smooth function)")
+    smooth_load: DeviceArray = reals("film_smooth_load_entry", unit="m2", note="force on them of a pressure")
+    smooth_compliance_start: DeviceArray = integers("film", note="into smooth_compliance: (r, r) of both surfaces")
+    smooth_compliance: DeviceArray = reals("film_smooth_square_entry", unit="m/N")
+    smooth_motion_start: DeviceArray = integers("film", note="into smooth_motion: (smooth function, 6 + modes)")
+    smooth_motion: DeviceArray = reals(
+        "film_smooth_motion_entry", unit="m", note="opening by translations, rotations, modes of the first body"
+    )
     column_start: DeviceArray = integers("film+1", note="into the numbers of coupled columns")
     square_start: DeviceArray = integers("film+1", note="into film_stiffness: (column, column)")
     compliance: DeviceArray = reals("film_compliance_entry", unit="m/Pa", note="what pressures open at nodes")
@@ -72,9 +103,12 @@ class Films:
     entry_start: DeviceArray = integers("film_function+1", note="into the next three: points where it is not zero")
     entry_point: DeviceArray = integers("film_entry", note="counted over all films")
     entry_slot: DeviceArray = integers("film_entry", note="its number among the functions of the point")
-    entry_near: DeviceArray = integers("film_entry", 4, note="where the nodes around the point are in near")
+    entry_near: DeviceArray = integers("film_entry", 4, note="where the stations of the point are in near")
+    entry_room: DeviceArray = integers(
+        "film_entry", "film_support", note="place of the functions there: (column beside its own, place), -1: given"
+    )
     near_start: DeviceArray = integers("film_function+1", note="into near")
-    near: DeviceArray = integers("film_near", note="nodes around its points")
+    near: DeviceArray = integers("film_near", note="stations of its points")
     point_place: DeviceArray = vectors("film_point", unit="m")
     point_around: DeviceArray = vectors("film_point")
     point_along: DeviceArray = vectors("film_point")
@@ -111,7 +145,19 @@ class Films:
     press_entry_start: DeviceArray = integers("film_function+1", note="into the next two: places where it loads")
     press_entry: DeviceArray = integers("film_press_entry", note="the place, counted over all films")
     press_entry_value: DeviceArray = reals("film_press_entry", unit="m2")
-    load_start: DeviceArray = integers("film+1", note="into film_second_weight: (line, second hat)")
+    second_smooth_count: DeviceArray = integers("film", note="smooth functions on it, 0 of a rigid one")
+    second_smooth_start: DeviceArray = integers("film", note="into second_smooth: (second hat, its smooth function)")
+    second_smooth: DeviceArray = reals("film_second_smooth_entry", note="as smooth")
+    second_near_start: DeviceArray = integers("film", note="into second_near: (second hat, second hat)")
+    second_near: DeviceArray = reals("film_second_near_entry", unit="m/N", note="compliance beside that of these")
+    second_smooth_motion_start: DeviceArray = integers("film", note="into second_smooth_motion: (function, mode)")
+    second_smooth_motion: DeviceArray = reals("film_second_smooth_motion_entry", unit="m", note="as smooth_motion")
+    nodal_force_start: DeviceArray = integers("film", note="into nodal_force: (line, column beside its own, row)")
+    nodal_force: DeviceArray = reals("film_force_entry", unit="m2", note="of the pressure of a line")
+    moved_start: DeviceArray = integers("film+1", note="into film_moved: (station, second smooth function)")
+    moved_load_start: DeviceArray = integers("film+1", note="into film_moved_load: (line, second smooth function)")
+    moved_close_start: DeviceArray = integers("film+1", note="into film_moved_close, as close")
+    moved_room_start: DeviceArray = integers("film+1", note="into film_moved_room")
     factor_start: DeviceArray = integers("film", note="into factor")
     factor_count: DeviceArray = integers("film", note="its lines, 0 of smooth walls")
     factor: DeviceArray = reals("film_factor_entry", 13, note="see `films.roughness`")

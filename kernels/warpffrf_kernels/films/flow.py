@@ -17,10 +17,9 @@ import warp as wp
 
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.film_scratch import FilmScratch
-from warpffrf_kernels.core.films import PULL
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, real, sync, vec3
 from warpffrf_kernels.core.scratch import Residuals, Trial
 from warpffrf_kernels.core.state import FilmState
 from warpffrf_kernels.films.sampling import (
@@ -37,6 +36,7 @@ from warpffrf_kernels.films.sampling import (
     STORED,
     VISCOUS,
 )
+from warpffrf_kernels.surfaces.surface import axes_of, origin_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -105,6 +105,74 @@ def holding(model: Model, w: int, film: int, i: int, oil: FilmScratch) -> real:
     return oil.film_rates[w, 0] * area + outflow(model, w, first, i, oil.film_carried)
 
 
+# Add flow and filling of function i at its points to `rest`, and the magnitudes of both to `size`. One lane.
+@wp.func_native(f"""
+    const int some = slope_around.shape[1];
+    double flow = 0.0, filling = 0.0, all = 0.0;
+    for (int e = begin; e < end; ++e) {{
+        const size_t at = (size_t)point.data[e] * some + slot.data[e];
+        const double* L = line.data + ((size_t)w * line.shape[1] + point.data[e]) * line.shape[2];
+        const double x = slope_around.data[at] * L[{int(FLOW_AROUND)}], z = slope_along.data[at] * L[{int(FLOW_ALONG)}];
+        flow += x + z;
+        all += ::fabs(x) + ::fabs(z);
+        filling += value.data[at] * L[{int(FILLING)}];
+    }}
+    rest.data[(size_t)w * rest.shape[1] + i] += flow + filling;
+    size.data[(size_t)w * size.shape[1] + i] += all + ::fabs(filling);
+""")
+def balance_points(
+    begin: int,
+    end: int,
+    point: wp.array(dtype=int),
+    slot: wp.array(dtype=int),
+    slope_around: wp.array2d(dtype=real),
+    slope_along: wp.array2d(dtype=real),
+    value: wp.array2d(dtype=real),
+    line: wp.array3d(dtype=real),
+    w: int,
+    i: int,
+    rest: wp.array2d(dtype=real),
+    size: wp.array2d(dtype=real),
+): ...
+
+
+# sums[w, film, c] = sum of values[w, first + g, c] over the points, point by point; lanes over columns.
+@wp.func_native("""
+    const int lanes = WP_TILE_BLOCK_DIM, width = values.shape[2];
+    const double* x = values.data + ((size_t)w * values.shape[1] + first) * width;
+    double* y = sums.data + ((size_t)w * sums.shape[1] + film) * sums.shape[2];
+    if (lanes == 1 && width <= 16) {
+        double s[16] = {0.0};
+        for (int g = 0; g < points; ++g)
+            for (int c = 0; c < width; ++c) s[c] += x[(size_t)g * width + c];
+        for (int c = 0; c < width; ++c) y[c] = s[c];
+    } else
+        for (int c = WP_TILE_THREAD_IDX; c < width; c += lanes) {
+            double s = 0.0;
+            for (int g = 0; g < points; ++g) s += x[(size_t)g * width + c];
+            y[c] = s;
+        }
+""")
+def sum_points(
+    points: int, values: wp.array3d(dtype=real), w: int, first: int, sums: wp.array3d(dtype=real), film: int
+): ...
+
+
+@wp.func
+def turn_sums(w: int, film: int, turn_a: mat33, turn_b: mat33, from_b: vec3, oil: FilmScratch):
+    """Forces into the world; the torque about B's centre of mass, opposite to that on A about the same point."""
+    force = vec3(real(0.0))
+    moment = vec3(real(0.0))
+    for c in range(3):
+        force[c] = oil.film_sums[w, film, FORCE + c]
+        moment[c] = oil.film_sums[w, film, FORCE_MOMENT + c]
+    force = turn_a * force
+    second = wp.transpose(turn_b) * (wp.cross(from_b, force) + turn_a * moment)
+    for c in range(3):
+        oil.film_sums[w, film, FORCE + c] = force[c]
+        oil.film_sums[w, film, SECOND_FORCE_MOMENT + c] = -second[c]
+
+
 @kernel
 def balance_film(run: Run, trial: Trial, films: FilmState, oil: FilmScratch):
     """Per (world, film), lanes over functions, then over sums: R, its size relative to the flows, and the forces."""
@@ -118,26 +186,22 @@ def balance_film(run: Run, trial: Trial, films: FilmState, oil: FilmScratch):
     extent = model.length
     a = model.surfaces.body[model.elements[0].films[0].first[film]]
     b = model.surfaces.body[model.elements[0].films[0].second[film]]
+    from_b = origin_of(trial.r1, w, a) - origin_of(trial.r1, w, b)
     if a >= 0:
         extent = wp.max(extent, wp.length(trial.r1[w, a]))
     if b >= 0:
         extent = wp.max(extent, wp.length(trial.r1[w, b]))
     i = first + lane
     while i < end:
-        flow = real(0.0)
-        filling = real(0.0)
-        size = real(0.0)
-        e = model.elements[0].films[0].entry_start[i]
-        while e < model.elements[0].films[0].entry_start[i + 1]:
-            g = model.elements[0].films[0].entry_point[e]
-            n = model.elements[0].films[0].entry_slot[e]
-            x = model.elements[0].films[0].slope_around[g, n] * oil.film_line[w, g, FLOW_AROUND]
-            z = model.elements[0].films[0].slope_along[g, n] * oil.film_line[w, g, FLOW_ALONG]
-            flow += x + z
-            size += wp.abs(x) + wp.abs(z)
-            filling += model.elements[0].films[0].value[g, n] * oil.film_line[w, g, FILLING]
-            e += 1
         area = model.elements[0].films[0].area[i]
+        oil.film_rest[w, i] = real(0.0)
+        oil.film_size[w, i] = ROUND_OFF * oil.film_rates[w, 0] * area * extent
+        balance_points(
+            model.elements[0].films[0].entry_start[i], model.elements[0].films[0].entry_start[i + 1],
+            model.elements[0].films[0].entry_point, model.elements[0].films[0].entry_slot,
+            model.elements[0].films[0].slope_around, model.elements[0].films[0].slope_along,
+            model.elements[0].films[0].value, oil.film_line, w, i, oil.film_rest, oil.film_size,
+        )  # fmt: skip
         own = oil.film_rates[w, 0] * area * films.film_void[w, 1, i]
         refill = own
         if travels:
@@ -149,21 +213,14 @@ def balance_film(run: Run, trial: Trial, films: FilmState, oil: FilmScratch):
             other = neighbour(model, i, n)
             if travels and other >= 0:
                 refill -= inflow(model, w, first, i, n, oil.film_carried) * films.film_void[w, 1, first + other]
-        oil.film_rest[w, i] = flow + filling - refill
+        oil.film_rest[w, i] = oil.film_rest[w, i] - refill
         oil.film_refill[w, i] = refill
-        oil.film_size[w, i] = size + wp.abs(filling) + ROUND_OFF * oil.film_rates[w, 0] * area * extent
         i += wp.block_dim()
-    c = lane
-    while c < PULL:
-        total = real(0.0)
-        g = model.elements[0].films[0].point_start[film]
-        while g < model.elements[0].films[0].point_start[film + 1]:
-            total += oil.film_pull[w, g, c]
-            g += 1
-        oil.film_sums[w, film, c] = total
-        c += wp.block_dim()
+    begin = model.elements[0].films[0].point_start[film]
+    sum_points(model.elements[0].films[0].point_start[film + 1] - begin, oil.film_pull, w, begin, oil.film_sums, film)
     sync()
     if lane == 0:
+        turn_sums(w, film, axes_of(trial.axes, w, a), axes_of(trial.axes, w, b), from_b, oil)
         worst = real(0.0)
         largest = real(0.0)
         sum = real(0.0)

@@ -1,7 +1,8 @@
 """Increments of films with those of bodies and modes, their common step length, and the active set.
 
 The set changes once per iteration: a full function whose pressure becomes negative is cavitated from then on, and a
-cavitated one whose cavity becomes negative is full. No gap may fall below CLOSEST of the smallest gap.
+cavitated one whose cavity becomes negative is full. No gap may fall below CLOSEST of the smallest gap, by its change
+according to the linear system.
 """
 
 import warp as wp
@@ -12,17 +13,18 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
 from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.core.state import FilmState
-from warpffrf_kernels.films.sampling import GAP, HALF, at_point
-from warpffrf_kernels.films.seats import opened_at_seat
-from warpffrf_kernels.films.second_surface import loads_at
+from warpffrf_kernels.films.sampling import GAP
+from warpffrf_kernels.films.smooth import motion_at, port_at, smooth_at, yielded
+from warpffrf_kernels.films.system import HALF_BAND, SEAM
 from warpffrf_kernels.films.unknowns import (
-    RIGID,
+    acts,
     columns_of,
     line_length,
     lines_of,
     matrix_at,
-    opened_by_column,
+    places_at,
     retained_column,
+    smooth_of,
     system_at,
 )
 
@@ -44,81 +46,106 @@ def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: Ret
     modal = w * model.modes.count
     film = int(0)
     while film < model.elements[0].films[0].count:
-        n = model.elements[0].films[0].unknowns[film]
-        modes = model.elements[0].films[0].modes[film]
+        r = smooth_of(model, film)
+        first = model.elements[0].films[0].smooth_count[film]
+        count = model.elements[0].films[0].count
         columns = columns_of(model, film)
-        stride = line_length(model, film)
-        base = matrix_at(model, w, film)
-        first = model.elements[0].films[0].function_start[film]
-        first_unknown = model.elements[0].films[0].unknown_start[film]
-        lines = lines_of(model, film)
         run = system_at(model, w, film)
-        rule = model.elements[0].films[0].rule[film]
-        # increments of the unknowns, and change of the pressures that deform
-        i = lane
-        while i < lines:
-            change = -oil.film_solution[run + i]
+        at = smooth_at(model, w, film)
+        # openings of the columns by the retained increments, forces on the smooth functions, then their amounts
+        a = lane
+        while a < r:
+            opened = real(0.0)
             c = int(0)
             while c < columns:
-                at = retained_column(model, film, c)
-                if at >= 0:
-                    change -= oil.film_matrix[base + i * stride + lines + 1 + c] * system.z[retained + at]
+                i = retained_column(model, film, c)
+                if i >= 0:
+                    opened += oil.film_motion[motion_at(model, w, film) + a * columns + c] * system.z[retained + i]
                 c += 1
+            oil.film_amount[at + a] = opened
+            a += wp.block_dim()
+        sync()
+        a = lane
+        while a < r:
+            line = port_at(model, w, film) + a * 3 * r + r
+            oil.film_force[at + a] = -oil.film_force[at + a] - dot(r, oil.film_port, line, oil.film_amount, at)
+            a += wp.block_dim()
+        sync()
+        a = lane
+        while a < r:
+            oil.film_amount[at + a] = oil.film_amount[at + a] + yielded(model, film, a, oil.film_force, at)
+            a += wp.block_dim()
+        sync()
+        # increments of the unknowns, and pressures that open gaps
+        behind = 3 * oil.film_extent[w, film, HALF_BAND] + 1 + oil.film_extent[w, film, SEAM]
+        i = lane
+        while i < lines_of(model, film):
+            change = real(0.0)
+            place = oil.film_place[run + i]
+            if place >= 0:
+                row = matrix_at(model, w, film) + place * line_length(model, film) + behind
+                change = -oil.film_matrix[row + r] - dot(r, oil.film_matrix, row, oil.film_amount, at)
             oil.film_change[run + i] = change
-            if i < n:
-                f = first + model.elements[0].films[0].function_of[first_unknown + i]
-                p = films.film_pressure[w, 1, f]
-                if films.film_full[w, 1, f] == 0:
-                    change = real(0.0)
-                elif rule == HALF:
-                    change = wp.max(p + change, real(0.0)) - wp.max(p, real(0.0))
+            if not acts(model, w, film, i, films, oil):
+                change = real(0.0)
             oil.film_acting[run + i] = change
             i += wp.block_dim()
         sync()
-        first_node = model.elements[0].films[0].node_start[film]
-        # opening of the first surface at its nodes
+        # opening at the stations, by pressures in the order of columns
+        station = model.elements[0].films[0].station_start[film]
+        rows = model.elements[0].films[0].station_rows[film]
+        reach = model.elements[0].films[0].reach[film]
+        width = model.elements[0].films[0].width[film]
+        grid_columns = model.elements[0].films[0].grid_columns[film]
+        places = places_at(model, w, film)
+        i = lane
+        while i < grid_columns * width:
+            j = model.elements[0].films[0].line_at[model.elements[0].films[0].line_at_start[film] + i]
+            oil.film_spread[places + i] = real(0.0)
+            if j >= 0:
+                oil.film_spread[places + i] = oil.film_acting[run + j]
+            i += wp.block_dim()
+        sync()
         m = lane
-        while m < model.elements[0].films[0].node_start[film + 1] - first_node:
-            line = model.elements[0].films[0].compliance_start[film] + m * lines
-            opened = dot(lines, model.elements[0].films[0].compliance, line, oil.film_acting, run)
-            c = int(0)
-            while c < modes:
-                at = model.elements[0].films[0].shape_start[film] + m * modes + c
-                opened -= (
-                    model.elements[0].films[0].shape[at] * system.z[retained + retained_column(model, film, RIGID + c)]
-                )
-                c += 1
-            oil.film_opening[w, first_node + m] = opened
-            m += wp.block_dim()
-        grid_nodes = model.elements[0].films[0].second_nodes[film]
-        start = w * model.elements[0].films[0].second_node_start[model.elements[0].films[0].count]
-        start += model.elements[0].films[0].second_node_start[film]
-        # opening of the second surface at its nodes
-        m = lane
-        while m < grid_nodes:
-            opened = dot(lines, oil.film_second_yield, loads_at(model, w, film) + m * lines, oil.film_acting, run)
-            c = RIGID + modes
-            while c < columns:
-                at = model.elements[0].films[0].second_shape_start[film] + m * (columns - RIGID - modes) + c
-                opened -= (
-                    model.elements[0].films[0].second_shape[at - RIGID - modes]
-                    * system.z[retained + retained_column(model, film, c)]
-                )
-                c += 1
-            oil.film_second_ahead[start + m] = opened
+        while m < model.elements[0].films[0].station_start[film + 1] - station:
+            line = model.elements[0].films[0].smooth_start[film] + m * first
+            opened = dot(first, model.elements[0].films[0].smooth, line, oil.film_amount, at)
+            moved = w * model.elements[0].films[0].moved_start[count]
+            moved += model.elements[0].films[0].moved_start[film] + m * (r - first)
+            if r > first:
+                opened += dot(r - first, oil.film_moved, moved, oil.film_amount, at + first)
+            moved = w * model.elements[0].films[0].moved_close_start[count]
+            moved += model.elements[0].films[0].moved_close_start[film] + m * (2 * reach + 3) * width
+            near = model.elements[0].films[0].close_start[film] + m * (2 * reach + 3) * width
+            beside = int(0)
+            while beside < 2 * reach + 3:
+                column = m / rows + beside - reach - 1
+                if model.elements[0].films[0].turns[film] != 0:
+                    column = (column + grid_columns) % grid_columns
+                if column >= 0 and column < grid_columns:
+                    opened += dot(
+                        width, model.elements[0].films[0].close, near + beside * width, oil.film_spread,
+                        places + column * width,
+                    )  # fmt: skip
+                    if r > first:
+                        opened += dot(
+                            width,
+                            oil.film_moved_close,
+                            moved + beside * width,
+                            oil.film_spread,
+                            places + column * width,
+                        )
+                beside += 1
+            oil.film_opening[w, station + m] = opened
             m += wp.block_dim()
         sync()
         # change of the gap at the points
         g = model.elements[0].films[0].point_start[film] + lane
         while g < model.elements[0].films[0].point_start[film + 1]:
-            opened = at_point(model, g, oil.film_opening, w, first_node)
-            if grid_nodes > 0:
-                seat = model.elements[0].films[0].seat_start[film] + g - model.elements[0].films[0].point_start[film]
-                opened += opened_at_seat(model, film, w, seat, oil, oil.film_second_ahead)[0]
-            for c in range(RIGID):
-                at = retained_column(model, film, c)
-                if at >= 0:
-                    opened += opened_by_column(oil.film_line, w, g, c) * system.z[retained + at]
+            opened = real(0.0)
+            for c in range(4):
+                there = oil.film_opening[w, station + model.elements[0].films[0].station[g, c]]
+                opened += model.elements[0].films[0].station_part[g, c] * there
             oil.film_ahead[w, g] = opened
             g += wp.block_dim()
         sync()

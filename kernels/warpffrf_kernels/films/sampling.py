@@ -42,7 +42,7 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.film_scratch import FilmScratch
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync, vec3
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.core.state import FilmState, MotionState
 from warpffrf_kernels.films.asperities import asperities_at
@@ -71,23 +71,22 @@ AROUND_BY_GAP = wp.constant(8)
 ALONG_BY_GAP = wp.constant(9)
 FILLING_BY_GAP = wp.constant(10)
 PRESSURE = wp.constant(11)  # load-carrying pressure times the weight
-NORMAL = wp.constant(12)  # n, world
-MOMENT = wp.constant(15)  # of n at x about A's centre of mass, A's axes
-SECOND_MOMENT = wp.constant(18)  # of -n at x about B's centre of mass, B's axes
-EVENNESS = wp.constant(21)  # axial phi over circumferential phi
+NORMAL = wp.constant(12)  # n, A's axes
+EVENNESS = wp.constant(15)  # axial phi over circumferential phi
 
 # --- sums over the points, forces including shear
-FORCE = wp.constant(0)  # on A, world
+FORCE = wp.constant(0)  # on A, its axes; the sum in the world
 FORCE_MOMENT = wp.constant(3)  # on A about its centre of mass, its axes
-SECOND_FORCE_MOMENT = wp.constant(6)  # on B likewise
-VISCOUS = wp.constant(9)  # power of the pressure flow, W
-SHEAR = wp.constant(10)  # of the sliding, W
-BY_ASPERITIES = wp.constant(11)  # normal force of asperities, N
-STORED = wp.constant(12)  # energy of the local modes of A, J
+VISCOUS = wp.constant(6)  # power of the pressure flow, W
+SHEAR = wp.constant(7)  # of the sliding, W
+BY_ASPERITIES = wp.constant(8)  # normal force of asperities, N
+STORED = wp.constant(9)  # energy of the local modes of A, J
+SECOND_FORCE_MOMENT = wp.constant(10)  # on B about its centre of mass, its axes; of the sum only
 
-# --- values of a node with asperities: n (world), its moments on A and B, then
-PRESSED = wp.constant(9)  # pressure of the law, Pa
-STIFFNESS = wp.constant(10)  # its slope, Pa/m
+# --- values of a node with asperities
+PRESSED = wp.constant(0)  # pressure of the law, Pa
+STIFFNESS = wp.constant(1)  # its slope, Pa/m
+NODE_NORMAL = wp.constant(2)  # n, A's axes
 
 GUARD = wp.constant(wp.float64(0.5))  # of the gaps at the start of a step: lower bound in its prediction
 
@@ -222,18 +221,28 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
         film_now.film_acting[run + i] = p
         i += wp.block_dim()
     sync()
-    lines = unknowns + rough
     grid_nodes = model.elements[0].films[0].node_start[film + 1] - first_node
     A = model.elements[0].films[0].first[film]
     modes = model.elements[0].films[0].modes[film]
     modal = w * model.modes.count + model.surfaces.modal_start[A]
+    # opening by pressures, those of full functions only
+    flat = w * model.elements[0].films[0].node_start[model.elements[0].films[0].count] + first_node
+    m = lane
+    while m < grid_nodes:
+        film_now.film_local[flat + m] = model.elements[0].films[0].lift[first_node + m]
+        m += wp.block_dim()
+    i = int(0)
+    while i < unknowns + rough:
+        p = film_now.film_acting[run + i]
+        if p != real(0.0):
+            line = model.elements[0].films[0].compliance_start[film] + i * grid_nodes
+            axpy(grid_nodes, p, model.elements[0].films[0].compliance, line, film_now.film_local, flat)
+        i += 1
+    sync()
     # opening of the first surface at its nodes; pressure law, normal and moments of the asperities there
     m = lane
     while m < grid_nodes:
-        row = model.elements[0].films[0].compliance_start[film] + m * lines
-        u = model.elements[0].films[0].lift[first_node + m]
-        u += dot(lines, model.elements[0].films[0].compliance, row, film_now.film_acting, run)
-        film_now.film_local[w, first_node + m] = u
+        u = film_now.film_local[flat + m]
         line = model.elements[0].films[0].shape_start[film] + m * modes
         u -= dot(modes, model.elements[0].films[0].shape, line, trial.q1, modal)
         film_now.film_opened[w, first_node + m] = u
@@ -242,14 +251,8 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
             seen = opened_with_second(model, w, film, sides, place, points + m, film_now)
             gap = seen[0] + model.elements[0].films[0].node_form[first_node + m] + u
             law = asperities_at(model, film, -gap)
-            n = vec3(seen[1], seen[2], seen[3])
-            moment = wp.cross(place, wp.transpose(sides.turn_a) * n)
-            arm = wp.transpose(sides.turn_b) * (sides.from_b + sides.turn_a * place)
-            second_moment = -wp.cross(arm, wp.transpose(sides.turn_b) * n)
             for c in range(3):
-                film_now.film_node_line[w, first_node + m, c] = n[c]
-                film_now.film_node_line[w, first_node + m, 3 + c] = moment[c]
-                film_now.film_node_line[w, first_node + m, 6 + c] = second_moment[c]
+                film_now.film_node_line[w, first_node + m, NODE_NORMAL + c] = seen[1 + c]
             film_now.film_node_line[w, first_node + m, PRESSED] = law[0]
             film_now.film_node_line[w, first_node + m, STIFFNESS] = law[1]
             film_now.film_energy_now[w, first_node + m] = law[2]
@@ -257,7 +260,7 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
     # velocity U at the functions
     i = first + lane
     while i < model.elements[0].films[0].function_start[film + 1]:
-        carried = carried_at(model, film, sides, model.elements[0].films[0].place[i])
+        carried = carried_at(sides, model.elements[0].films[0].place[i])
         film_now.film_carried[w, i, 0] = wp.dot(carried, model.elements[0].films[0].around[i])
         film_now.film_carried[w, i, 1] = wp.dot(carried, model.elements[0].films[0].along[i])
         i += wp.block_dim()
@@ -298,18 +301,21 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
         along = model.elements[0].films[0].point_along[g]
         slide_x = wp.dot(slide, around)
         slide_z = wp.dot(slide, along)
-        carried = carried_at(model, film, sides, place)
+        carried = carried_at(sides, place)
         u_x = wp.dot(carried, around)
         u_z = wp.dot(carried, along)
         oil = oil_at(model, film, p)
         weight = model.elements[0].films[0].weight[g]
+        over_h = real(1.0) / h
         conductance = h * h * h / (real(12.0) * oil.viscosity)
         factors = factors_at(model, film, h)
         through_x = factors.flow[0] * conductance
         through_z = factors.flow[1] * conductance
         kept_x = real(0.5) * factors.lag[0] * slide_x
         kept_z = real(0.5) * factors.lag[1] * slide_z
-        even = factors.flow[1] / factors.flow[0]
+        even = real(1.0)
+        if model.elements[0].films[0].factor_count[film] > 0:
+            even = factors.flow[1] / factors.flow[0]
         # flows and film content, then their derivatives with respect to pressure and gap
         mass = oil.density * h
         film_now.film_mass_now[w, g] = mass
@@ -329,8 +335,8 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
         film_now.film_line[w, g, AROUND_BY_PRESSURE] = weight * (oil.stiffening * flow_x - thinner_x * p_x)
         film_now.film_line[w, g, ALONG_BY_PRESSURE] = weight * (oil.stiffening * flow_z - thinner_z * p_z)
         film_now.film_line[w, g, FILLING_BY_PRESSURE] = weight * a0 * oil.stiffening * h
-        wide_x = real(3.0) * through_x / h + factors.flow_slope[0] * conductance
-        wide_z = real(3.0) * through_z / h + factors.flow_slope[1] * conductance
+        wide_x = real(3.0) * through_x * over_h + factors.flow_slope[0] * conductance
+        wide_z = real(3.0) * through_z * over_h + factors.flow_slope[1] * conductance
         more_x = real(0.5) * factors.lag_slope[0] * slide_x
         more_z = real(0.5) * factors.lag_slope[1] * slide_z
         film_now.film_line[w, g, AROUND_BY_GAP] = weight * oil.density * (wide_x * p_x - u_x + more_x)
@@ -341,37 +347,31 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
         if rule == HALF:
             pushing = wp.max(p, real(0.0))
         n = vec3(seen[1], seen[2], seen[3])
-        arm_b = wp.transpose(sides.turn_b) * (sides.from_b + sides.turn_a * place)
-        n_a = wp.transpose(sides.turn_a) * n
-        moment = wp.cross(place, n_a)
-        second_moment = -wp.cross(arm_b, wp.transpose(sides.turn_b) * n)
         film_now.film_line[w, g, PRESSURE] = weight * pushing
-        filled = wp.clamp(real(1.0) - void / h, real(0.0), real(1.0))
-        drag = oil.viscosity * filled / h
+        filled = wp.clamp(real(1.0) - void * over_h, real(0.0), real(1.0))
+        drag = oil.viscosity * filled * over_h
         half_x = real(0.5) * (h - factors.lag[0])
         half_z = real(0.5) * (h - factors.lag[1])
         drag_x = drag * factors.drag[0]
         drag_z = drag * factors.drag[1]
-        speed = wp.sqrt(slide_x * slide_x + slide_z * slide_z)
+        square = slide_x * slide_x + slide_z * slide_z
         rub = real(0.0)
-        if speed > real(0.0):
-            rub = model.elements[0].films[0].asperity_friction[film] * pressed / speed
+        if pressed > real(0.0) and square > real(0.0):
+            rub = model.elements[0].films[0].asperity_friction[film] * pressed / wp.sqrt(square)
         tau = ((drag_x + rub) * slide_x + half_x * p_x) * around + ((drag_z + rub) * slide_z + half_z * p_z) * along
-        force = weight * ((pushing + pressed) * n_a + tau)
-        world_force = sides.turn_a * force
-        first_torque = wp.cross(place, force)
-        second_torque = -wp.cross(arm_b, wp.transpose(sides.turn_b) * world_force)
+        force = weight * ((pushing + pressed) * n + tau)
+        moment = wp.cross(place, force)
         for c in range(3):
             film_now.film_line[w, g, NORMAL + c] = n[c]
-            film_now.film_line[w, g, MOMENT + c] = moment[c]
-            film_now.film_line[w, g, SECOND_MOMENT + c] = second_moment[c]
-            film_now.film_pull[w, g, FORCE + c] = world_force[c]
-            film_now.film_pull[w, g, FORCE_MOMENT + c] = first_torque[c]
-            film_now.film_pull[w, g, SECOND_FORCE_MOMENT + c] = second_torque[c]
+            film_now.film_pull[w, g, FORCE + c] = force[c]
+            film_now.film_pull[w, g, FORCE_MOMENT + c] = moment[c]
         film_now.film_pull[w, g, VISCOUS] = weight * oil.density * through_x * (p_x * p_x + even * p_z * p_z)
         dragged = (drag_x - drag) * slide_x * slide_x + (drag_z - drag) * slide_z * slide_z
-        film_now.film_pull[w, g, SHEAR] = weight * (drag + rub) * speed * speed + weight * dragged
+        film_now.film_pull[w, g, SHEAR] = weight * ((drag + rub) * square + dragged)
         film_now.film_pull[w, g, BY_ASPERITIES] = weight * pressed
-        yielded = at_point(model, g, film_now.film_local, w, first_node)
+        yielded = real(0.0)
+        for c in range(4):
+            there = film_now.film_local[flat + model.elements[0].films[0].grid_node[g, c]]
+            yielded += model.elements[0].films[0].between[g, c] * there
         film_now.film_pull[w, g, STORED] = real(0.5) * weight * (pushing + pressed) * yielded
         g += wp.block_dim()

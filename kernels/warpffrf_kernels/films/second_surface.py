@@ -8,8 +8,7 @@ S_k on B's grid (`seats`) change as the surfaces slide. By virtual work they are
 Where pressures are profiles at few points, these would load some of B's nodes and omit others: there the forces of A's
 nodes, M p, act at the seats of these nodes. In either case a *load point* loads a seat, with an area for each function.
 D_B is the compliance of B's local modes and Phi_B the normal displacement of its global ones. Slopes of this along B's
-chart rotate the direction of the pressure (`sides.tilted`). An unknown pressure, of a function or of asperities, loads
-B's nodes by W (one line each) and opens by Q = D_B W^T; so J contains V Q in addition to the part of A, V = (dR/dh) S.
+chart rotate the direction of the pressure (`sides.tilted`).
 """
 
 import warp as wp
@@ -22,10 +21,9 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.core.state import FilmState
-from warpffrf_kernels.films.sampling import ALONG_BY_GAP, AROUND_BY_GAP, FILLING_BY_GAP, HALF
+from warpffrf_kernels.films.sampling import HALF
 from warpffrf_kernels.films.seats import seat_node, seat_on, seat_part
-from warpffrf_kernels.films.sides import on_second, sides_of
-from warpffrf_kernels.films.unknowns import RIGID, add_scaled, lines_of
+from warpffrf_kernels.films.sides import sides_of
 from warpffrf_kernels.surfaces.surface import chart_of
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -59,7 +57,7 @@ def load_second(run_of_run: Run, trial: Trial, films: FilmState, oil: FilmScratc
     start = model.elements[0].films[0].seat_start[film]
     i = lane
     while i < model.elements[0].films[0].seat_start[film + 1] - start:
-        y = on_second(model, film, sides, place_of_seat(model, film, i))
+        y = sides.turn * place_of_seat(model, film, i) + sides.shift
         at = chart_of(model, s, y)
         seat = seat_on(model, film, at[0], at[1])
         oil.film_seat[w, start + i, 0] = seat.low
@@ -115,118 +113,3 @@ def load_second(run_of_run: Run, trial: Trial, films: FilmState, oil: FilmScratc
             modes, model.elements[0].films[0].second_shape, line, trial.q1, modal
         )
         i += wp.block_dim()
-
-
-@kernel
-def weigh_second(run_of_run: Run, films: FilmState, oil: FilmScratch):
-    """Per (world, film), lanes over unknowns: lines of W, columns of Q, if the retained matrix is renewed."""
-    w, film, lane = wp.tid()
-    model = run_of_run.models[w]
-    grid_nodes = model.elements[0].films[0].second_nodes[film]
-    if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].moved == 0 or run_of_run.ctl[w].refresh == 0 or grid_nodes == 0:
-        return
-    n = model.elements[0].films[0].unknowns[film]
-    lines = lines_of(model, film)
-    first = model.elements[0].films[0].function_start[film]
-    run = loads_at(model, w, film)
-    start = model.elements[0].films[0].seat_start[film]
-    half = model.elements[0].films[0].rule[film] == HALF
-    i = lane
-    while i < lines:
-        row = run + i * grid_nodes
-        j = int(0)
-        while j < grid_nodes:
-            oil.film_second_weight[row + j] = real(0.0)
-            oil.film_second_wide[row + j] = real(0.0)
-            j += 1
-        f = first
-        pushes = True
-        if i < n:
-            f += model.elements[0].films[0].function_of[model.elements[0].films[0].unknown_start[film] + i]
-            pushes = films.film_full[w, 1, f] != 0
-            if half and films.film_pressure[w, 1, f] < real(0.0):
-                pushes = False
-        else:
-            f += model.elements[0].films[0].node_function[model.elements[0].films[0].node_start[film] + i - n]
-        e = model.elements[0].films[0].press_entry_start[f]
-        while e < model.elements[0].films[0].press_entry_start[f + 1] and pushes:
-            seat = start + model.elements[0].films[0].press_seat[model.elements[0].films[0].press_entry[e]]
-            push = model.elements[0].films[0].press_entry_value[e]
-            for c in range(4):
-                grid_node = seat_node(oil.film_seat, w, seat, c)
-                part = push * seat_part(oil.film_seat_at, w, seat, c)
-                oil.film_second_weight[row + grid_node] = oil.film_second_weight[row + grid_node] + part
-            e += 1
-        j = int(0)
-        while j < grid_nodes:
-            load = oil.film_second_weight[row + j]
-            if load != real(0.0):
-                line = model.elements[0].films[0].second_compliance_start[film] + j * grid_nodes
-                add_scaled(
-                    grid_nodes, load, model.elements[0].films[0].second_compliance, line, oil.film_second_wide, row
-                )
-            j += 1
-        j = int(0)
-        while j < grid_nodes:
-            oil.film_second_yield[run + j * lines + i] = oil.film_second_wide[row + j]
-            j += 1
-        i += wp.block_dim()
-
-
-@wp.func
-def loads_at(model: Model, w: int, film: int) -> int:
-    """Start of W and Q of a film."""
-    total = model.elements[0].films[0].load_start[model.elements[0].films[0].count]
-    return w * total + model.elements[0].films[0].load_start[film]
-
-
-@wp.func
-def write_second(model: Model, w: int, film: int, i: int, row: int, oil: FilmScratch, stiff: real):
-    """Contribution of B's compliance to the line of unknown i, in J, B and P; `stiff` [Pa/m]: of its asperities."""
-    grid_nodes = model.elements[0].films[0].second_nodes[film]
-    n = model.elements[0].films[0].unknowns[film]
-    lines = lines_of(model, film)
-    point = model.elements[0].films[0].point_start[film]
-    start = model.elements[0].films[0].seat_start[film]
-    run = loads_at(model, w, film)
-    wide = run + i * grid_nodes
-    j = int(0)
-    while j < grid_nodes:
-        oil.film_second_wide[wide + j] = real(0.0)
-        j += 1
-    if i < n:
-        f = model.elements[0].films[0].function_start[film]
-        f += model.elements[0].films[0].function_of[model.elements[0].films[0].unknown_start[film] + i]
-        e = model.elements[0].films[0].entry_start[f]
-        while e < model.elements[0].films[0].entry_start[f + 1]:
-            g = model.elements[0].films[0].entry_point[e]
-            a = model.elements[0].films[0].entry_slot[e]
-            by_gap = model.elements[0].films[0].slope_around[g, a] * oil.film_line[w, g, AROUND_BY_GAP]
-            by_gap += model.elements[0].films[0].slope_along[g, a] * oil.film_line[w, g, ALONG_BY_GAP]
-            by_gap += model.elements[0].films[0].value[g, a] * oil.film_line[w, g, FILLING_BY_GAP]
-            for c in range(4):
-                grid_node = seat_node(oil.film_seat, w, start + g - point, c)
-                part = seat_part(oil.film_seat_at, w, start + g - point, c)
-                oil.film_second_wide[wide + grid_node] = oil.film_second_wide[wide + grid_node] + by_gap * part
-            e += 1
-    else:
-        seat = start + model.elements[0].films[0].point_start[film + 1] - point + i - n
-        for c in range(4):
-            grid_node = seat_node(oil.film_seat, w, seat, c)
-            oil.film_second_wide[wide + grid_node] = oil.film_second_wide[wide + grid_node] + stiff * seat_part(
-                oil.film_seat_at, w, seat, c
-            )
-    modes = model.elements[0].films[0].second_modes[film]
-    by_columns = row + lines + 1 + RIGID + model.elements[0].films[0].modes[film]
-    pushes = by_columns + RIGID + model.elements[0].films[0].modes[film] + modes
-    j = int(0)
-    while j < grid_nodes:
-        line = model.elements[0].films[0].second_shape_start[film] + j * modes
-        by_gap = oil.film_second_wide[wide + j]
-        if by_gap != real(0.0):
-            add_scaled(lines, by_gap, oil.film_second_yield, run + j * lines, oil.film_matrix, row)
-            add_scaled(modes, -by_gap, model.elements[0].films[0].second_shape, line, oil.film_matrix, by_columns)
-        load = oil.film_second_weight[wide + j]
-        if load != real(0.0):
-            add_scaled(modes, -load, model.elements[0].films[0].second_shape, line, oil.film_matrix, pushes)
-        j += 1

@@ -13,63 +13,86 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.core.state import MotionState
 from warpffrf_kernels.films.seats import opened_at_seat
-from warpffrf_kernels.surfaces.surface import axes_of, chart_of, distance_of, gradient_of, origin_of, slope_of
+from warpffrf_kernels.surfaces.surface import axes_of, chart_of, distance_and_gradient, origin_of, slope_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
 
 @wp.struct
 class Sides:
-    """Both bodies in the world: axes, centre of mass of A from that of B, velocities (rotation of A in its axes)."""
+    """Both bodies, seen from A: positions x and vectors in A's axes, from its centre of mass."""
 
-    turn_a: mat33
+    turn_a: mat33  # axes of both bodies in the world
     turn_b: mat33
-    from_b: vec3
-    v_a: vec3
-    v_b: vec3
-    omega_a: vec3
-    omega_b: vec3
-    spin: vec3  # in static steps: of A about its own axis, in its axes
+    from_b: vec3  # centre of mass of A from that of B, world
+    turn: mat33  # turn x + shift: a point in the frame of the second surface
+    shift: vec3
+    slide: vec3  # slide + slide_turn x x: u_B - u_A
+    slide_turn: vec3
+    carry: vec3  # carry + carry_turn x x: U
+    carry_turn: vec3
 
 
 @wp.func
-def sides_of(model: Model, w: int, film: int, static: int, trial: Trial) -> Sides:
-    a = model.surfaces.body[model.elements[0].films[0].first[film]]
-    b = model.surfaces.body[model.elements[0].films[0].second[film]]
+def looked_at(model: Model, film: int, turn_a: mat33, turn_b: mat33, from_b: vec3) -> Sides:
+    """Both bodies in these axes, at rest; from_b: A's centre of mass from B's."""
+    s = model.elements[0].films[0].second[film]
+    into = wp.transpose(turn_b * model.surfaces.frame[s])
     found = Sides()
-    found.turn_a = axes_of(trial.axes, w, a)
-    found.turn_b = axes_of(trial.axes, w, b)
-    found.from_b = origin_of(trial.r1, w, a) - origin_of(trial.r1, w, b)
-    if a >= 0:
-        found.v_a = trial.v1[w, a]
-        found.omega_a = trial.omega1[w, a]
-        if static != 0:
-            found.v_a = model.elements[0].films[0].rest_v[a]
-            found.omega_a = model.elements[0].films[0].rest_omega[a]
-    if static != 0 and model.surfaces.planar[model.elements[0].films[0].first[film]] == 0:
-        axis = model.surfaces.frame[model.elements[0].films[0].first[film]] * vec3(real(0.0), real(0.0), real(1.0))
-        found.spin = wp.dot(found.omega_a, axis) * axis
-    if b >= 0:
-        found.v_b = trial.v1[w, b]
-        found.omega_b = found.turn_b * trial.omega1[w, b]
-        if static != 0:
-            found.v_b = model.elements[0].films[0].rest_v[b]
-            found.omega_b = found.turn_b * model.elements[0].films[0].rest_omega[b]
+    found.turn_a = turn_a
+    found.turn_b = turn_b
+    found.from_b = from_b
+    found.turn = into * turn_a
+    found.shift = into * (from_b - turn_b * model.surfaces.origin[s])
     return found
 
 
 @wp.func
-def sliding_at(sides: Sides, place: vec3) -> vec3:
-    """u_B - u_A [m/s] at a point of A, in A's axes."""
-    at_b = sides.v_b + wp.cross(sides.omega_b, sides.from_b + sides.turn_a * place)
-    return wp.transpose(sides.turn_a) * (at_b - sides.v_a) - wp.cross(sides.omega_a, place)
+def sides_of(model: Model, w: int, film: int, static: int, trial: Trial) -> Sides:
+    """In static steps with the velocities at the start, and A's rotation about its own axis in U."""
+    first = model.elements[0].films[0].first[film]
+    a = model.surfaces.body[first]
+    b = model.surfaces.body[model.elements[0].films[0].second[film]]
+    from_b = origin_of(trial.r1, w, a) - origin_of(trial.r1, w, b)
+    found = looked_at(model, film, axes_of(trial.axes, w, a), axes_of(trial.axes, w, b), from_b)
+    v = vec3(real(0.0))
+    omega_a = vec3(real(0.0))
+    omega_b = vec3(real(0.0))
+    if a >= 0:
+        v = -trial.v1[w, a]
+        omega_a = trial.omega1[w, a]
+        if static != 0:
+            v = -model.elements[0].films[0].rest_v[a]
+            omega_a = model.elements[0].films[0].rest_omega[a]
+    if b >= 0:
+        omega_b = found.turn_b * trial.omega1[w, b]
+        v += trial.v1[w, b]
+        if static != 0:
+            omega_b = found.turn_b * model.elements[0].films[0].rest_omega[b]
+            v += model.elements[0].films[0].rest_v[b] - trial.v1[w, b]
+    back = wp.transpose(found.turn_a)
+    found.slide = back * (v + wp.cross(omega_b, from_b))
+    found.slide_turn = back * omega_b - omega_a
+    found.carry = real(0.5) * found.slide
+    found.carry_turn = real(0.5) * found.slide_turn
+    if static != 0 and model.surfaces.planar[first] == 0:
+        axis = model.surfaces.frame[first] * vec3(real(0.0), real(0.0), real(1.0))
+        spin = wp.dot(omega_a, axis) * axis
+        found.carry -= wp.cross(spin, model.surfaces.origin[first])
+        found.carry_turn += spin
+    return found
 
 
 @wp.func
-def carried_at(model: Model, film: int, sides: Sides, place: vec3) -> vec3:
-    """U [m/s] at a point of A, in A's axes."""
-    arm = place - model.surfaces.origin[model.elements[0].films[0].first[film]]
-    return real(0.5) * sliding_at(sides, place) + wp.cross(sides.spin, arm)
+def sliding_at(sides: Sides, x: vec3) -> vec3:
+    """u_B - u_A [m/s]."""
+    return sides.slide + wp.cross(sides.slide_turn, x)
+
+
+@wp.func
+def carried_at(sides: Sides, x: vec3) -> vec3:
+    """U [m/s]."""
+    return sides.carry + wp.cross(sides.carry_turn, x)
 
 
 @wp.func
@@ -105,17 +128,9 @@ def second_form_at(model: Model, film: int, theta: real, z: real) -> vec3:
 
 
 @wp.func
-def on_second(model: Model, film: int, sides: Sides, place: vec3) -> vec3:
-    """A point of A in the frame of the second surface."""
-    s = model.elements[0].films[0].second[film]
-    out_of_b = sides.turn_b * model.surfaces.frame[s]
-    return wp.transpose(out_of_b) * (sides.from_b - sides.turn_b * model.surfaces.origin[s] + sides.turn_a * place)
-
-
-@wp.func
 def tilted(model: Model, film: int, sides: Sides, y: vec3, by_theta: real, by_z: real) -> vec3:
-    """Gradient in the world of a contribution to the gap at a point y of the second surface's frame, with these slopes
-    on its chart."""
+    """Gradient of a contribution to the gap at a point y of the second surface's frame, with these slopes on its
+    chart."""
     s = model.elements[0].films[0].second[film]
     rise = vec3(real(0.0), by_theta, by_z)
     if model.surfaces.planar[s] == 0:
@@ -125,16 +140,17 @@ def tilted(model: Model, film: int, sides: Sides, y: vec3, by_theta: real, by_z:
         x = slope * part
         around = by_theta / rho
         rise = vec3((x * y[0] - around * y[1]) / rho, (x * y[1] + around * y[0]) / rho, part)
-    return sides.turn_b * (model.surfaces.frame[s] * rise)
+    return wp.transpose(sides.turn) * rise
 
 
 @wp.func
-def opened_by_motion(model: Model, film: int, sides: Sides, place: vec3) -> wp.vec4d:
-    """d_B with the form of B [m] at a point of A, and its gradient in the world."""
+def opened_by_motion(model: Model, film: int, sides: Sides, x: vec3) -> wp.vec4d:
+    """d_B with the form of B [m] at a point of A, and its gradient."""
     s = model.elements[0].films[0].second[film]
-    y = on_second(model, film, sides, place)
-    n = sides.turn_b * (model.surfaces.frame[s] * gradient_of(model, s, y))
-    gap = distance_of(model, s, y)
+    y = sides.turn * x + sides.shift
+    seen = distance_and_gradient(model, s, y)
+    n = wp.transpose(sides.turn) * vec3(seen[1], seen[2], seen[3])
+    gap = seen[0]
     if model.elements[0].films[0].second_start[film] >= 0:
         at = chart_of(model, s, y)
         form = second_form_at(model, film, at[0], at[1])
@@ -144,16 +160,14 @@ def opened_by_motion(model: Model, film: int, sides: Sides, place: vec3) -> wp.v
 
 
 @wp.func
-def opened_with_second(
-    model: Model, w: int, film: int, sides: Sides, place: vec3, seat: int, oil: FilmScratch
-) -> wp.vec4d:
+def opened_with_second(model: Model, w: int, film: int, sides: Sides, x: vec3, seat: int, oil: FilmScratch) -> wp.vec4d:
     """`opened_by_motion` plus the opening by a deformable second surface; seat: of the point, within the film."""
-    found = opened_by_motion(model, film, sides, place)
+    found = opened_by_motion(model, film, sides, x)
     if model.elements[0].films[0].second_nodes[film] == 0:
         return found
     at = model.elements[0].films[0].seat_start[film] + seat
     more = opened_at_seat(model, film, w, at, oil, oil.film_second_opened)
-    turn = tilted(model, film, sides, on_second(model, film, sides, place), more[1], more[2])
+    turn = tilted(model, film, sides, sides.turn * x + sides.shift, more[1], more[2])
     return found + wp.vec4d(more[0], turn[0], turn[1], turn[2])
 
 
@@ -162,19 +176,19 @@ def posed(model: Model, w: int, film: int, ahead: int, state: MotionState, trial
     """Both bodies at the start of the step, or `ahead` at the end of their increments, without velocities."""
     a = model.surfaces.body[model.elements[0].films[0].first[film]]
     b = model.surfaces.body[model.elements[0].films[0].second[film]]
-    found = Sides()
-    found.turn_a = wp.identity(n=3, dtype=real)
-    found.turn_b = wp.identity(n=3, dtype=real)
+    turn_a = wp.identity(n=3, dtype=real)
+    turn_b = wp.identity(n=3, dtype=real)
+    from_b = vec3(real(0.0))
     if a >= 0:
-        found.turn_a = matrix(state.p[w, a])
-        found.from_b = state.r[w, a]
+        turn_a = matrix(state.p[w, a])
+        from_b = state.r[w, a]
         if ahead != 0:
-            found.turn_a = matrix(wp.normalize(state.p[w, a] * exponential(trial.psi[w, a])))
-            found.from_b += trial.dx[w, a]
+            turn_a = matrix(wp.normalize(state.p[w, a] * exponential(trial.psi[w, a])))
+            from_b += trial.dx[w, a]
     if b >= 0:
-        found.turn_b = matrix(state.p[w, b])
-        found.from_b -= state.r[w, b]
+        turn_b = matrix(state.p[w, b])
+        from_b -= state.r[w, b]
         if ahead != 0:
-            found.turn_b = matrix(wp.normalize(state.p[w, b] * exponential(trial.psi[w, b])))
-            found.from_b -= trial.dx[w, b]
-    return found
+            turn_b = matrix(wp.normalize(state.p[w, b] * exponential(trial.psi[w, b])))
+            from_b -= trial.dx[w, b]
+    return looked_at(model, film, turn_a, turn_b, from_b)

@@ -1,4 +1,4 @@
-r"""The linear system of a film, and its condensed contribution to the bodies.
+r"""The linear system of a film for the increments of its pressures and cavities.
 
 Unknown are, for each function whose pressure is not given, the pressure p if the film is full, else its cavity D; and
 the pressures a of asperities in contact, with the equation a = P(-h) of their own. With G the opening at the nodes due
@@ -9,11 +9,23 @@ to pressures, and z the coupled columns, motions of both bodies and the global m
 a linearised step of a film, and its forces P^T p on these columns, read
 
     R + J dx + B dz = 0,      J = A + (dR/dh) G on full functions, -(a_0 m + T) on cavitated ones,      B = (dR/dh) L,
-    S dz = -r + P^T dx,       dx = -J^-1 (R + B dz),
+    S dz = -r + P^T dx.
 
-so that bodies and modes have the stiffness P^T J^-1 B and the force -P^T J^-1 R. The asymmetry of J causes the whirl of
-shafts. Cavitated functions carry no load, and are eliminated first: their columns have entries of their neighbours
-only. The rotation of normals with the motion is neglected in S: c/R relative to the rest.
+R and P are exact; J and B are not, which costs iterations, no accuracy. G is parted into a near part N and r smooth
+functions (`online.compile.films.smooth`),
+
+    J = T + U C V^T,      T = A + (dR/dh) N within some columns,      U = (dR/dh) Phi,      B = U Z,
+
+so that T is banded, lines ordered by columns: dx = -T^-1 (R + U y) of r + 1 right-hand sides, with the amounts y of the
+smooth functions from an r by r system (`films.smooth`). P, unlike V Z, is exact: increments whose forces were not those
+of their pressures would leave forces out of balance, by as much as the round-off of a gap is able to press.
+
+Where columns go around, the lines of as many of them, the seam, are eliminated last, as a dense block. A line of the
+band at place i has its entries at i - half to i + 2 half, then those of the seam, U, R, and P; a line of the seam has
+those of the first and of the last `half` places in the place of the band. The asymmetry of J causes the whirl of
+shafts. Lines are scaled by their largest entry, as those of oil and asperities have different units. Factors are kept
+while the set is unchanged and the residual decreases to SLOW or less of the one before. The rotation of normals with
+the motion is neglected in S: c/R relative to the rest.
 """
 
 import warp as wp
@@ -23,8 +35,8 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.film_scratch import FilmScratch
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
-from warpffrf_kernels.core.scratch import RetainedSystem
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync, vec3
+from warpffrf_kernels.core.scratch import RetainedSystem, Trial
 from warpffrf_kernels.core.state import FilmState
 from warpffrf_kernels.films.flow import holding, inflow, neighbour
 from warpffrf_kernels.films.sampling import (
@@ -37,263 +49,293 @@ from warpffrf_kernels.films.sampling import (
     FILLING_BY_GAP,
     FILLING_BY_PRESSURE,
     HALF,
-    MOMENT,
     NORMAL,
     PRESSED,
     PRESSURE,
     REYNOLDS,
-    SECOND_MOMENT,
     STIFFNESS,
 )
-from warpffrf_kernels.films.second_surface import write_second
+from warpffrf_kernels.films.seats import seat_node, seat_part
+from warpffrf_kernels.films.sides import sides_of
+from warpffrf_kernels.films.smooth import (
+    condense,
+    load_at,
+    move_second,
+    port_at,
+    push_by_rest,
+    smooth_at,
+    stiffness_of,
+    write_motion,
+)
 from warpffrf_kernels.films.unknowns import (
-    RIGID,
+    acts,
     add_scaled,
+    column_of,
     columns_of,
+    line_at,
     line_length,
     lines_of,
+    loads_of,
     matrix_at,
+    places_at,
     retained_column,
+    room_at,
+    smooth_of,
     system_at,
-    vector_at,
 )
+from warpffrf_kernels.linear.banded_elimination import eliminate_band, solve_band_again
 from warpffrf_kernels.linear.general_elimination import eliminate, solve_again
 
 wp.set_module_options(MODULE_OPTIONS)
 
+HALF_BAND = wp.constant(0)  # of film_extent
+BAND = wp.constant(1)
+SEAM = wp.constant(2)
+SLOW = wp.constant(wp.float64(0.05))  # of the previous residual: above it the factors are not kept
 
-# Zero the entries of a line at the first `thin` unknowns of the order, by one lane.
+
+# x[at : at + n] *= a, by one lane; a is one over their largest magnitude, and returned. Zeros stay.
 @wp.func_native("""
-    double* __restrict q = line.data + at; const int* p = place.data + start;
-    for (int i = 0; i < n; ++i) q[i] = p[i] < thin ? 0.0 : q[i];
+    double* __restrict v = x.data + at; double most = 0.0;
+    for (int i = 0; i < n; ++i) { const double size = ::fabs(v[i]); most = size > most ? size : most; }
+    const double r = most > 0.0 ? 1.0 / most : 1.0;
+    for (int i = 0; i < n + more; ++i) v[i] *= r;
+    return r;
 """)
-def clear_thin(n: int, place: wp.array(dtype=int), start: int, thin: int, line: wp.array(dtype=real), at: int): ...
+def scale_line(n: int, more: int, x: wp.array(dtype=real), at: int) -> real: ...
 
 
-# y[at + place] = x[from], by one lane.
-@wp.func_native("""
-    double* q = y.data + at; const double* v = x.data + start_x; const int* p = place.data + start;
-    for (int i = 0; i < n; ++i) q[p[i]] = v[i];
+# Entries of a line of the oil balance from those of its points, by one lane: derivatives by the gap at the stations
+# into wide, from near on, and by the pressures of the functions at the same points into room, from at on.
+@wp.func_native(f"""
+    const int some = function.shape[1];
+    for (int e = begin; e < end; ++e) {{
+        const int g = point.data[e], a = slot.data[e];
+        const double* L = line.data + ((size_t)w * line.shape[1] + g) * line.shape[2];
+        const double *x = slope_around.data + (size_t)g * some, *z = slope_along.data + (size_t)g * some;
+        const double *v = value.data + (size_t)g * some, *part = between.data + (size_t)g * 4;
+        double* h = wide.data + (size_t)w * wide.shape[1] + near;
+        const double by_gap = x[a] * L[{int(AROUND_BY_GAP)}] + z[a] * L[{int(ALONG_BY_GAP)}]
+            + v[a] * L[{int(FILLING_BY_GAP)}];
+        for (int c = 0; c < 4; ++c) h[entry_near.data[(size_t)e * 4 + c]] += by_gap * part[c];
+        const double by_x = x[a] * L[{int(CONDUCTANCE)}], by_z = z[a] * L[{int(CONDUCTANCE)}] * L[{int(EVENNESS)}];
+        const double by_value = x[a] * L[{int(AROUND_BY_PRESSURE)}] + z[a] * L[{int(ALONG_BY_PRESSURE)}]
+            + v[a] * L[{int(FILLING_BY_PRESSURE)}];
+        const int* other = entry_room.data + (size_t)e * some;
+        for (int s = 0; s < some; ++s)
+            if (other[s] >= 0) room.data[at + other[s]] += by_x * x[s] + by_z * z[s] + by_value * v[s];
+    }}
 """)
-def put_in_order(
-    n: int,
-    x: wp.array(dtype=real),
-    start_x: int,
-    place: wp.array(dtype=int),
-    start: int,
-    y: wp.array(dtype=real),
+def add_points(
+    begin: int,
+    end: int,
+    point: wp.array(dtype=int),
+    slot: wp.array(dtype=int),
+    entry_near: wp.array2d(dtype=int),
+    entry_room: wp.array2d(dtype=int),
+    function: wp.array2d(dtype=int),
+    slope_around: wp.array2d(dtype=real),
+    slope_along: wp.array2d(dtype=real),
+    value: wp.array2d(dtype=real),
+    between: wp.array2d(dtype=real),
+    line: wp.array3d(dtype=real),
+    w: int,
+    wide: wp.array2d(dtype=real),
+    near: int,
+    room: wp.array(dtype=real),
     at: int,
 ): ...
 
 
-@wp.func
-def put_rigid(matrix: wp.array(dtype=real), at: int, n: vec3, first: vec3, second: vec3):
-    """Entries of the rigid columns: n at both bodies, with its moments about their centres of mass."""
-    for c in range(3):
-        matrix[at + c] = n[c]
-        matrix[at + 3 + c] = first[c]
-        matrix[at + 6 + c] = -n[c]
-        matrix[at + 9 + c] = second[c]
+# Add x, from at on, to the entries of the line at place i that are at the places of a column; -1: none. One lane.
+@wp.func_native("""
+    for (int s = 0; s < n; ++s) {
+        const int j = place.data[start + s];
+        if (j < 0) continue;
+        int to = j - i + half;
+        if (j >= band) to = 3 * half + 1 + j - band;
+        else if (i >= band) to = j < half ? j : j - band + 2 * half;  // a line of the seam
+        a.data[row + to] += x.data[at + s];
+    }
+""")
+def add_column(
+    n: int,
+    x: wp.array(dtype=real),
+    at: int,
+    place: wp.array(dtype=int),
+    start: int,
+    i: int,
+    half: int,
+    band: int,
+    a: wp.array(dtype=real),
+    row: int,
+): ...
+
+
+# x[at : at + n] = 0, by one lane.
+@wp.func_native("for (int i = 0; i < n; ++i) x.data[at + i] = 0.0;")
+def clear(n: int, x: wp.array(dtype=real), at: int): ...
 
 
 @wp.func
-def is_thin(model: Model, w: int, film: int, i: int, films: FilmState, oil: FilmScratch) -> bool:
-    """Whether the column of unknown i is almost empty outside its own line: a cavity, or asperities out of contact."""
-    n = model.elements[0].films[0].unknowns[film]
-    if i >= n:
-        return oil.film_rough[w, model.elements[0].films[0].node_start[film] + i - n] == 0
-    f = model.elements[0].films[0].function_of[model.elements[0].films[0].unknown_start[film] + i]
-    return films.film_full[w, 1, model.elements[0].films[0].function_start[film] + f] == 0
-
-
-@wp.func
-def order_unknowns(model: Model, w: int, film: int, lane: int, films: FilmState, oil: FilmScratch) -> int:
-    """Position of each unknown in the elimination: thin ones first, cavities in the circumferential order of the flow,
-    which leaves almost no entries in their columns. Returns the number of thin unknowns."""
-    lines = lines_of(model, film)
-    start = system_at(model, w, film)
-    sync()
-    thin = int(0)
-    i = int(0)
-    while i < lines:
-        if is_thin(model, w, film, i, films, oil):
-            thin += 1
-        i += 1
+def place_lines(model: Model, w: int, film: int, lane: int, oil: FilmScratch):
+    """Places of the lines, column by column from behind the seam, and half the band. Asperities out of contact have
+    none, and no increment."""
     if lane == 0:
-        backwards = oil.film_carried[w, model.elements[0].films[0].function_start[film], 0] < real(0.0)
+        n = model.elements[0].films[0].unknowns[film]
+        node = model.elements[0].films[0].node_start[film]
+        start = system_at(model, w, film)
+        columns = model.elements[0].films[0].grid_columns[film]
+        reach = model.elements[0].films[0].reach[film]
+        seam = reach * model.elements[0].films[0].turns[film]
+        places = places_at(model, w, film)
         place = int(0)
-        rest = thin
-        i = int(0)
-        while i < lines:
-            if is_thin(model, w, film, i, films, oil):
-                oil.film_order[start + i] = place
-                if backwards:
-                    oil.film_order[start + i] = thin - 1 - place
-                place += 1
-            else:
-                oil.film_order[start + i] = rest
-                rest += 1
-            i += 1
+        half = int(0)
+        band = int(0)
+        c = int(0)
+        while c < columns:
+            if c == columns - seam:
+                band = place
+            oil.film_opening_place[places + c] = place  # room of other numbers: the first place of a column
+            column = (model.elements[0].films[0].seam[film] + seam + c) % columns
+            s = int(0)
+            while s < model.elements[0].films[0].width[film]:
+                i = line_at(model, film, column, s)
+                if i >= 0:
+                    oil.film_place[start + i] = -1
+                    if i < n or oil.film_rough[w, node + i - n] != 0:
+                        oil.film_place[start + i] = place
+                        place += 1
+                s += 1
+            if c < columns - seam:
+                # lines of the columns that a line of this one reaches back to, and of those that reach into the seam
+                before = oil.film_opening_place[places + wp.max(c - reach, 0)]
+                last = oil.film_opening_place[places + wp.max(c - reach + 1, 0)]
+                half = wp.max(half, wp.max(place - before - 1, place - last))
+            c += 1
+        if seam == 0:
+            band = place
+        oil.film_extent[w, film, HALF_BAND] = half
+        oil.film_extent[w, film, BAND] = band
+        oil.film_extent[w, film, SEAM] = place - band
     sync()
-    return thin
 
 
 @wp.func
-def write_flow(model: Model, w: int, film: int, i: int, row: int, thin: int, films: FilmState, oil: FilmScratch):
-    """Line of the oil balance of unknown i, without R; `row` is zero."""
-    n = model.elements[0].films[0].unknowns[film]
-    lines = lines_of(model, film)
-    modes = model.elements[0].films[0].modes[film]
-    columns = columns_of(model, film)
+def add_at(model: Model, w: int, film: int, row: int, i: int, j: int, value: real, oil: FilmScratch):
+    """Add to the entry of unknown j in the line of unknown i, which begins at `row`."""
+    run = system_at(model, w, film)
+    room = room_at(model, w, film, i)
+    oil.film_room[room] = value
+    add_column(
+        1, oil.film_room, room, oil.film_place, run + j, oil.film_place[run + i], oil.film_extent[w, film, HALF_BAND],
+        oil.film_extent[w, film, BAND], oil.film_matrix, row,
+    )  # fmt: skip
+
+
+@wp.func
+def add_columns(
+    model: Model, w: int, film: int, i: int, row: int, reach: int, places: wp.array(dtype=int), room: int,
+    oil: FilmScratch,
+):  # fmt: skip
+    """Add the entries of `reach` columns on either side from `room` on to the line of unknown i, at these places."""
+    width = model.elements[0].films[0].width[film]
+    columns = model.elements[0].films[0].grid_columns[film]
+    start = places_at(model, w, film)
+    beside = int(0)
+    while beside < 2 * reach + 1:
+        column = column_of(model, film, i) + beside - reach
+        if model.elements[0].films[0].turns[film] != 0:
+            column = (column + columns) % columns
+        if column >= 0 and column < columns:
+            add_column(
+                width, oil.film_room, room + beside * width, places, start + column * width,
+                oil.film_place[system_at(model, w, film) + i], oil.film_extent[w, film, HALF_BAND],
+                oil.film_extent[w, film, BAND], oil.film_matrix, row,
+            )  # fmt: skip
+        beside += 1
+
+
+@wp.func
+def add_opening(model: Model, w: int, film: int, i: int, row: int, station: int, by_gap: real, oil: FilmScratch):
+    """Contribution of the opening at a station to the line of unknown i: near part to its room, smooth part to U."""
+    width = model.elements[0].films[0].width[film]
+    around = (2 * model.elements[0].films[0].reach[film] + 1) * width
+    columns = model.elements[0].films[0].grid_columns[film]
+    r = model.elements[0].films[0].smooth_count[film]
+    beside = column_of(model, film, i) - station / model.elements[0].films[0].station_rows[film]
+    if beside > 1:
+        beside -= columns
+    if beside < -1:
+        beside += columns
+    start = model.elements[0].films[0].close_start[film]
+    start += station * (around + 2 * width) + (beside + 1) * width
+    add_scaled(around, by_gap, model.elements[0].films[0].close, start, oil.film_room, room_at(model, w, film, i))
+    behind = row + 3 * oil.film_extent[w, film, HALF_BAND] + 1 + oil.film_extent[w, film, SEAM]
+    start = model.elements[0].films[0].smooth_start[film] + station * r
+    add_scaled(r, by_gap, model.elements[0].films[0].smooth, start, oil.film_matrix, behind)
+    more = model.elements[0].films[0].second_smooth_count[film]
+    if more > 0:
+        start = w * model.elements[0].films[0].moved_close_start[model.elements[0].films[0].count]
+        start += model.elements[0].films[0].moved_close_start[film]
+        start += station * (around + 2 * width) + (beside + 1) * width
+        add_scaled(around, by_gap, oil.film_moved_close, start, oil.film_room, room_at(model, w, film, i))
+        start = w * model.elements[0].films[0].moved_start[model.elements[0].films[0].count]
+        start += model.elements[0].films[0].moved_start[film] + station * more
+        add_scaled(more, by_gap, oil.film_moved, start, oil.film_matrix, behind + r)
+
+
+@wp.func
+def write_flow(model: Model, w: int, film: int, i: int, row: int, films: FilmState, oil: FilmScratch):
+    """Line of the oil balance of unknown i, without R; `row` and its room are zero."""
     first = model.elements[0].films[0].function_start[film]
-    functions = model.elements[0].films[0].function_start[film + 1] - first
-    first_unknown = model.elements[0].films[0].unknown_start[film]
-    rule = model.elements[0].films[0].rule[film]
-    f = model.elements[0].films[0].function_of[first_unknown + i]
+    f = model.elements[0].films[0].function_of[model.elements[0].films[0].unknown_start[film] + i]
     near = model.elements[0].films[0].near_start[first + f]
-    # derivatives by the gap at the nodes (film_wide) and by the rigid columns, and the load on them
+    room = room_at(model, w, film, i)
+    reach = model.elements[0].films[0].reach[film]
+    own = room + (2 * reach + 1) * model.elements[0].films[0].width[film]
     j = near
     while j < model.elements[0].films[0].near_start[first + f + 1]:
         oil.film_wide[w, j] = real(0.0)
         j += 1
-    pushes = films.film_full[w, 1, first + f] != 0
-    if rule == HALF and films.film_pressure[w, 1, first + f] < real(0.0):
-        pushes = False
-    gap_n = vec3(real(0.0))
-    gap_first = vec3(real(0.0))
-    gap_second = vec3(real(0.0))
-    push_n = vec3(real(0.0))
-    push_first = vec3(real(0.0))
-    push_second = vec3(real(0.0))
-    e = model.elements[0].films[0].entry_start[first + f]
-    while e < model.elements[0].films[0].entry_start[first + f + 1]:
-        g = model.elements[0].films[0].entry_point[e]
-        a = model.elements[0].films[0].entry_slot[e]
-        x = model.elements[0].films[0].slope_around[g, a]
-        z = model.elements[0].films[0].slope_along[g, a]
-        v = model.elements[0].films[0].value[g, a]
-        by_gap = x * oil.film_line[w, g, AROUND_BY_GAP] + z * oil.film_line[w, g, ALONG_BY_GAP]
-        by_gap += v * oil.film_line[w, g, FILLING_BY_GAP]
-        for c in range(4):
-            at = near + model.elements[0].films[0].entry_near[e, c]
-            oil.film_wide[w, at] = oil.film_wide[w, at] + by_gap * model.elements[0].films[0].between[g, c]
-        push = v * model.elements[0].films[0].weight[g]
-        if not pushes or (rule == HALF and oil.film_line[w, g, PRESSURE] <= real(0.0)):
-            push = real(0.0)
-        n_there = vector_at(oil.film_line, w, g, NORMAL)
-        first_there = vector_at(oil.film_line, w, g, MOMENT)
-        second_there = vector_at(oil.film_line, w, g, SECOND_MOMENT)
-        gap_n += by_gap * n_there
-        gap_first += by_gap * first_there
-        gap_second += by_gap * second_there
-        push_n += push * n_there
-        push_first += push * first_there
-        push_second += push * second_there
-        e += 1
-    put_rigid(oil.film_matrix, row + lines + 1, gap_n, gap_first, gap_second)
-    put_rigid(oil.film_matrix, row + lines + 1 + columns, push_n, push_first, push_second)
-    # deformation: opening by the pressures, and by the global modes
+    add_points(
+        model.elements[0].films[0].entry_start[first + f], model.elements[0].films[0].entry_start[first + f + 1],
+        model.elements[0].films[0].entry_point, model.elements[0].films[0].entry_slot,
+        model.elements[0].films[0].entry_near, model.elements[0].films[0].entry_room,
+        model.elements[0].films[0].function, model.elements[0].films[0].slope_around,
+        model.elements[0].films[0].slope_along, model.elements[0].films[0].value,
+        model.elements[0].films[0].station_part,
+        oil.film_line, w, oil.film_wide, near, oil.film_room, own,
+    )  # fmt: skip
+    # deformation: opening by the pressures
     j = near
     while j < model.elements[0].films[0].near_start[first + f + 1]:
-        m = model.elements[0].films[0].near[j]
-        line = model.elements[0].films[0].compliance_start[film] + m * lines
-        add_scaled(lines, oil.film_wide[w, j], model.elements[0].films[0].compliance, line, oil.film_matrix, row)
-        line = model.elements[0].films[0].shape_start[film] + m * modes
-        add_scaled(
-            modes, -oil.film_wide[w, j], model.elements[0].films[0].shape, line, oil.film_matrix,
-            row + lines + 1 + RIGID,
-        )  # fmt: skip
+        add_opening(model, w, film, i, row, model.elements[0].films[0].near[j], oil.film_wide[w, j], oil)
         j += 1
-    if rule == HALF:
-        j = int(0)
-        while j < n:
-            if films.film_pressure[w, 1, first + model.elements[0].films[0].function_of[first_unknown + j]] < real(0.0):
-                oil.film_matrix[row + j] = real(0.0)
-            j += 1
-    # flow and content by the pressures of the functions at the same points
-    e = model.elements[0].films[0].entry_start[first + f]
-    while e < model.elements[0].films[0].entry_start[first + f + 1]:
-        g = model.elements[0].films[0].entry_point[e]
-        a = model.elements[0].films[0].entry_slot[e]
-        x = model.elements[0].films[0].slope_around[g, a]
-        z = model.elements[0].films[0].slope_along[g, a]
-        v = model.elements[0].films[0].value[g, a]
-        wide = oil.film_line[w, g, CONDUCTANCE]
-        by_value = x * oil.film_line[w, g, AROUND_BY_PRESSURE] + z * oil.film_line[w, g, ALONG_BY_PRESSURE]
-        by_value += v * oil.film_line[w, g, FILLING_BY_PRESSURE]
-        z *= oil.film_line[w, g, EVENNESS]
-        s = int(0)
-        while s < model.elements[0].films[0].function.shape[1]:
-            other = model.elements[0].films[0].function[g, s]
-            if other >= 0:
-                j = model.elements[0].films[0].unknown_of[first + other]
-                if j >= 0:
-                    flow = x * model.elements[0].films[0].slope_around[g, s]
-                    flow += z * model.elements[0].films[0].slope_along[g, s]
-                    entry = wide * flow + by_value * model.elements[0].films[0].value[g, s]
-                    oil.film_matrix[row + j] = oil.film_matrix[row + j] + entry
-            s += 1
-        e += 1
-    # load on the global modes
-    m = int(0)
-    while m < modes and pushes:
-        at = model.elements[0].films[0].moment_start[film] + m * functions + f
-        oil.film_matrix[row + lines + 1 + columns + RIGID + m] = -model.elements[0].films[0].moment[at]
-        m += 1
+    add_columns(model, w, film, i, row, reach, oil.film_opening_place, room, oil)
+    add_columns(model, w, film, i, row, 1, oil.film_pressing_place, own, oil)
     # cavities: their own outflow, and the inflow from neighbours
-    clear_thin(lines, oil.film_order, system_at(model, w, film), thin, oil.film_matrix, row)
     if films.film_full[w, 1, first + f] == 0:
-        oil.film_matrix[row + i] = -holding(model, w, film, first + f, oil)
-    if rule != REYNOLDS:
+        add_at(model, w, film, row, i, i, -holding(model, w, film, first + f, oil), oil)
+    if model.elements[0].films[0].rule[film] != REYNOLDS:
         for c in range(4):
             other = neighbour(model, first + f, c)
             if other >= 0:
                 j = model.elements[0].films[0].unknown_of[first + other]
                 if j >= 0 and films.film_full[w, 1, first + other] == 0:
                     comes = inflow(model, w, first, first + f, c, oil.film_carried)
-                    oil.film_matrix[row + j] = oil.film_matrix[row + j] + comes
+                    add_at(model, w, film, row, i, j, comes, oil)
 
 
 @wp.func
-def write_asperities(model: Model, w: int, film: int, m: int, row: int, thin: int, oil: FilmScratch):
-    """Line of the asperities at node m, da + P' dh = P - a, without the right-hand side; `row` is zero."""
-    n = model.elements[0].films[0].unknowns[film]
-    lines = lines_of(model, film)
-    modes = model.elements[0].films[0].modes[film]
-    columns = columns_of(model, film)
-    first = model.elements[0].films[0].function_start[film]
-    grid_node = model.elements[0].films[0].node_start[film] + m
-    stiff = oil.film_node_line[w, grid_node, STIFFNESS]
-    line = model.elements[0].films[0].compliance_start[film] + m * lines
-    add_scaled(lines, stiff, model.elements[0].films[0].compliance, line, oil.film_matrix, row)
-    line = model.elements[0].films[0].shape_start[film] + m * modes
-    add_scaled(modes, -stiff, model.elements[0].films[0].shape, line, oil.film_matrix, row + lines + 1 + RIGID)
-    clear_thin(lines, oil.film_order, system_at(model, w, film), thin, oil.film_matrix, row)
-    put_rigid(
-        oil.film_matrix, row + lines + 1, stiff * vector_at(oil.film_node_line, w, grid_node, 0),
-        stiff * vector_at(oil.film_node_line, w, grid_node, 3), stiff * vector_at(oil.film_node_line, w, grid_node, 6),
-    )  # fmt: skip
-    oil.film_matrix[row + n + m] = oil.film_matrix[row + n + m] + real(1.0)
-    f = first + model.elements[0].films[0].node_function[grid_node]
-    push_n = vec3(real(0.0))
-    push_first = vec3(real(0.0))
-    push_second = vec3(real(0.0))
-    e = model.elements[0].films[0].entry_start[f]
-    while e < model.elements[0].films[0].entry_start[f + 1]:
-        g = model.elements[0].films[0].entry_point[e]
-        v = model.elements[0].films[0].value[g, model.elements[0].films[0].entry_slot[e]]
-        push = v * model.elements[0].films[0].weight[g]
-        push_n += push * vector_at(oil.film_line, w, g, NORMAL)
-        push_first += push * vector_at(oil.film_line, w, g, MOMENT)
-        push_second += push * vector_at(oil.film_line, w, g, SECOND_MOMENT)
-        e += 1
-    put_rigid(oil.film_matrix, row + lines + 1 + columns, push_n, push_first, push_second)
-    rough = model.elements[0].films[0].rough[film]
-    c = int(0)
-    while c < modes:
-        at = model.elements[0].films[0].rough_moment_start[film] + c * rough + m
-        oil.film_matrix[row + lines + 1 + columns + RIGID + c] = -model.elements[0].films[0].rough_moment[at]
-        c += 1
+def write_asperities(model: Model, w: int, film: int, i: int, row: int, films: FilmState, oil: FilmScratch):
+    """Line of the asperities of unknown i, da + P' dh = P - a, without the right-hand side; zero before."""
+    node = i - model.elements[0].films[0].unknowns[film]
+    stiff = oil.film_node_line[w, model.elements[0].films[0].node_start[film] + node, STIFFNESS]
+    add_opening(model, w, film, i, row, node, stiff, oil)
+    reach = model.elements[0].films[0].reach[film]
+    add_columns(model, w, film, i, row, reach, oil.film_opening_place, room_at(model, w, film, i), oil)
+    add_at(model, w, film, row, i, i, real(1.0), oil)
 
 
 @wp.func
@@ -307,115 +349,313 @@ def rest_of(model: Model, w: int, film: int, i: int, oil: FilmScratch, films: Fi
     return oil.film_rest[w, model.elements[0].films[0].function_start[film] + f]
 
 
+@wp.func
+def write_loads(model: Model, w: int, film: int, i: int, at: int, films: FilmState, oil: FilmScratch):
+    """P of unknown i, from `at` on, which is zero: force and torque on A in its axes, and on the modes."""
+    if not acts(model, w, film, i, films, oil):
+        return
+    n = model.elements[0].films[0].unknowns[film]
+    modes = model.elements[0].films[0].modes[film]
+    second_modes = model.elements[0].films[0].second_modes[film]
+    first = model.elements[0].films[0].function_start[film]
+    functions = model.elements[0].films[0].function_start[film + 1] - first
+    half = model.elements[0].films[0].rule[film] == HALF
+    f = first
+    if i < n:
+        f += model.elements[0].films[0].function_of[model.elements[0].films[0].unknown_start[film] + i]
+    else:
+        f += model.elements[0].films[0].node_function[model.elements[0].films[0].node_start[film] + i - n]
+    force = vec3(real(0.0))
+    moment = vec3(real(0.0))
+    e = model.elements[0].films[0].entry_start[f]
+    while e < model.elements[0].films[0].entry_start[f + 1]:
+        g = model.elements[0].films[0].entry_point[e]
+        push = model.elements[0].films[0].value[g, model.elements[0].films[0].entry_slot[e]]
+        push *= model.elements[0].films[0].weight[g]
+        if i < n and half and oil.film_line[w, g, PRESSURE] <= real(0.0):
+            push = real(0.0)
+        normal = vec3(oil.film_line[w, g, NORMAL], oil.film_line[w, g, NORMAL + 1], oil.film_line[w, g, NORMAL + 2])
+        force += push * normal
+        moment += push * wp.cross(model.elements[0].films[0].point_place[g], normal)
+        e += 1
+    for c in range(3):
+        oil.film_matrix[at + c] = force[c]
+        oil.film_matrix[at + 3 + c] = moment[c]
+    m = int(0)
+    while m < modes:
+        load = real(0.0)
+        if i < n:
+            start = model.elements[0].films[0].moment_start[film] + m * functions
+            load = model.elements[0].films[0].moment[start + f - first]
+        else:
+            start = model.elements[0].films[0].rough_moment_start[film] + m * model.elements[0].films[0].rough[film]
+            load = model.elements[0].films[0].rough_moment[start + i - n]
+        oil.film_matrix[at + 6 + m] = -load
+        m += 1
+    if second_modes > 0:
+        e = model.elements[0].films[0].press_entry_start[f]
+        while e < model.elements[0].films[0].press_entry_start[f + 1]:
+            seat = model.elements[0].films[0].press_seat[model.elements[0].films[0].press_entry[e]]
+            seat += model.elements[0].films[0].seat_start[film]
+            for c in range(4):
+                part = model.elements[0].films[0].press_entry_value[e] * seat_part(oil.film_seat_at, w, seat, c)
+                line = model.elements[0].films[0].second_shape_start[film]
+                line += seat_node(oil.film_seat, w, seat, c) * second_modes
+                add_scaled(
+                    second_modes, -part, model.elements[0].films[0].second_shape, line, oil.film_matrix, at + 6 + modes
+                )
+            e += 1
+
+
+@wp.func
+def write_lines(model: Model, w: int, film: int, lane: int, films: FilmState, oil: FilmScratch):
+    """Places and lines of T, U and R; lanes over lines."""
+    n = model.elements[0].films[0].unknowns[film]
+    rough = model.elements[0].films[0].rough[film]
+    run = system_at(model, w, film)
+    stride = line_length(model, film)
+    node = model.elements[0].films[0].node_start[film]
+    r = smooth_of(model, film)
+    i = lane
+    while i < rough:
+        oil.film_rough[w, node + i] = 0
+        if films.film_asperity[w, 1, node + i] > real(0.0) or oil.film_node_line[w, node + i, PRESSED] > real(0.0):
+            oil.film_rough[w, node + i] = 1
+        i += wp.block_dim()
+    sync()
+    place_lines(model, w, film, lane, oil)
+    places = places_at(model, w, film)
+    i = lane
+    while i < model.elements[0].films[0].grid_columns[film] * model.elements[0].films[0].width[film]:
+        j = model.elements[0].films[0].line_at[model.elements[0].films[0].line_at_start[film] + i]
+        opening = int(-1)
+        pressing = int(-1)
+        if j >= 0:
+            if j < n:
+                f = model.elements[0].films[0].function_of[model.elements[0].films[0].unknown_start[film] + j]
+                if films.film_full[w, 1, model.elements[0].films[0].function_start[film] + f] != 0:
+                    pressing = oil.film_place[run + j]
+            if acts(model, w, film, j, films, oil):
+                opening = oil.film_place[run + j]
+        oil.film_opening_place[places + i] = opening
+        oil.film_pressing_place[places + i] = pressing
+        i += wp.block_dim()
+    sync()
+    seam = oil.film_extent[w, film, SEAM]
+    behind = 3 * oil.film_extent[w, film, HALF_BAND] + 1 + seam
+    i = lane
+    while i < n + rough:
+        place = oil.film_place[run + i]
+        if place >= 0:
+            row = matrix_at(model, w, film) + place * stride
+            clear(behind + r + 1 + loads_of(model, film), oil.film_matrix, row)
+            most = model.elements[0].films[0].most_room
+            clear(most, oil.film_room, room_at(model, w, film, i))
+            if i < n:
+                write_flow(model, w, film, i, row, films, oil)
+            else:
+                write_asperities(model, w, film, i, row, films, oil)
+            oil.film_matrix[row + behind + r] = rest_of(model, w, film, i, oil, films)
+            oil.film_scale[run + i] = scale_line(behind, r + 1, oil.film_matrix, row)
+            write_loads(model, w, film, i, row + behind + r + 1, films, oil)
+        i += wp.block_dim()
+    sync()
+
+
+@wp.func
+def solve_seam(model: Model, w: int, film: int, lane: int, more: int, oil: FilmScratch) -> int:
+    """The lines of the seam and their part in those of the band, for `more` right-hand sides. Returns 1 if singular."""
+    half = oil.film_extent[w, film, HALF_BAND]
+    band = oil.film_extent[w, film, BAND]
+    seam = oil.film_extent[w, film, SEAM]
+    stride = line_length(model, film)
+    base = matrix_at(model, w, film)
+    behind = 3 * half + 1
+    q = lane
+    while q < seam:
+        row = base + (band + q) * stride
+        s = int(0)
+        while s < 2 * half:
+            entry = oil.film_matrix[row + s]
+            if entry != real(0.0):
+                place = s
+                if s >= half:
+                    place = s - 2 * half + band
+                add_scaled(
+                    seam + more, -entry, oil.film_matrix, base + place * stride + behind, oil.film_matrix, row + behind
+                )
+            s += 1
+        q += wp.block_dim()
+    sync()
+    run = system_at(model, w, film)
+    bad = eliminate(oil.film_matrix, base + band * stride + behind, stride, seam, more, oil.film_pivots, run + band)
+    i = lane
+    while i < band:
+        row = base + i * stride + behind
+        q = int(0)
+        while q < seam:
+            entry = oil.film_matrix[row + q]
+            if entry != real(0.0):
+                add_scaled(
+                    more,
+                    -entry,
+                    oil.film_matrix,
+                    base + (band + q) * stride + behind + seam,
+                    oil.film_matrix,
+                    row + seam,
+                )
+            q += 1
+        i += wp.block_dim()
+    sync()
+    return bad
+
+
+@wp.func
+def solve_rest(model: Model, w: int, film: int, lane: int, oil: FilmScratch, films: FilmState):
+    """T^-1 R with the stored factors, into the lines' last column."""
+    half = oil.film_extent[w, film, HALF_BAND]
+    band = oil.film_extent[w, film, BAND]
+    seam = oil.film_extent[w, film, SEAM]
+    stride = line_length(model, film)
+    base = matrix_at(model, w, film)
+    run = system_at(model, w, film)
+    i = lane
+    while i < lines_of(model, film):
+        place = oil.film_place[run + i]
+        if place >= 0:
+            oil.film_change[run + place] = oil.film_scale[run + i] * rest_of(model, w, film, i, oil, films)
+        i += wp.block_dim()
+    solve_band_again(oil.film_matrix, base, stride, band, half, oil.film_pivots, run, oil.film_change, run)
+    q = lane
+    while q < seam:
+        row = base + (band + q) * stride
+        s = int(0)
+        while s < 2 * half:
+            entry = oil.film_matrix[row + s]
+            if entry != real(0.0):
+                place = s
+                if s >= half:
+                    place = s - 2 * half + band
+                oil.film_change[run + band + q] = oil.film_change[run + band + q] - entry * oil.film_change[run + place]
+            s += 1
+        q += wp.block_dim()
+    sync()
+    behind = 3 * half + 1
+    solve_again(
+        oil.film_matrix, base + band * stride + behind, stride, seam, oil.film_pivots, run + band, oil.film_change,
+        run + band,
+    )  # fmt: skip
+    i = lane
+    while i < band:
+        entry = dot(seam, oil.film_matrix, base + i * stride + behind, oil.film_change, run + band)
+        oil.film_change[run + i] = oil.film_change[run + i] - entry
+        i += wp.block_dim()
+    sync()
+    r = smooth_of(model, film)
+    i = lane
+    while i < band + seam:
+        oil.film_matrix[base + i * stride + behind + seam + r] = oil.film_change[run + i]
+        i += wp.block_dim()
+    sync()
+
+
+@wp.func
+def sum_loads(model: Model, w: int, film: int, lane: int, whole: int, films: FilmState, oil: FilmScratch):
+    """f_0 into `film_amount`, P^T T^-1 R into `film_load`, and, if `whole`, K into the second part of `film_port` and
+    P^T T^-1 U. Lanes over smooth functions, then loads."""
+    r = smooth_of(model, film)
+    first = model.elements[0].films[0].smooth_count[film]
+    moved = w * model.elements[0].films[0].moved_load_start[model.elements[0].films[0].count]
+    moved += model.elements[0].films[0].moved_load_start[film]
+    loads = loads_of(model, film)
+    to = load_at(model, w, film)
+    run = system_at(model, w, film)
+    port = port_at(model, w, film)
+    at = smooth_at(model, w, film)
+    a = lane
+    while a < r:
+        oil.film_amount[at + a] = real(0.0)
+        if whole != 0:
+            clear(r, oil.film_port, port + a * 3 * r + r)
+        a += wp.block_dim()
+    a = lane
+    while a < loads:
+        oil.film_load[to + a * (r + 1) + r] = real(0.0)
+        if whole != 0:
+            clear(r, oil.film_load, to + a * (r + 1))
+        a += wp.block_dim()
+    i = int(0)
+    while i < lines_of(model, film):
+        place = oil.film_place[run + i]
+        if place >= 0:
+            if acts(model, w, film, i, films, oil):
+                row = matrix_at(model, w, film) + place * line_length(model, film)
+                row += 3 * oil.film_extent[w, film, HALF_BAND] + 1 + oil.film_extent[w, film, SEAM]
+                load = model.elements[0].films[0].smooth_load_start[film] + i * first
+                a = lane
+                while a < r:
+                    part = real(0.0)
+                    if a < first:
+                        part = model.elements[0].films[0].smooth_load[load + a]
+                    else:
+                        part = oil.film_moved_load[moved + i * (r - first) + a - first]
+                    oil.film_amount[at + a] = oil.film_amount[at + a] + part * oil.film_matrix[row + r]
+                    if whole != 0:
+                        add_scaled(r, part, oil.film_matrix, row, oil.film_port, port + a * 3 * r + r)
+                    a += wp.block_dim()
+                a = lane
+                while a < loads:
+                    part = oil.film_matrix[row + r + 1 + a]
+                    line = to + a * (r + 1)
+                    if whole != 0:
+                        add_scaled(r + 1, part, oil.film_matrix, row, oil.film_load, line)
+                    else:
+                        oil.film_load[line + r] = oil.film_load[line + r] + part * oil.film_matrix[row + r]
+                    a += wp.block_dim()
+        i += 1
+    sync()
+
+
 @kernel
-def assemble_film(run_of_run: Run, films: FilmState, oil: FilmScratch, film_stiffness: wp.array(dtype=real)):
-    """Per (world, film), lanes over lines: J, B and P if the retained matrix is renewed, with J^-1 B; then J^-1 R."""
+def assemble_film(
+    run_of_run: Run, trial: Trial, films: FilmState, oil: FilmScratch, film_stiffness: wp.array(dtype=real)
+):
+    """Per (world, film), lanes over lines: T^-1 R, T^-1 U and the stiffness if the retained matrix is renewed, else
+    T^-1 R alone, and the force on the columns."""
     w, film, lane = wp.tid()
     model = run_of_run.models[w]
     if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].moved == 0:
         return
-    n = model.elements[0].films[0].unknowns[film]
-    rough = model.elements[0].films[0].rough[film]
-    lines = lines_of(model, film)
-    columns = columns_of(model, film)
-    stride = line_length(model, film)
-    base = matrix_at(model, w, film)
-    run = system_at(model, w, film)
-    grid_node = model.elements[0].films[0].node_start[film]
-    second = model.elements[0].films[0].second_nodes[film] > 0
-    bad = int(0)
+    renewed = int(0)
     if run_of_run.ctl[w].refresh != 0:
-        # asperities in contact, and the order of elimination
-        i = lane
-        while i < rough:
-            oil.film_rough[w, grid_node + i] = 0
-            if films.film_asperity[w, 1, grid_node + i] > real(0.0) or oil.film_node_line[
-                w, grid_node + i, PRESSED
-            ] > real(0.0):
-                oil.film_rough[w, grid_node + i] = 1
-            i += wp.block_dim()
-        thin = order_unknowns(model, w, film, lane, films, oil)
-        # lines of J, R, B, P, and a reordered copy for the factorisation
-        i = lane
-        while i < lines:
-            row = base + i * stride
-            j = int(0)
-            while j < stride:
-                oil.film_matrix[row + j] = real(0.0)
-                j += 1
-            if second and (i < n or oil.film_rough[w, grid_node + i - n] != 0):
-                stiff = real(0.0)
-                if i >= n:
-                    stiff = oil.film_node_line[w, grid_node + i - n, STIFFNESS]
-                write_second(model, w, film, i, row, oil, stiff)
-            if i < n:
-                write_flow(model, w, film, i, row, thin, films, oil)
-            elif oil.film_rough[w, grid_node + i - n] != 0:
-                write_asperities(model, w, film, i - n, row, thin, oil)
-            else:
-                oil.film_matrix[row + i] = real(1.0)
-            oil.film_matrix[row + lines] = rest_of(model, w, film, i, oil, films)
-            sorted = base + oil.film_order[run + i] * stride
-            put_in_order(lines, oil.film_matrix, row, oil.film_order, run, oil.film_factor, sorted)
-            j = lines
-            while j < lines + 1 + columns:
-                oil.film_factor[sorted + j] = oil.film_matrix[row + j]
-                j += 1
-            i += wp.block_dim()
-        sync()
-        bad = eliminate(oil.film_factor, base, stride, lines, columns + 1, thin, oil.film_pivots, run)
-        # solution J^-1 R and J^-1 B in the original order
-        i = lane
-        while i < lines:
-            row = base + i * stride
-            sorted = base + oil.film_order[run + i] * stride
-            oil.film_solution[run + i] = oil.film_factor[sorted + lines]
-            j = lines + 1
-            while j < lines + 1 + columns:
-                oil.film_matrix[row + j] = oil.film_factor[sorted + j]
-                j += 1
-            i += wp.block_dim()
-        sync()
-        # stiffness P^T J^-1 B
-        square = w * model.elements[0].films[0].square_start[model.elements[0].films[0].count]
-        square += model.elements[0].films[0].square_start[film]
-        c = lane
-        while c < columns:
-            d = int(0)
-            while d < columns:
-                film_stiffness[square + c * columns + d] = real(0.0)
-                d += 1
-            i = int(0)
-            while i < lines:
-                row = base + i * stride + lines + 1
-                push = oil.film_matrix[row + columns + c]
-                if push != real(0.0):
-                    add_scaled(columns, push, oil.film_matrix, row, film_stiffness, square + c * columns)
-                i += 1
-            c += wp.block_dim()
+        if oil.film_changed[w, film] != 0 or oil.film_off[w, film] > SLOW * oil.film_off_before[w, film]:
+            renewed = int(1)
+    bad = int(0)
+    if renewed != 0:
+        if model.elements[0].films[0].second_smooth_count[film] > 0:
+            move_second(model, w, film, lane, oil)
+        write_lines(model, w, film, lane, films, oil)
+        more = smooth_of(model, film) + 1
+        bad = eliminate_band(
+            oil.film_matrix, matrix_at(model, w, film), line_length(model, film), oil.film_extent[w, film, BAND],
+            oil.film_extent[w, film, HALF_BAND], oil.film_extent[w, film, SEAM] + more, oil.film_pivots,
+            system_at(model, w, film),
+        )  # fmt: skip
+        bad = bad | solve_seam(model, w, film, lane, more, oil)
     else:
-        # unchanged matrix: J^-1 R with the stored factor
-        i = lane
-        while i < lines:
-            rest = rest_of(model, w, film, i, oil, films)
-            oil.film_change[run + oil.film_order[run + i]] = rest
-            i += wp.block_dim()
-        solve_again(oil.film_factor, base, stride, lines, oil.film_pivots, run, oil.film_change, run)
-        i = lane
-        while i < lines:
-            oil.film_solution[run + i] = oil.film_change[run + oil.film_order[run + i]]
-            i += wp.block_dim()
-        sync()
-    # force P^T J^-1 R
-    c = lane
-    while c < columns:
-        push = real(0.0)
-        i = int(0)
-        while i < lines:
-            push += oil.film_matrix[base + i * stride + lines + 1 + columns + c] * oil.film_solution[run + i]
-            i += 1
-        oil.film_push[w, model.elements[0].films[0].column_start[film] + c] = push
-        c += wp.block_dim()
+        solve_rest(model, w, film, lane, oil, films)
+    sum_loads(model, w, film, lane, renewed, films, oil)
+    static = int(0)
+    if run_of_run.ctl[w].mode == k.STATIC:
+        static = int(1)
+    sides = sides_of(model, w, film, static, trial)
+    if renewed != 0:
+        write_motion(model, w, film, lane, sides, oil)
+        bad = bad | condense(model, w, film, lane, oil)
+        stiffness_of(model, w, film, lane, sides, oil, film_stiffness)
+    push_by_rest(model, w, film, lane, sides, oil)
+    if lane == 0:
+        oil.film_off_before[w, film] = oil.film_off[w, film]
     if bad != 0 and lane == 0:
         run_of_run.ctl[w].failure = run_of_run.ctl[w].failure | k.SINGULAR
 

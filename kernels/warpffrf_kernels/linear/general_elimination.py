@@ -2,10 +2,9 @@
 
     P A = L U,      x = U^-1 L^-1 P b,
 
-A of n lines in the first n columns of lines `stride` long; `at` is its start. The first `thin` columns have almost no
-entries below their diagonal, which is their pivot: each line is cleared of its entries there. The others are eliminated
-eight at a time, so that the rest of the matrix is traversed once per eight columns, four lines at a time. Native for
-contiguous inner loops like `axpy`.
+A of n lines in the first n columns of lines `stride` long; `at` is its start. Columns are eliminated eight at a time,
+so that the rest of the matrix is traversed once per eight columns, four lines at a time. Native for contiguous inner
+loops like `axpy`.
 """
 
 import warp as wp
@@ -22,23 +21,7 @@ wp.set_module_options(MODULE_OPTIONS)
     double* A = a.data + at;
     int* swapped = pivots.data + at_pivots;
     int bad = 0;
-    for (int i = 0; i < n; ++i) {  // by the lines above it
-        double* __restrict x = A + (size_t)i * stride; const int last = i < thin ? i : thin;
-        for (int c = 0; c < last; ++c) {
-            const double own = x[c];
-            if (own == 0.0) continue;
-            const double* u = A + (size_t)c * stride; const double m = own / u[c];
-            WP_TILE_SYNC();
-            if (lane == 0) x[c] = m;
-            for (int j = c + 1 + lane; j < all; j += lanes) x[j] -= m * u[j];
-            WP_TILE_SYNC();
-        }
-        if (i < thin) {
-            if (!(::fabs(x[i]) > 0.0)) bad = 1;
-            if (lane == 0) swapped[i] = i;
-        }
-    }
-    for (int p = thin; p < n; p += 8) {
+    for (int p = 0; p < n; p += 8) {
         const int kb = n - p < 8 ? n - p : 8, end = p + kb;
         for (int c = p; c < end; ++c) {
             int best = c; double largest = ::fabs(A[(size_t)c * stride + c]);
@@ -120,14 +103,7 @@ wp.set_module_options(MODULE_OPTIONS)
     return bad;
 """)
 def eliminate(
-    a: wp.array(dtype=real),
-    at: int,
-    stride: int,
-    n: int,
-    more: int,
-    thin: int,
-    pivots: wp.array(dtype=int),
-    at_pivots: int,
+    a: wp.array(dtype=real), at: int, stride: int, n: int, more: int, pivots: wp.array(dtype=int), at_pivots: int
 ) -> int: ...
 
 

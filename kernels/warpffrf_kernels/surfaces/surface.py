@@ -215,6 +215,20 @@ def gradient_of(model: Model, s: int, x: vec3) -> vec3:
     return vec3(scale * x[0], scale * x[1], side * foot[3])
 
 
+@wp.func
+def distance_and_gradient(model: Model, s: int, x: vec3) -> wp.vec4d:
+    """`distance_of` and `gradient_of` at once."""
+    if model.surfaces.planar[s] != 0:
+        return wp.vec4d(x[0], real(1.0), real(0.0), real(0.0))
+    rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
+    foot = meridian_of(model, s, rho, x[2])
+    side = model.surfaces.side[s]
+    scale = real(0.0)
+    if not rho < CENTRE:
+        scale = side * foot[2] / rho
+    return wp.vec4d(side * foot[1], scale * x[0], scale * x[1], side * foot[3])
+
+
 @wp.struct
 class Foot:
     """Foot of a point: theta (rad, for a plane m) and z [m], the signed distance [m] and its unit gradient."""

@@ -56,7 +56,7 @@ def test_a_steady_bearing_is_that_of_the_dense_reference(walls: Walls, given: Ro
     assert film.smallest_gap[-1] == pytest.approx(expected.gap(settled.state).min(), rel=3.0 * SHEAR)
     smooth = find_equilibrium(bearing((20e3, 0.0)))
     assert abs(film.smallest_gap[-1] / smooth.films["film"].smallest_gap[-1] - 1.0) > 0.01
-    most = smooth.counters["mean_iterations"] * smooth.counters["steps"] + 1
+    most = smooth.counters["mean_iterations"] * smooth.counters["steps"] + 2
     assert found.counters["mean_iterations"] * found.counters["steps"] <= most
 
 

@@ -107,7 +107,17 @@ NAMES = {
     "film_second_node": "nodes of compliant second surfaces of films",
     "film_seat": "points and nodes located on them",
     "film_press": "points at which films load them",
-    "film_load": "lines of films, each over the nodes of its second surface",
+    "film_place": "places of lines of films in the columns of their grids",
+    "film_room": "lines in the columns around each line of films",
+    "film_smooth": "smooth functions of the compliance under films, of each as many as the largest number",
+    "film_smooth_column": "pairs of these and coupled columns",
+    "film_load_number": "pairs of coupled columns and of these and one more",
+    "film_station": "stations of films: nodes, or points of profiles",
+    "film_moved": "stations of films whose second surface is compliant, each with the smooth functions of that",
+    "film_moved_load": "lines of such films, likewise",
+    "film_moved_close": "stations of such films, each with the lines in the columns around",
+    "film_moved_room": "stations of such films, each with the nodes in the columns around",
+    "film_port_number": "three squares of these of each film",
     "matched_group": "groups of small-sliding contacts that are solved together",
     "matched": "small-sliding contacts",
     "matched_cell": "cells of small-sliding contacts",
@@ -177,6 +187,15 @@ NAMES = {
             "film_press_entry",
             "film_second_shape_entry",
             "film_second_entry",
+            "film_close_entry",
+            "film_smooth_entry",
+            "film_smooth_load_entry",
+            "film_smooth_square_entry",
+            "film_smooth_motion_entry",
+            "film_second_smooth_entry",
+            "film_second_near_entry",
+            "film_second_smooth_motion_entry",
+            "film_force_entry",
             "film_table_entry",
             "film_factor_entry",
             "matched_compliance_entry",
@@ -316,20 +335,32 @@ def sizes_of(
     }  # fmt: skip
 
 
-FILM_STARTS = ("node", "function", "unknown", "point", "column", "square", "second_node")
+FILM_STARTS = (
+    "node", "function", "unknown", "point", "column", "square", "second_node", "moved", "moved_load", "moved_close",
+    "moved_room", "station",
+)  # fmt: skip
 
 
 def film_sizes(compiled: CompiledScene) -> dict[str, int]:
     """Axes of oil films."""
     films = compiled.films
     if not films.count:
-        more = ("film", "film_near", "film_number", "film_system", "film_seat", "film_press", "film_load")
-        return dict.fromkeys((*more, *(f"film_{name}" for name in FILM_STARTS)), 0)
+        more = (
+            "", "_near", "_place", "_number", "_system", "_seat", "_press", "_room", "_smooth",
+            "_smooth_column", "_port_number", "_load_number",
+        )  # fmt: skip
+        return dict.fromkeys((*(f"film{name}" for name in more), *(f"film_{name}" for name in FILM_STARTS)), 0)
     found = {f"film_{name}": int(getattr(films, f"{name}_start").numpy()[-1]) for name in FILM_STARTS}
-    for name in ("system", "seat", "press", "load"):
+    for name in ("system", "seat", "press"):
         found[f"film_{name}"] = int(getattr(films, f"{name}_start").numpy()[-1])
+    smooth = films.count * films.most_smooth
     return found | {
-        "film": films.count, "film_near": films.near.shape[0], "film_number": int(films.matrix_start.numpy()[-1])
+        "film": films.count, "film_near": films.near.shape[0], "film_place": films.line_at.shape[0],
+        "film_number": int(films.matrix_start.numpy()[-1]),
+        "film_room": found["film_system"] * films.most_room, "film_smooth": smooth,
+        "film_smooth_column": smooth * films.most_columns,
+        "film_load_number": films.count * (films.most_smooth + 1) * films.most_columns,
+        "film_port_number": 3 * smooth * films.most_smooth,
     }  # fmt: skip
 
 

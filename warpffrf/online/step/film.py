@@ -10,7 +10,6 @@ SECOND = Participant(
     "second surfaces of films that yield",
     when="film_second_node",
     load=[blocks(second_surface.load_second, "film")],
-    assemble=[blocks(second_surface.weigh_second, "film")],
     record=[blocks(history.record_second, "film")],
 )
 

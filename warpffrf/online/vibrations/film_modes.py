@@ -10,9 +10,9 @@ The boundary of the set moves nevertheless: the cavity fraction of the last func
 represents how far that function is filled, and reduces the cavity flow into the film accordingly; so boundaries travel
 within cells.
 
-J and B of a step are J_0 + a_0 J_1 and B_0 + a_0 B_1, with the coefficient a_0 of its rates, so that two of them, from
-the kernels of a step, determine all four. With y of `linearise`, c = T y and c' = T y' + U y, and y = N z of rigid rows
-that stay satisfied, a motion z exp(lambda t) and the film satisfy
+J and B of a step are J_0 + a_0 J_1 and B_0 + a_0 B_1, with the coefficient a_0 of its rates (`film_system`). With y of
+`linearise`, c = T y and c' = T y' + U y, and y = N z of rigid rows that stay satisfied, a motion z exp(lambda t) and
+the film satisfy
 
     T(lambda) z = 0,
     T = lambda^2 m + lambda d + k + N^T T^T P^T (J_0 + lambda J_1)^-1 (B_0 T + B_1 U + lambda B_1 T) N.
@@ -33,98 +33,20 @@ poles.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy.linalg
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from warpffrf.online.engine import Engine
+from warpffrf.online.vibrations.film_system import FilmSystem
 from warpffrf.online.vibrations.quadratic import quadratic_modes
-from warpffrf_kernels.films import unknowns
-from warpffrf_kernels.films.sampling import GAP
 
 Array = np.ndarray
-RATES = 100.0, 200.0  # 1/s: two coefficients of rates, of which J and B are linear functions
 MOST_PLACES = 20  # iterations of Newton's method per motion
 CLOSE = 1e-5  # of |lambda|, a step of it: the next would be its square
 ROUND_OFF = 1e-13  # of the highest frequency: resolution of all motions
 MARGIN = 0.3  # of |lambda|, by which a motion may differ from where its search begins
 SAME = 1e-6  # of |lambda|, and of a shape: the same motion found twice
-GAP_STEP = 1e-3  # of the smallest gap, for differences
-
-
-@dataclass(frozen=True)
-class FilmSystem:
-    """J_0, J_1 (x, x), B_0, B_1 (x, n), P (x, n) over displacements, rotations and modes of all bodies (n); thin (x,):
-    the unknowns whose rows are nearly diagonal, cavity fractions and asperities without contact.
-    """
-
-    J_0: Array
-    J_1: Array
-    B_0: Array
-    B_1: Array
-    P: Array
-    thin: Array
-
-
-def smallest_gap(engine: Engine) -> float:
-    """The smallest of all films [m], at the last evaluation; infinite without films."""
-    count = engine.compiled.films.count
-    return float(engine.scratch.film_line.numpy()[0, :, int(GAP)].min()) if count else np.inf
-
-
-def film_systems(engine: Engine, coordinates: int) -> list[FilmSystem]:
-    """Those of all films of world 0 at the state of the last evaluation; `coordinates`: n."""
-    films = engine.compiled.films
-    if not films.count:
-        return []
-    found = []
-    for rate in RATES:
-        engine.scratch.film_rates.assign(np.tile([rate, 0.0, 0.0], (engine.worlds, 1)))
-        engine.control(run=1, moved=1, refresh=1, failure=0, changes=0)
-        engine.graph.move_and_load()
-        engine.graph.assemble()
-        found.append([_system(engine, film, coordinates) for film in range(films.count)])
-    first, second = RATES
-    systems = []
-    for (J, B, P), (J_2, B_2, _) in zip(*found, strict=True):
-        J_1, B_1 = ((two - one) / (second - first) for one, two in ((J, J_2), (B, B_2)))
-        systems.append(FilmSystem(J - first * J_1, J_1, B - first * B_1, B_1, P, _thin(engine, len(systems))))
-    return systems
-
-
-def _thin(engine: Engine, film: int) -> Array:
-    """`FilmSystem.thin` of a film."""
-    films = engine.compiled.films
-    start, end = films.unknown_start.numpy()[film : film + 2]
-    functions = films.function_start.numpy()[film] + films.function_of.numpy()[start:end]
-    grid_nodes = films.node_start.numpy()[film] + np.arange(films.rough.numpy()[film])
-    full, rough = engine.state.film_full.numpy()[0, 1, functions], engine.scratch.film_rough.numpy()[0, grid_nodes]
-    return np.concatenate([full, rough]) == 0
-
-
-def _system(engine: Engine, film: int, coordinates: int) -> tuple[Array, Array, Array]:
-    """J, B and P of a film as last assembled."""
-    m, films = engine.compiled.model, engine.compiled.films
-    lines = int(films.unknowns.numpy()[film] + films.rough.numpy()[film])
-    modes = [int(count.numpy()[film]) for count in (films.modes, films.second_modes)]
-    columns = int(unknowns.RIGID) + sum(modes)
-    start, stride = int(films.matrix_start.numpy()[film]), lines + 1 + 2 * columns
-    table = engine.scratch.film_matrix.numpy()[start : start + lines * stride].reshape(lines, stride)
-    J, X, P = table[:, :lines], table[:, lines + 1 : lines + 1 + columns], table[:, lines + 1 + columns :]
-    place = np.zeros((columns, coordinates))
-    surfaces, body = (films.first.numpy()[film], films.second.numpy()[film]), m.surfaces.body.numpy()
-    for side, surface in enumerate(surfaces):
-        if body[surface] >= 0:
-            place[6 * side : 6 * side + 6, 6 * body[surface] : 6 * body[surface] + 6] = np.eye(6)
-    start = int(unknowns.RIGID)
-    for surface, count in zip(surfaces, modes, strict=True):
-        first = 6 * m.bodies.count + int(m.surfaces.modal_start.numpy()[surface])
-        place[start : start + count, first : first + count] = np.eye(count)
-        start += count
-    return J.copy(), (J @ X) @ place, P @ place
 
 
 class _Response:

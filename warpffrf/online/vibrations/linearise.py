@@ -55,7 +55,7 @@ from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.motions import gradients
 from warpffrf.online.vibrations import stuck_contacts
-from warpffrf.online.vibrations.film_modes import GAP_STEP, FilmSystem, film_systems, smallest_gap
+from warpffrf.online.vibrations.film_system import GAP_STEP, FilmSystem, film_systems, smallest_gap
 from warpffrf_kernels.core import control as k
 
 Array = np.ndarray

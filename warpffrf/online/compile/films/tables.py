@@ -23,6 +23,7 @@ from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.compliance_tables import modal_moments, node_gram
 from warpffrf.online.compile.films.bases import Basis, basis_of
+from warpffrf.online.compile.films.smooth import Stations, lines_of, nodal_forces, rooms, smooth_tables, stations_of
 from warpffrf_kernels.core.model import Films
 from warpffrf_kernels.films import asperities as asperity_kernels
 from warpffrf_kernels.films import oil as oil_kernels
@@ -35,9 +36,17 @@ RULES = {
     "jfo": sampling.MASS_CONSERVING, "reynolds": sampling.REYNOLDS, "half_sommerfeld": sampling.HALF,
     "full_sommerfeld": sampling.NONE,
 }  # fmt: skip
-MANY = 1000  # unknowns
 BY_PRESS = ("press_function", "press_value")
-BY_FUNCTION = ("function", "value", "slope_around", "slope_along", "void_value", "node_support", "node_value")
+BY_FUNCTION = (
+    "function",
+    "entry_room",
+    "value",
+    "slope_around",
+    "slope_along",
+    "void_value",
+    "node_support",
+    "node_value",
+)
 
 
 class Tables:
@@ -76,7 +85,7 @@ class Tables:
         }
         for name, parts in self.parts.items():
             if name in widths:
-                fill = -1 if name in ("function", "node_support", "press_function") else 0
+                fill = -1 if name in ("function", "entry_room", "node_support", "press_function") else 0
                 gaps = [widths[name] - part.shape[1] for part in parts]
                 parts = [
                     np.pad(part, ((0, 0), (0, gap)), constant_values=fill)
@@ -103,15 +112,28 @@ def fill_films(collector: Collector) -> None:
             values[f"{name}_start"] = tables.starts(of)
         for name in (
             "compliance", "shape", "moment", "rough_moment", "table", "factor", "second_row", "second_shape",
-            "second_compliance",
+            "second_compliance", "line_at", "close", "smooth", "smooth_load", "smooth_compliance", "smooth_motion",
+            "second_smooth", "second_near", "second_smooth_motion", "nodal_force",
         ):  # fmt: skip
             values[f"{name}_start"] = tables.starts(name)[:-1]
         lines = values["unknowns"] + values["rough"]
         columns = int(unknowns.RIGID) + values["modes"] + values["second_modes"]
-        grid_nodes = values["second_nodes"]
+        grid_nodes, width, second, reach = (
+            values[name] for name in ("second_nodes", "width", "second_smooth_count", "reach")
+        )
+        r = values["smooth_count"] + second
+        stations = values.pop("stations")
+        moved = np.where(second > 0, stations, 0)
+        length = 3 * values["most_band"] + reach * values["turns"] * width + r + 2 + columns - 6
+        values |= {
+            "most_smooth": int(r.max()), "most_columns": int(columns.max()),
+            "most_room": int(((2 * reach + 4) * width).max()),
+        }  # fmt: skip
         for name, sizes in (
-            ("system", lines), ("matrix", lines * (lines + 1 + 2 * columns)), ("column", columns),
-            ("square", columns**2), ("second_node", grid_nodes), ("load", lines * grid_nodes),
+            ("system", lines), ("matrix", lines * length), ("column", columns),
+            ("square", columns**2), ("second_node", grid_nodes), ("moved", moved * second), ("station", stations),
+            ("moved_load", lines * (second > 0) * second), ("moved_close", moved * (2 * reach + 3) * width),
+            ("moved_room", moved * (2 * reach + 5) * values["grid_rows"]),
             ("seat", np.where(grid_nodes > 0, np.diff(values["point_start"]) + np.diff(values["node_start"]), 0)),
         ):  # fmt: skip
             values[f"{name}_start"] = np.concatenate([[0], np.cumsum(sizes)])
@@ -133,7 +155,8 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     shape = np.asarray(surface.mode_normal).reshape(grid_nodes, -1)
     moment = modal_moments(surface).reshape(grid_nodes, -1).T
     theta, z = (v.ravel() for v in np.meshgrid(film.theta, grid.z, indexing="ij"))
-    entries = _entries(basis)
+    stations = stations_of(film, basis)
+    entries = _entries(basis, stations)
     kind, numbers = _oil(film.oil)
     table, ranges = _second_form(film)
     travels = film.cavitation in ("jfo", "reynolds")
@@ -141,6 +164,9 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     rough = grid_nodes if film.mixed.asperities is not None else 0
     mixed = film.mixed
     factors = factor_table(mixed.roughness_a, mixed.roughness_b) if mixed.deviation else np.zeros((0, 13))
+    lines = lines_of(film, basis, rough)
+    compliance = np.hstack([of_functions[:, free], G[:, :rough]])
+    smooth = smooth_tables(film, stations, lines, compliance, nodal_forces(film, basis, rough))
     lift, voids = of_functions @ basis.given, (basis.voids & travels).astype(int)
     tables.one(
         first=collector.film_sides[2 * number], second=collector.film_sides[2 * number + 1], modes=shape.shape[1],
@@ -149,9 +175,13 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
         rough=rough, asperity_kind=law, asperity=law_numbers, asperity_friction=film.mixed.boundary_friction,
         table_count=len(law_table), factor_count=len(factors), second_counts=table.shape,
         second_start=tables.length("second_form") if table.size else -1,
+        grid_columns=grid.columns, grid_rows=grid.rows, turns=int(grid.periodic), seam=lines.seam,
+        width=lines.at.shape[1], station_rows=stations.rows, station_seat=stations.seat, stations=stations.count,
+        most_band=lines.most_band, reach=lines.reach, **smooth["ones"],
     )  # fmt: skip
+    tables.part(**smooth["parts"], entry_room=rooms(basis, lines, entries.owner, entries.point))
     tables.part(
-        compliance=np.hstack([of_functions[:, free], G[:, :rough]]).ravel(), shape=shape.ravel(),
+        compliance=compliance.T.ravel(), shape=shape.ravel(),
         moment=(moment @ basis.to_nodes).ravel(), table=law_table, rough_moment=moment[:, :rough].ravel(),
         node_area=node_gram(surface, 1)[0].sum(axis=1), lift=lift,
         node_place=surface.shape.point(theta, z) - body.center_of_mass, node_form=film.gap_form(theta, z),
@@ -173,7 +203,7 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
         form=film.gap_form(basis.theta, basis.z), weight=basis.weight, function=basis.function, value=basis.value,
         slope_around=basis.around, slope_along=basis.along, void_value=basis.void, grid_node=basis.grid_node,
             between=basis.between,
-        begin=_filling(film, basis, lift),
+        begin=_filling(film, basis, lift), station=stations.at, station_part=stations.part,
     )  # fmt: skip
     _add_second(film, basis, tables)
     collector.notes.extend(film.notes)
@@ -190,11 +220,6 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
             f"{film.label}: its pressure consists of {len(free)} profiles in place of {grid_nodes} nodes, which "
             f"balance "
             "its oil in the axial mean: flows through feeds and ends are not recorded"
-        )
-    elif len(free) > MANY:
-        collector.notes.append(
-            f"{film.label}: {len(free)} unknown pressures, and each iteration factors a matrix of this order; "
-            "quadrature='reduced' uses an axial profile in place of rows"
         )
     if collector.local.count(body.index) or (not film.b.rigid and collector.local.count(film.b.body.index)):
         collector.notes.append(f"{film.label}: local modes respond without inertia to its pressure")
@@ -315,11 +340,12 @@ def _along(surface: ContactSurface, theta: Array, z: Array) -> Array:
 
 @dataclass(frozen=True)
 class Entries:
-    """Points of each function: start (functions,), point and slot (entries,); the nodes around them: near_start
+    """Points of each function: start (functions,), owner, point and slot (entries,); their stations: near_start
     (functions,), near, and the indices in it of the four nodes of an entry's point, near_at (entries, 4).
     """
 
     start: Array
+    owner: Array
     point: Array
     slot: Array
     near_start: Array
@@ -327,7 +353,7 @@ class Entries:
     near_at: Array
 
 
-def _entries(basis: Basis) -> Entries:
+def _entries(basis: Basis, stations: Stations) -> Entries:
     width = basis.function.shape[1]
     owner = basis.function.ravel()
     order = np.argsort(owner, kind="stable")
@@ -336,11 +362,11 @@ def _entries(basis: Basis) -> Entries:
     near, near_start, near_at = [], [0], np.zeros((len(order), 4), dtype=int)
     for f in range(basis.functions):
         mine = slice(start[f], start[f + 1])
-        found, at = np.unique(basis.grid_node[point[mine]], return_inverse=True)
+        found, at = np.unique(stations.at[point[mine]], return_inverse=True)
         near.append(found)
         near_start.append(near_start[-1] + len(found))
         near_at[mine] = at.reshape(-1, 4)
-    return Entries(start[:-1], point, slot, np.asarray(near_start[:-1]), np.concatenate(near), near_at)
+    return Entries(start[:-1], owner[order], point, slot, np.asarray(near_start[:-1]), np.concatenate(near), near_at)
 
 
 def _filling(film: Film, basis: Basis, lift: Array) -> Array:
