@@ -32,7 +32,7 @@ may depend on |v_t| (a traction curve).
 **The first iteration** of a step ignores the bound, and solves for the slip of a contact that sticks, or creeps. The
 bound is then checked at that slip. From a slip of the wrong sign Newton's method would alternate: with a force that
 saturates at +-mu F and a stiffness k far above the inertia of the step, m/h^2, the slope is that inertia on either
-side. So an iteration after which slip has turned round ignores the bound again. Friction beyond its bound is a residual
+side. So an iteration after which slip has reversed ignores the bound again. Friction beyond its bound is a residual
 (`balance`): the result of such an iteration is never accepted.
 
 In static steps there is no slip, and f is zero. dF and df for a small motion follow from those of `places`.

@@ -114,7 +114,7 @@ def step_along(
     model: Model, w: int, lane: int, count: int, length: real, normal: ContactSolve, system: RetainedSystem,
     answer: int, residual: int, image: int,
 ):  # fmt: skip
-    """A step of `length` along krylov[answer:], whose image is krylov[image:]."""
+    """A step along krylov[answer:], `length` times as long, whose image is krylov[image:]."""
     i = lane
     while i < count:
         at = w * model.capacity.slots + i

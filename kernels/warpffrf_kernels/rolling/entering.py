@@ -17,7 +17,7 @@ next one's, at most 0.75,
     d_e = -0.175 + 0.95 r + 0.6 r^2,      d = cells up to the last one + d_e + 0.35 - 0.15 min(c, 1).
 
 A patch that advances by more than its length contains no previous material: the step is rejected, except for a pair
-that carries less than IDLE of the largest load of the scene. The length of a patch is proportional to the root of its
+that carries less than MAY_PASS of the largest load of the scene. The length of a patch is proportional to the root of its
 load; rollers that enter or leave the load zone, or are loaded by their weight only, would otherwise limit the step of a
 whole bearing. The traction -s/k of a step that is accepted nevertheless has no transient: it is that of steady rolling
 with an error of 5 to 25 % of mu p at one length, of up to 47 % at several (on half-planes, 4 to 9 cells in a
@@ -54,7 +54,7 @@ STEEPEST = wp.constant(wp.float64(0.75))
 ALONE = wp.constant(wp.float64(0.5))  # the same for a row with one cell under pressure
 OFFSET = wp.constant(wp.vec2d(0.35, -0.15))  # cells, measured with Carter's force
 LEAST = wp.constant(wp.float64(0.02))  # cells: lower limit of d
-IDLE = wp.constant(wp.float64(0.2))  # of the largest load of a pair
+MAY_PASS = wp.constant(wp.float64(0.2))  # of the largest load of a pair
 BOTH = wp.constant(wp.float64(2.0))  # what a cell gains, its neighbour loses
 
 
@@ -155,7 +155,7 @@ def soften_entering(
     if across != 0:
         long = real(rows)
     passed = of_state != 0 and lane == 0 and is_whole(run.ctl, w) and c * elements.patches.span[pair] > long
-    if passed and load_share(model, w, pair, contact.pair_force) > IDLE:
+    if passed and load_share(model, w, pair, contact.pair_force) > MAY_PASS:
         run.ctl[w].failure = run.ctl[w].failure | k.PASSED  # none of its material was there before
     part = wp.min(c, real(1.0))
     m = lane

@@ -130,7 +130,7 @@ def test_action_equals_reaction(name: str, regime: str) -> None:
 
 
 @pytest.mark.parametrize("name", ALL_REGIMES)
-def test_slip_that_has_turned_round_ignores_the_bound_once(name: str) -> None:
+def test_slip_that_has_reversed_ignores_the_bound_once(name: str) -> None:
     """Otherwise Newton's method alternates between +-mu F."""
     engine, dx, psi = engine_of(name, "slip")
 
