@@ -17,10 +17,10 @@ next one's, at most 0.75,
     d_e = -0.175 + 0.95 r + 0.6 r^2,      d = cells up to the last one + d_e + 0.35 - 0.15 min(c, 1).
 
 A patch that advances by more than its length contains no previous material: the step is rejected, except for a pair
-that carries less than MAY_PASS of the largest load of the scene. The length of a patch is proportional to the root of its
-load; rollers that enter or leave the load zone, or are loaded by their weight only, would otherwise limit the step of a
-whole bearing. The traction -s/k of a step that is accepted nevertheless has no transient: it is that of steady rolling
-with an error of 5 to 25 % of mu p at one length, of up to 47 % at several (on half-planes, 4 to 9 cells in a
+that carries less than MAY_PASS of the largest load of the scene. The length of a patch is proportional to the root of
+its load; rollers that enter or leave the load zone, or are loaded by their weight only, would otherwise limit the step
+of a whole bearing. The traction -s/k of a step that is accepted nevertheless has no transient: it is that of steady
+rolling with an error of 5 to 25 % of mu p at one length, of up to 47 % at several (on half-planes, 4 to 9 cells in a
 half-width); at most a fifth of that relative to the largest load of the scene.
 
 Measured on half-planes (docs/studies/patch_rolling.md): Carter's force within 1 % of mu P from five cells in a

@@ -147,6 +147,6 @@ def test_the_seam_is_where_fewest_lines_are(feeds: list[Any]) -> None:
     films = Engine(bearing((2e3, 0.0), feeds=feeds, ambient_pressure=1e5)).compiled.films
     count = np.sum(films.line_at.numpy().reshape(COLUMNS, -1) >= 0, axis=1)
     seam = int(films.seam.numpy()[0])
-    some = sum(np.roll(count, -k) for k in range(int(films.reach.numpy()[0])))
+    some = np.sum([np.roll(count, -k) for k in range(int(films.reach.numpy()[0]))], axis=0)
     assert some[seam] == some.min()
     assert (some.min() < some.max()) == bool(feeds)
