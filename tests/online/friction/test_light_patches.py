@@ -56,3 +56,5 @@ def test_a_light_roller_is_spun_up_by_its_whole_friction_and_then_rolls(ring: wf
     slides = history.time < 0.9 * rolls_at
     assert np.abs(spin + rate * history.time)[slides].max() < UNIFORM * rate * rolls_at
     assert abs(spin[-1] + SPEED * RADIUS / TREAD) < ROLLING * SPEED * RADIUS / TREAD
+    told = [note for note in history.notes if "acts on one of its cells" in note]
+    assert len(told) == 1 and told[0].startswith("contact 'on light': in 100% of the saved rows")

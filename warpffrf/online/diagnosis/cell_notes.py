@@ -36,6 +36,7 @@ from warpffrf.online.compile.patches.plan import end_places, is_crowned, rows_fo
 from warpffrf.online.diagnosis.border_notes import BORDER
 from warpffrf.online.diagnosis.patch_off_end import shares_at_ends
 from warpffrf.online.history.history import ContactHistory, History
+from warpffrf_kernels.rolling.places import LIGHT
 
 FEWEST = 6  # strips, or rows of a point contact, under pressure: with 8 the error of forces is 0.1 %, of peaks 0.9 %
 # longest facet edges between two patches: nearer, the error of forces is 1 %; on a sphere, where patches influence each
@@ -78,6 +79,7 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
             f"contact {contact.name!r}: the patch spans {spans:.2g} rad of a surface, and the half-space under it is "
             f'flat; beyond {WHOLE:g} rad the error of pressures exceeds 2 %: use grid="body_fixed", with a finer mesh'
         )
+    notes += _light(contact, found, history)
     notes += _too_large(contact, found)
     notes += _unsymmetric(contact)
     half_width = strips * float(cells.half_width[last]) / found.pressure.shape[1]
@@ -85,6 +87,20 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
     if rows_follow(contact):
         return notes + _near_end(contact, found)
     return notes + _over_end(contact, found) + _travelled(contact, found, history)
+
+
+def _light(contact: Contact, found: ContactHistory, history: History) -> list[str]:
+    """Where its friction acts on one cell (`warpffrf_kernels.rolling.places`)."""
+    forces = {name: np.linalg.norm(other.force, axis=1) for name, other in history.contacts.items()}
+    largest, own = np.max(list(forces.values()), axis=0), forces[contact.name]
+    light = (own > 0.0) & (own < float(LIGHT) * largest)
+    if found.friction is None or not np.any(light):
+        return []
+    return [
+        f"contact {contact.name!r}: in {np.mean(light):.0%} of the saved rows it carries less than {float(LIGHT):.0%} "
+        "of the largest load, and its friction acts on one of its cells: its force is complete, its slip and wear are "
+        "not resolved"
+    ]
 
 
 def _too_large(contact: Contact, found: ContactHistory) -> list[str]:
