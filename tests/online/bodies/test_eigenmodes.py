@@ -106,6 +106,19 @@ def test_chain_of_masses_with_dampers(held: bool) -> None:
     np.testing.assert_allclose(found, exact, rtol=1e-8)
 
 
+def test_a_motion_without_stiffness_counts_once_whatever_its_round_off() -> None:
+    """Its double eigenvalue 0 comes out as a pair, whose shapes may have imaginary parts of round-off."""
+    noise = 1e-21j * np.array([0.0, 1.0])
+    pair = np.stack([np.array([1.0, 0.0]) + noise, np.array([1.0, 0.0]) - noise], axis=1)
+
+    def solved(*_: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return np.array([1e-15 + 3e-6j, 1e-15 - 3e-6j]), pair
+
+    values, shapes = complex_modes(np.eye(2), np.zeros((2, 2)), np.zeros((2, 2)), np.zeros((0, 2)), solve=solved)
+    assert len(values) == 1 and values[0] == 0.0
+    assert np.linalg.norm(shapes) > 0.0
+
+
 def test_taut_string_holds_a_mass_sideways() -> None:
     """Geometric stiffness: two springs of tension T and length L hold a mass sideways by 2 T/L."""
     k, length, free, mass = 1e5, 0.4, 0.39, 0.3

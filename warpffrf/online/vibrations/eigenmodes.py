@@ -204,9 +204,10 @@ def _graded_basis(m: Array, k: Array) -> Array:
 
 
 def _independent(vectors: Array) -> Array:
-    """Orthonormal basis of the span of columns of equal importance."""
+    """Orthonormal basis of the span of columns of equal importance, but for those of round-off."""
     length = np.linalg.norm(vectors, axis=0)
-    vectors = vectors[:, length > 0.0] / length[length > 0.0]
+    counts = length > SAME_SHAPE * np.max(length, initial=0.0)
+    vectors = vectors[:, counts] / length[counts]
     if not vectors.shape[1]:
         return vectors
     U, s, _ = np.linalg.svd(vectors, full_matrices=False)
