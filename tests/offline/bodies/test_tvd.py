@@ -12,6 +12,7 @@ from offline_bodies import STEEL
 
 from references.small_sliding.sheets import ROOT, one_body, stack
 from warpffrf.model.errors import InputError
+from warpffrf.model.mesh import box
 from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.offline import bases, reduce
 from warpffrf.offline.bases.trial_vector_derivatives import joint_modes, node_pairs
@@ -121,5 +122,6 @@ def test_reduce_with_joint_modes_says_what_they_leave_out(sheets):
     elsewhere = bases.TrialVectorDerivatives(first=LOWER, second="top")
     with pytest.raises(InputError, match="facet set 'top' does not exist"):
         reduce(sheets, STEEL, basis=elsewhere, modes=2, cache=False, progress=False)
+    faces = bases.TrialVectorDerivatives(first="z_min", second="z_max")  # of a body that does not hang in a hinge
     with pytest.raises(InputError, match="there is no mode to differentiate"):
-        reduce(sheets, STEEL, basis=options, cache=False, progress=False)
+        reduce(box((0.1, 0.1, 0.01), (4, 4, 1)), STEEL, basis=faces, cache=False, progress=False)
