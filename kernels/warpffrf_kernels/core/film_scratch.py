@@ -86,7 +86,6 @@ class FilmScratch:
     film_opened_smooth: DeviceArray = reals("world", "film_smooth", unit="m", note="of smooth functions", run=True)
     film_force: DeviceArray = reals("world", "film_smooth", unit="N", note="on smooth functions", run=True)
     film_amount: DeviceArray = reals("world", "film_smooth", unit="m", note="of smooth functions", run=True)
-    film_solution: DeviceArray = reals("world", "film_system", note="T^-1 R", run=True)
     film_stiffness: DeviceArray = reals("world", "film_square", note="of the film to its columns", carried=True)
     film_push: DeviceArray = reals("world", "film_column", note="force on them")
     film_spread: DeviceArray = reals("world", "film_place", unit="Pa", note="of pressures, by columns", run=True)
