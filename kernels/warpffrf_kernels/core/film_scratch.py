@@ -44,7 +44,7 @@ class FilmScratch:
     film_rough: DeviceArray = integers("world", "film_node", note="1 where asperities touch", carried=True)
     film_wide: DeviceArray = reals("world", "film_near", unit="m2/s", note="dR by the gap at stations")
     film_matrix: DeviceArray = reals(
-        "world", "film_number", note="lines of `films.system`, then their factors and solutions", run=True, carried=True
+        "world", "film_number", note="lines of `films.lines`, then their factors and solutions", run=True, carried=True
     )
     film_place: DeviceArray = integers(
         "world", "film_system", note="place in the elimination, -1: none", flat=True, carried=True

@@ -13,9 +13,9 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
 from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.core.state import FilmState
+from warpffrf_kernels.films.lines import HALF_BAND, SEAM
 from warpffrf_kernels.films.sampling import GAP
 from warpffrf_kernels.films.smooth import motion_at, port_at, smooth_at, yielded
-from warpffrf_kernels.films.system import HALF_BAND, SEAM
 from warpffrf_kernels.films.unknowns import (
     acts,
     columns_of,
@@ -117,25 +117,25 @@ def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: Ret
             moved = w * model.elements[0].films[0].moved_close_start[count]
             moved += model.elements[0].films[0].moved_close_start[film] + m * (2 * reach + 3) * width
             near = model.elements[0].films[0].close_start[film] + m * (2 * reach + 3) * width
-            beside = int(0)
-            while beside < 2 * reach + 3:
-                column = m / rows + beside - reach - 1
+            offset = int(0)
+            while offset < 2 * reach + 3:
+                column = m / rows + offset - reach - 1
                 if model.elements[0].films[0].turns[film] != 0:
                     column = (column + grid_columns) % grid_columns
                 if column >= 0 and column < grid_columns:
                     opened += dot(
-                        width, model.elements[0].films[0].close, near + beside * width, oil.film_spread,
+                        width, model.elements[0].films[0].close, near + offset * width, oil.film_spread,
                         places + column * width,
                     )  # fmt: skip
                     if r > first:
                         opened += dot(
                             width,
                             oil.film_moved_close,
-                            moved + beside * width,
+                            moved + offset * width,
                             oil.film_spread,
                             places + column * width,
                         )
-                beside += 1
+                offset += 1
             oil.film_opening[w, station + m] = opened
             m += wp.block_dim()
         sync()

@@ -63,8 +63,7 @@ class Lines:
     @property
     def most_band(self) -> int:
         """Lines within these columns, on either side, at most."""
-        columns, width = self.at.shape
-        return (self.reach + 1) * width - 1
+        return (self.reach + 1) * self.at.shape[1] - 1
 
 
 @dataclass(frozen=True)
@@ -226,17 +225,17 @@ def _beside(forces: Array, lines: Lines, rows: int) -> Array:
     return forces[node, np.arange(len(column))[:, None, None]]
 
 
-def _places(lines: Lines, columns: int) -> Array:
+def _places(lines: Lines) -> Array:
     """Lines (columns, 2 reach + 3, width) in the columns around each, -1 for none; of a grid that ends none beyond."""
     offset = np.arange(-lines.reach - 1, lines.reach + 2)
-    return lines.at[np.add.outer(np.arange(columns), offset) % columns]
+    return lines.at[np.add.outer(np.arange(len(lines.at)), offset) % len(lines.at)]
 
 
 def _near(lines: Lines, rest: Array, stations: Stations, periodic: bool) -> Array:
     """Entries (stations, 2 reach + 3, width) of `rest` (stations, lines) in the columns around theirs."""
     columns, rows = len(lines.at), stations.rows
     own = len(rest) // rows  # columns of stations
-    place = np.repeat(_places(lines, columns)[:own], rows, axis=0)
+    place = np.repeat(_places(lines)[:own], rows, axis=0)
     found = rest[np.arange(len(rest))[:, None, None], np.maximum(place, 0)]
     found[place < 0] = 0.0
     if not periodic:
