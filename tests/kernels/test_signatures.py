@@ -69,7 +69,7 @@ def test_kernels_and_what_they_write_are_found() -> None:
     written = access_of(KERNELS["line_of_centres_weights.weigh"]).written
     assert written == {".ctl", ".weak_gap", ".area", ".wrench", ".stencil", ".stencil_at"}
     assert {"bordered_rhs", ".elimination", ".solution", ".pressure", ".z"} <= access_of(
-        KERNELS["pair_elimination.solve_pressures"]
+        KERNELS["pressure_solve.solve_pressures"]
     ).written
 
 

@@ -48,21 +48,26 @@ class PatchScratch:
         "world", "patch_pair", "patch_cell", unit="Pa", note="of pressures in the last accepted step", carried=True
     )
     patch_ball: DeviceArray = matrices("world", "patch_pair")
-    patch_laid: DeviceArray = reals("world", "patch_pair", 2, note="W and ends of the next", carried=True)
-    patch_near: DeviceArray = reals("world", "patch_pair", "near_number", unit="m3/Pa", carried=True)
+    patch_laid: DeviceArray = reals("world", "patch_pair", unit="m", note="W of the next", carried=True)
+    patch_spectrum: DeviceArray = reals(
+        "world", "patch_pair", "patch_spectrum_number", unit="m3/Pa", carried=True, flat=True
+    )
+    patch_ends: DeviceArray = reals("world", "patch_pair", unit="m3/Pa", note="by distant ends, per row lengths")
+    patch_work: DeviceArray = reals("world", "patch_pair", "patch_strip_number", note="of a product", flat=True)
     far_at: DeviceArray = integers("world", "patch_pair", "2*patch_cell", 2, note="first column and row of splines")
     far_weight: DeviceArray = reals("world", "patch_pair", "2*patch_cell", 9, unit="m2")
     far_window: DeviceArray = integers("world", "patch_pair", 2, 2, note="first column and columns, by side")
     far_load: DeviceArray = reals("world", "patch_pair", "2*far_spline", unit="N", flat=True)
     far_field: DeviceArray = reals("world", "patch_pair", "2*far_spline", unit="m", flat=True)
     far_modes: DeviceArray = reals("world", "patch_pair", "2*far_spline", unit="m", flat=True)
-    far_answered: DeviceArray = integers(
-        "world", "patch_pair", note="which of the next three are those of the evaluation"
-    )
-    far_soft: DeviceArray = reals("world", "patch_pair", "2*far_spline", unit="m/N", note="a line", run=True)
-    far_answer: DeviceArray = reals("world", "patch_pair", "2*far_spline", "patch_place", unit="m/Pa", run=True)
-    far_gradient: DeviceArray = reals("world", "patch_pair", "patch_mode", "patch_place", run=True)
+    patch_near: DeviceArray = reals("world", "matrix_patch", "near_number", unit="m3/Pa", note="by distance and rows")
+    far_soft: DeviceArray = reals("world", "matrix_patch", "2*far_spline", unit="m/N", note="a line", run=True)
+    far_answer: DeviceArray = reals("world", "matrix_patch", "2*far_spline", "patch_place", unit="m/Pa", run=True)
     far_line: DeviceArray = reals("world", "patch_place", unit="m/Pa", note="a row of G")
+    slot_reach: DeviceArray = integers("world", "patch_slot", note="last place of its pair, of the slots so far")
+    far_gradient: DeviceArray = reals(
+        "world", "patch_pair", "patch_mode", "patch_place", note="loads of unit pressures on modes", run=True
+    )
     far_strip: DeviceArray = integers("world", "patch_pair", "2*patch_column", 2, note="columns of splines of a strip")
     far_share: DeviceArray = reals("world", "patch_pair", "2*far_spline", "patch_place", unit="m2", run=True)
     far_laid: DeviceArray = integers("world", "patch_pair", 2, 2, note="the window of the next two", carried=True)
@@ -70,17 +75,18 @@ class PatchScratch:
         "world", "patch_pair", "2*far_spline", "far_spline", unit="m/N", run=True, carried=True
     )
     far_trace: DeviceArray = reals("world", "patch_pair", "patch_mode", "far_spline", run=True, carried=True)
-    patch_pressure: DeviceArray = reals("world", "patch_pair", "patch_place", unit="Pa")
-    slot_place: DeviceArray = integers("world", "patch_slot")
+    patch_pressure: DeviceArray = reals("world", "patch_pair", "patch_place", unit="Pa", flat=True)
+    patch_shift: DeviceArray = reals("world", "patch_pair", "patch_place", unit="m3", note="by half-spaces", flat=True)
     patch_between: DeviceArray = reals("world", "beside_patch", "between_place", unit="m3/Pa", note="over both strips")
-    slot_reach: DeviceArray = integers("world", "patch_slot", note="last place of its pair, of the slots so far")
-    far_others: DeviceArray = reals(
-        "world", "patch_pair", "2*far_spline", unit="m", note="by the patches beside", flat=True
+    beside_at: DeviceArray = integers(
+        "world", "beside_patch", "beside_block", note="start of a block between columns of splines"
     )
-    beside_local: DeviceArray = reals("world", "pair", "node", unit="m", note="by the patches beside", flat=True)
-    far_beside: DeviceArray = reals(
-        "world", "far_spline", unit="m/Pa", note="of a cell on the splines of another patch", flat=True
-    )
+    solve_pressure: DeviceArray = reals("world", "patch_pair", "patch_place", unit="Pa", note="changes", flat=True)
+    solve_load: DeviceArray = reals("world", "patch_pair", "2*far_spline", unit="N", note="by these", flat=True)
+    solve_field: DeviceArray = reals("world", "patch_pair", "2*far_spline", unit="m", flat=True)
+    solve_place: DeviceArray = reals("world", "patch_pair", "patch_place", unit="m3", flat=True)
+    solve_opening: DeviceArray = reals("world", "patch_pair", "patch_place", unit="m3", note="by modes", flat=True)
+    solve_shift: DeviceArray = reals("world", "patch_pair", "patch_cell", unit="m3", flat=True)
 
 
 @topic
@@ -154,36 +160,45 @@ class ContactSolve:
 
     lasting: DeviceArray = integers("world", 6, note="see `normal.compliance_reuse`", carried=True)
     slot_of: DeviceArray = integers("world", "pair", "node", carried=True)
-    slot_node: DeviceArray = integers("world", "slot", 2, note="pair and hat", zero_without=True, carried=True)
-    T: DeviceArray = reals("world", "slot", "second_node", note="response of the second surface", run=True)
+    slot_node: DeviceArray = integers("world", "slot", 2, note="pair, node or cell", zero_without=True, carried=True)
+    T: DeviceArray = reals("world", "dense_slot", "second_node", note="response of the second surface", run=True)
     J: DeviceArray = reals(
         "world", "slot", "pair_mode", note="d(gap)/d(modes)", run=True, zero_without=True, carried=True
     )
-    G: DeviceArray = reals("world", "slot", "slot", unit="m/Pa", note="gaps by pressures", carried=True)
+    G: DeviceArray = reals(
+        "world", "dense_slot", "dense_slot", unit="m/Pa", note="gaps by pressures, of pairs with a matrix", carried=True
+    )
     L: DeviceArray = reals("world", "slot", "coupled", note="d(gap)/d(retained)")
     soft: DeviceArray = reals("world", "layer_slot", "layer_slot", note="G with the yield of layers", instead="G")
     scaled_modes: DeviceArray = reals("world", "pair_mode", run=True)
     field_beside: DeviceArray = reals("world", "surface_place", run=True)
-    right: DeviceArray = reals("world", "slot", unit="m")
+    right: DeviceArray = reals("world", "slot", unit="m", flat=True)
     order: DeviceArray = integers(
         "world", "slot", note="slots under pressure, pair by pair, then those that left", carried=True
     )
     block: DeviceArray = integers(
         "world", "pair", 4, note="where a pair's begin and how many; of those that left", carried=True
     )
-    row_scale: DeviceArray = reals("world", "pair", note="W of a patch where its rows were made over W; 1 of nodes")
-    kept: DeviceArray = integers("world", note="what of the next three is that of the solve before")
-    factor: DeviceArray = reals("world", "slot", "slot", note="U of each pair's block of G", carried=True, flat=True)
-    W: DeviceArray = reals("world", "slot", "coupled", note="U^-T L", flat=True)
-    square: DeviceArray = reals("world", "pair", "coupled", "coupled", note="W^T W", flat=True)
+    row_scale: DeviceArray = reals("world", "pair", note="W of a patch where its rows were made over W; 1 of others")
+    slot_place: DeviceArray = integers("world", "patch_slot", note="of cells, in their order")
+    slot_scale: DeviceArray = reals("world", "patch_slot", note="see `patch.preconditioner`")
+    kept: DeviceArray = integers("world", note="what of the next four is that of the solve before")
+    factor: DeviceArray = reals(
+        "world", "dense_slot", "dense_slot", note="U of each pair's block of G", carried=True, flat=True
+    )
+    borders: DeviceArray = reals("world", "slot", "coupled", note="L in their order", flat=True)
+    W: DeviceArray = reals("world", "slot", "coupled", note="U^-T L of nodes, Z of cells, in their order", flat=True)
+    square: DeviceArray = reals("world", "pair", "coupled", "coupled", note="W^T W, L^T Z", flat=True)
     bordered: DeviceArray = reals(
         "world", "contact_retained", "contact_retained", note="retained matrix with the pressures"
     )
     bordered_rhs: DeviceArray = reals("world", "contact_retained")
     solution: DeviceArray = reals("world", "slot", unit="Pa", flat=True)
-    krylov: DeviceArray = reals("world", 6, "slot_beside", note="vectors of `solve_between`", run=True)
-    krylov_rhs: DeviceArray = reals("world", "retained_beside", run=True)
-    krylov_z: DeviceArray = reals("world", "retained_beside", run=True)
+    krylov: DeviceArray = reals("world", 7, "krylov_slot", note="see `pressure_solve`", run=True)
+    krylov_rhs: DeviceArray = reals("world", "krylov_retained", run=True)
+    krylov_z: DeviceArray = reals("world", "krylov_retained", run=True)
+    mode_load: DeviceArray = reals("world", 2, "contact_mode", note="by pressures of cells, of nodes", flat=True)
+    pair_line: DeviceArray = reals("world", "pair", "pair_mode", note="of a pair's modes", flat=True)
 
 
 @topic

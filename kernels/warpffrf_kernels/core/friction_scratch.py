@@ -126,6 +126,8 @@ class FrictionSolve:
     modal_drive: DeviceArray = reals("world", "mode", unit=MODAL, run=True)
     answer_node: DeviceArray = integers("world", "friction_slot", carried=True)
     answer_z: DeviceArray = reals("world", "friction_retained", run=True)
+    answer_rhs: DeviceArray = reals("world", "friction_retained", run=True)
+    answer_right: DeviceArray = reals("world", "friction_slot", unit="m3", flat=True)
     answer_step: DeviceArray = reals("world", "friction_slot", unit="Pa", flat=True)
     answer_moved: DeviceArray = reals("world", "friction_pair", "2*cell", unit="Pa", flat=True)
     answer_state: DeviceArray = integers("world", 4, carried=True)

@@ -336,9 +336,12 @@ class Pairs:
     most_modes: int  # of a pair's two bodies
     coupled_capacity: int  # maximum of coupled_count
     beside: int  # 1: some pairs are coupled by modes, so that G has blocks between pairs
+    dense: int  # 1: some have a matrix of their pressures
+    matrix_free: int  # 1: some have none
     first: DeviceArray = integers("pair", note="surface")
     second: DeviceArray = integers("pair", note="surface")
     family: DeviceArray = integers("pair", note="0 LINE_OF_CENTRES, 1 AT_POINTS, 2 PATCH")
+    matrix: DeviceArray = integers("pair", note="1: of nodes, or a small patch: pressures have a matrix")
     group: DeviceArray = integers("pair", note="the same for pairs that a chain of bodies and pairs connects")
     coupled_count: DeviceArray = integers("pair", note="retained columns the gap of a pair depends on")
     coupled: DeviceArray = integers("pair", "coupled", note="these")
@@ -450,8 +453,11 @@ class Patches:
     count: int
     far_nodes: int  # splines of a far window, maximum, padded to a multiple of 8
     places: int  # cells of a pair, maximum: strips whose rows are padded to a multiple of 8
+    far_columns_most: int  # columns of splines under a patch, maximum
     touching: int  # body sides with several of these patches, counted by pairs of them
     lasting: int  # 1: rows of G persist between steps, see `normal.compliance_reuse`
+    strip_numbers: int  # that a product over strips needs, maximum
+    spectrum_numbers: int  # of the blocks by frequency of a pair, maximum
     columns: DeviceArray = integers("pair", note="strips across")
     first: DeviceArray = integers("pair", note="surface with the mesh; pairs.first is the grid of cells on it")
     second: DeviceArray = integers("pair", note="likewise, or rigid")
@@ -467,12 +473,16 @@ class Patches:
     row_start: DeviceArray = integers("pair", note="into the next two")
     row_z: DeviceArray = reals("patch_row_entry", unit="m", note="where rows follow, in W from the middle")
     row_length: DeviceArray = reals("patch_row_entry", unit="m", note="likewise")
-    near_start: DeviceArray = integers("pair", note="into near: (level, distance in strips, row, row)")
+    wave_start: DeviceArray = integers("pair", note="into wave: those of K, then those of the preconditioner")
+    spectrum_start: DeviceArray = integers("pair", note="into spectrum: (level, frequency, loaded, displaced)")
+    inverse_start: DeviceArray = integers("pair", note="into inverse: by level its diagonal, then blocks")
     near_levels: DeviceArray = integers("pair")
     near_first: DeviceArray = reals("pair", note="ln W of the first level")
     near_step: DeviceArray = reals("pair")
-    near_power: DeviceArray = reals("pair", note="of W, which near is divided by")
-    near: DeviceArray = reals("near_entry", note="weak displacement [m3] per pressure [Pa] over W^power")
+    near_power: DeviceArray = reals("pair", note="of W, which the near field is divided by")
+    wave: DeviceArray = reals("wave_entry", note="(4, frequencies, pairs of strips)")
+    spectrum: DeviceArray = reals("spectrum_entry", note="K of the half-spaces: weak displacement [m3] per Pa, W^power")
+    inverse: DeviceArray = reals("inverse_entry", note="the preconditioner of pressures, times W^power")
     end_start: DeviceArray = integers("pair+1", note="into the next two, of pairs whose rows follow")
     end_z: DeviceArray = reals("patch_end_entry", unit="m", note="of A's meridian")
     end_strength: DeviceArray = reals("patch_end_entry", unit="m/N m", note="displacement per force over distance")
@@ -516,12 +526,10 @@ class Rolling:
     strips: int  # 1: tractions are solved for by products over strips, of all pairs with friction, see `rolling.strips`
     strip_numbers: int  # that a product needs, maximum
     spectrum_numbers: int  # of the blocks by frequency of a pair, maximum
-    wave_start: DeviceArray = integers("pair", note="into wave: those of K, then those of the preconditioner")
     spectrum_start: DeviceArray = integers("pair", note="into spectrum: (level, frequency, loaded, displaced)")
     inverse_start: DeviceArray = integers("pair", note="into inverse: by level its diagonal, then blocks")
-    wave: DeviceArray = reals("wave_entry", note="(4, frequencies, pairs of strips)")
-    spectrum: DeviceArray = reals("spectrum_entry", note="K of the half-spaces, as shear")
-    inverse: DeviceArray = reals("inverse_entry", note="the preconditioner, times W^power")
+    spectrum: DeviceArray = reals("shear_spectrum_entry", note="K of the half-spaces, as shear")
+    inverse: DeviceArray = reals("shear_inverse_entry", note="the preconditioner, times W^power")
     ring_rows: DeviceArray = integers("pair", note="rows around the cells, 0 where rows stay on the material")
     coupled: DeviceArray = integers("pair", note="1: pressures move the half-spaces along, tractions open the gap")
     shear_start: DeviceArray = integers(

@@ -31,22 +31,30 @@ little if no cell changes its state.
 
 import warp as wp
 
-from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry, ContactSolve, RollingScratch
+from warpffrf_kernels.core.contact_scratch import (
+    ContactFields,
+    ContactGeometry,
+    ContactSolve,
+    PatchScratch,
+    RollingScratch,
+)
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
-from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals
+from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem
 from warpffrf_kernels.core.state import ContactState
-from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, first_line, is_fresh, move_retained
+from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, borders_of, first_line, is_fresh
 from warpffrf_kernels.friction.cell_compliance import scale_modes
 from warpffrf_kernels.friction.cell_shares import add_on_shares
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid, rubs_on_patch
 from warpffrf_kernels.friction.tangential_fields import second_high, second_low
-from warpffrf_kernels.linear.block_elimination import add_lines, backward, follow_columns, forward, forward_lines
+from warpffrf_kernels.linear.block_elimination import add_lines, forward_lines, push_columns
+from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.normal.pair_elimination import COUNT as SLOTS
-from warpffrf_kernels.normal.pair_elimination import LEFT_START, START, block_at, lines_at
+from warpffrf_kernels.normal.pair_elimination import LEFT_START, START, block_at
+from warpffrf_kernels.normal.pressure_solve import solve_system
 from warpffrf_kernels.surfaces.fields import clear_field
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
@@ -59,6 +67,8 @@ OPEN = wp.constant(2)  # 1 while the bounds do not follow the pressures yet
 ROUND = wp.constant(3)  # rounds of tractions and bounds in this iteration
 SAME = wp.constant(wp.float64(1.0e-3))  # of the first response: a round that changes the pressures by less is the last
 NEGLIGIBLE = wp.constant(wp.float64(1.0e-10))  # of the largest pressure: a tenth of the convergence tolerance of a step
+ROUGH = wp.constant(wp.float64(1.0e-4))  # reduction of a system, without the coupling of pairs by local modes: the
+# rest is left to the next iteration
 ROUNDS = wp.constant(20)  # of an iteration: each leaves half of the change, for friction close to its limits
 
 
@@ -347,95 +357,122 @@ def answer_to(
 
 @wp.func
 def take_gaps(
-    model: Model, w: int, pair: int, lane: int, start: int, grid_nodes: int, cells: int, normal: ContactSolve,
+    model: Model, w: int, pair: int, lane: int, start: int, n: int, cells: int, normal: ContactSolve,
     rolling: RollingScratch, tangential: FrictionSolve, residuals: Residuals,
 ):  # fmt: skip
-    """step = -N^T dtau of a pair on contact-fixed cells: by far fields and half-spaces `gap_change`, and by the
-    condensed modes."""
+    """answer_right = -N^T dtau of the n active slots of a pair on contact-fixed cells: by far fields and half-spaces
+    `gap_change`, and by the condensed modes."""
     width = model.pairs.most_modes
     scaled = (w * model.pairs.count + pair) * 2 * width
-    n = lane
-    while n < width:
+    m = lane
+    while m < width:
         value = real(0.0)
         line = first_line(model, w, pair)
         while line < first_line(model, w, pair) + 2 * cells:
-            value += tangential.cell_J[line * width + n] * tangential.answer_moved[line]
+            value += tangential.cell_J[line * width + m] * tangential.answer_moved[line]
             line += 1
-        tangential.cell_scaled[scaled + width + n] = value
-        n += wp.block_dim()
+        tangential.cell_scaled[scaled + width + m] = value
+        m += wp.block_dim()
     sync()
     modes = scale_modes(model, w, pair, lane, tangential.cell_scaled, scaled + width, residuals, tangential, scaled)
     a = lane
-    while a < grid_nodes:
+    while a < n:
         slot = normal.order[w, start + a]
         value = rolling.gap_change[
             (w * model.pairs.count + pair) * model.window.grid_nodes + normal.slot_node[w, slot, 1]
         ]
         value += dot(modes, tangential.cell_scaled, scaled, normal.J, (w * model.capacity.slots + slot) * width)
-        tangential.answer_step[w * model.capacity.slots + start + a] = -value
+        tangential.answer_right[w * model.capacity.slots + start + a] = -value
         a += wp.block_dim()
     sync()
+
+
+# y = U^T x of n numbers. Lanes over the numbers.
+@wp.func_native("""
+    for (int j = WP_TILE_THREAD_IDX; j < n; j += WP_TILE_BLOCK_DIM) {
+        double sum = 0.0;
+        for (int i = 0; i <= j; ++i) sum += U.data[at + (size_t)i * stride + j] * x.data[at_x + i];
+        y.data[at_x + j] = sum;
+    }
+    WP_TILE_SYNC();
+""")
+def times_transposed(
+    U: wp.array(dtype=real), at: int, stride: int, n: int, x: wp.array(dtype=real), at_x: int, y: wp.array(dtype=real)
+): ...
+
+
+@kernel
+def pose_answer(
+    run: Run, normal: ContactSolve, tangential: FrictionSolve, rolling: RollingScratch, residuals: Residuals
+):
+    """Per world: right-hand sides of the response to the tractions of this round, -N^T dtau of the gaps and
+    L_t^T dtau of the retained coordinates."""
+    w, lane = wp.tid()
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, OPEN] == 0:
+        return
+    slots = w * model.capacity.slots
+    i = lane
+    while i < model.retained.count:
+        tangential.answer_rhs[w * model.retained.count + i] = real(0.0)
+        i += wp.block_dim()
+    sync()
+    pair = int(0)
+    while pair < model.pairs.count:
+        at = first_line(model, w, pair)
+        cells = tangential.cell_block[w, pair, COUNT]
+        line = at + lane
+        while line < at + 2 * cells:
+            tangential.answer_moved[line] = tangential.cell_tau[line] - tangential.cell_base[line]
+            line += wp.block_dim()
+        sync()
+        push_columns(
+            model, w, pair, 2 * cells, tangential.cell_L, borders_of(model, w, pair), tangential.answer_moved, at,
+            tangential.answer_rhs,
+        )  # fmt: skip
+        start = normal.block[w, pair, START]
+        n = normal.block[w, pair, SLOTS]
+        if rubs_on_patch(model, pair):
+            take_gaps(model, w, pair, lane, start, n, cells, normal, rolling, tangential, residuals)
+        elif model.pairs.family[pair] != PATCH:
+            answer_to(
+                model, w, pair, start, n, 2 * cells, tangential.cell_Y, tangential.answer_moved,
+                tangential.answer_step,
+            )  # fmt: skip
+            times_transposed(
+                normal.factor, block_at(model, w, start), model.capacity.slots, n, tangential.answer_step,
+                slots + start, tangential.answer_right,
+            )  # fmt: skip
+        else:
+            a = lane
+            while a < n:
+                tangential.answer_right[slots + start + a] = real(0.0)
+                a += wp.block_dim()
+            sync()
+        pair += 1
 
 
 @kernel
 def press_with_tractions(
     run: Run, normal: ContactSolve, tangential: FrictionSolve, impulses: ImpulsiveContact, fields: ContactFields,
-    rolling: RollingScratch, residuals: Residuals, contact: ContactState, solution: wp.array2d(dtype=real),
+    geometry: ContactGeometry, patch: PatchScratch, system: RetainedSystem, contact: ContactState,
+    patterns: wp.array(dtype=Pattern), solution: wp.array2d(dtype=real),
 ):  # fmt: skip
     """Per world: the pressures with their response to the tractions of this round, none below zero, and whether the
-    bounds follow them in another round. change: of the largest in the first round; z_change: retained increments."""
+    bounds follow them in another round. change: of the largest in the first round; answer_z: retained increments."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, OPEN] == 0:
         return
-    n = tangential.answer_state[w, ACTIVE]
     slots = w * model.capacity.slots
-    pair = int(0)
-    while pair < model.pairs.count:
-        line = first_line(model, w, pair) + lane
-        while line < first_line(model, w, pair) + 2 * tangential.cell_block[w, pair, COUNT]:
-            tangential.answer_moved[line] = tangential.cell_tau[line] - tangential.cell_base[line]
-            line += wp.block_dim()
-        pair += 1
-    sync()
-    move_retained(
-        model, w, lane, tangential, tangential.cell_bordered, tangential.friction_receptance, tangential.answer_moved,
-        tangential.answer_z,
+    solve_system(
+        model, patterns[0], w, lane, 0, 0, 0, normal, patch, geometry, impulses, system, tangential.answer_right,
+        tangential.answer_rhs, tangential.answer_step, tangential.answer_z, ROUGH,
     )  # fmt: skip
-    pair = int(0)
-    while pair < model.pairs.count:
-        start = normal.block[w, pair, START]
-        grid_nodes = normal.block[w, pair, SLOTS]
-        if rubs_on_patch(model, pair):
-            take_gaps(
-                model, w, pair, lane, start, grid_nodes, tangential.cell_block[w, pair, COUNT], normal, rolling,
-                    tangential,
-                residuals,
-            )  # fmt: skip
-            forward(
-                normal.factor, block_at(model, w, start), model.capacity.slots, grid_nodes, tangential.answer_step,
-                slots + start,
-            )  # fmt: skip
-        else:
-            answer_to(
-                model, w, pair, start, grid_nodes, 2 * tangential.cell_block[w, pair, COUNT], tangential.cell_Y,
-                tangential.answer_moved, tangential.answer_step,
-            )  # fmt: skip
-        follow_columns(
-            model, w, pair, grid_nodes, real(-1.0), normal.W, lines_at(model, w, start), tangential.answer_z,
-            tangential.answer_step, slots + start,
-        )  # fmt: skip
-        backward(
-            normal.factor,
-            block_at(model, w, start),
-            model.capacity.slots,
-            grid_nodes,
-            tangential.answer_step,
-            slots + start,
-        )
-        pair += 1
+    sync()
     if lane != 0:
         return
+    n = tangential.answer_state[w, ACTIVE]
     most = real(0.0)
     largest = real(0.0)
     a = int(0)

@@ -221,3 +221,42 @@ def add_lines(
     y: wp.array(dtype=real),
     at_y: int,
 ): ...
+
+
+# Whether a column of L is not zero; n lines.
+@wp.func_native("""
+    for (int i = 0; i < n; ++i) if (L.data[at + (size_t)i * width] != 0.0) return 1;  // every lane for itself
+    return 0;
+""")
+def is_loaded(n: int, width: int, L: wp.array(dtype=real), at: int) -> int: ...
+
+
+# square = L^T Z of n lines of `count` columns, made symmetric to the last bit. Lanes over its lines.
+@wp.func_native("""
+    const double *a = L.data + at, *b = Z.data + at;
+    double* s = square.data + at_square;
+    WP_TILE_SYNC();
+    for (int c = WP_TILE_THREAD_IDX; c < count; c += WP_TILE_BLOCK_DIM) {
+        double* __restrict line = s + (size_t)c * width;
+        for (int q = 0; q <= c; ++q) line[q] = 0.0;
+        for (int i = 0; i < n; ++i) {
+            const double f = b[(size_t)i * width + c];
+            const double* l = a + (size_t)i * width;
+            for (int q = 0; q <= c; ++q) line[q] += f * l[q];
+        }
+    }
+    WP_TILE_SYNC();
+    for (int c = WP_TILE_THREAD_IDX; c < count; c += WP_TILE_BLOCK_DIM)
+        for (int q = c + 1; q < count; ++q) s[(size_t)c * width + q] = s[(size_t)q * width + c];
+    WP_TILE_SYNC();
+""")
+def product_of_borders(
+    n: int,
+    width: int,
+    count: int,
+    at: int,
+    L: wp.array(dtype=real),
+    Z: wp.array(dtype=real),
+    at_square: int,
+    square: wp.array(dtype=real),
+): ...

@@ -19,7 +19,6 @@ from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.core.scratch import ImpulsiveContact
-from warpffrf_kernels.normal.lagged import lags
 from warpffrf_kernels.normal.pair_forces import surface_of
 from warpffrf_kernels.surfaces.responses import first_column, load_of, place_of_load
 
@@ -101,7 +100,7 @@ def couple(
     const double* s = receptance.data + (size_t)w * model.modes.count;
     const int *first = model.pairs.first.data, *second = model.pairs.second.data;
     for (int j = WP_TILE_THREAD_IDX; j < slot; j += WP_TILE_BLOCK_DIM) {
-        if (slots[2 * j] == slots[2 * slot]) continue;
+        if (slots[2 * j] == slots[2 * slot] || model.pairs.family.data[slots[2 * j]] == patch) continue;
         double g = 0.0;
         for (int a = 0, at_a = 0; a < 2; ++a) {
             const int sa = (a ? second : first)[slots[2 * slot]], count = model.surfaces.modal_count.data[sa];
@@ -126,6 +125,7 @@ def couple_others(
     model: Model,
     w: int,
     slot: int,
+    patch: int,
     slot_node: wp.array3d(dtype=int),
     J: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
@@ -143,7 +143,7 @@ def assemble(run: Run, geometry: ContactGeometry, normal: ContactSolve, impulses
     slot = run.ctl[w].fresh
     while slot < run.ctl[w].slots:
         pair = normal.slot_node[w, slot, 0]
-        if model.pairs.family[pair] != PATCH:  # cells of a patch: `patch.system`
+        if model.pairs.family[pair] != PATCH:
             couple(
                 model, w, slot, geometry.center[w, pair, 0] - model.window.half, normal.slot_node, geometry.stencil,
                 geometry.stencil_at, normal.T, normal.J, impulses.contact_receptance, normal.scaled_modes, normal.G,
@@ -207,12 +207,13 @@ def assemble_between(run: Run, geometry: ContactGeometry, normal: ContactSolve, 
     """Per world: rows of G of the new slots, between pairs, by condensed modes and by local modes."""
     w, lane = wp.tid()
     model = run.models[w]
-    if run.ctl[w].run == 0 or lags(model, run.ctl, w):
+    if run.ctl[w].run == 0:
         return
     start = w * wp.max(model.window.grid_nodes, model.window.nodes)
     slot = run.ctl[w].fresh
     while slot < run.ctl[w].slots:
-        couple_others(model, w, slot, normal.slot_node, normal.J, impulses.contact_receptance, normal.G)
+        if model.pairs.family[normal.slot_node[w, slot, 0]] != PATCH:  # cells of a patch: `pressure_solve`
+            couple_others(model, w, slot, PATCH, normal.slot_node, normal.J, impulses.contact_receptance, normal.G)
         slot += 1
     sync()
     mirror_between(model, w, run.ctl[w].fresh, run.ctl[w].slots, normal.slot_node, normal.G)

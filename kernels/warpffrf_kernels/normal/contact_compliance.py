@@ -22,7 +22,6 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync,
 from warpffrf_kernels.core.scratch import ImpulsiveContact, RetainedSystem, Trial
 from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.normal.compliance_reuse import AGE, BEGUN, COUNT, OLDER, PATIENCE, REST, RESTS, ROWS
-from warpffrf_kernels.normal.lagged import ends_lag
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -90,7 +89,7 @@ def take_slots(run: Run, contact: ContactState, geometry: ContactGeometry, norma
         run.ctl[w].recenter = 0
     count = run.ctl[w].slots
     run.ctl[w].fresh = count
-    if run.ctl[w].reweighed != 0 or ends_lag(model, run.ctl, w):
+    if run.ctl[w].reweighed != 0:
         run.ctl[w].fresh = 0
         run.ctl[w].reweighed = 0
     number = int(0)

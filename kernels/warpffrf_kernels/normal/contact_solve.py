@@ -15,9 +15,8 @@ separately,
 so pairs are coupled only in the sparse retained system, at a cost proportional to their number (`pair_elimination`).
 Pressures that leave the set change by -base, which is moved to the right-hand sides.
 
-If condensed or local modes of a body couple several pairs, G has blocks F between these as well. With M the system
-without them, which the elimination solves, (M + F) ds = b is solved with M as preconditioner (`between_pairs`): F is
-small compared with M if the patches lie apart.
+Large patches have no matrix G, and G has blocks F between pairs that condensed or local modes of a body couple: for
+these the elimination is the preconditioner of an iteration (`pressure_solve`).
 
 All quantities are increments from the present state, so G, L, J and A may be those of a position a small fraction of a
 column away (a modified Newton step, exact at its fixed point), and large forces in balance do not cancel in the

@@ -1,7 +1,15 @@
-"""Elimination of the active nodes pair by pair, and solution of the retained system with their Schur complements.
+"""Elimination of the active slots pair by pair, and solution of the retained system with their Schur complements.
 
-Equations and names: `contact_solve`. If rows of G are kept from step to step (`compliance_reuse`), cells have grown
-since they were computed, all by the same factor s = W/W_made, and G by s^2 up to small changes. With G the stored rows
+Equations and names: `contact_solve`. Nodes of a grid, and cells of small patches or under friction, are eliminated by
+the factor U of their block of G. Cells of other patches have no matrix: in its place, P S W S P
+(`patch.preconditioner`) is close to the inverse of G, with Z = P S W S P L in place of G^-1 L,
+
+    (A + L^T Z) z = rhs + Z^T b,      ds = P S W S P b - Z z,
+
+which is a preconditioner of the system (`pressure_solve`) that satisfies A z - L^T ds = rhs exactly.
+
+If rows of G are kept from step to step (`compliance_reuse`), cells have grown since they were computed, all by the same
+factor s = W/W_made, and G by s^2 up to small changes. With G the stored rows
 
     L z + s^2 G ds = b   <=>   (L/s) z + G y = b/s,      ds = y/s,      L^T ds = (L/s)^T y,
 
@@ -11,19 +19,18 @@ so lines and right-hand sides are multiplied by `row_scale` = 1/s, and the resul
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.contact_scratch import ContactFields, ContactSolve, PatchScratch
+from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry, ContactSolve, PatchScratch
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.run import Run
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, weighted
-from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.linear import block_elimination
-from warpffrf_kernels.linear.retained_solve import held_motions, solve
+from warpffrf_kernels.linear.retained_solve import solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.normal.compliance_reuse import WIDTH
-from warpffrf_kernels.normal.lagged import lags
-from warpffrf_kernels.normal.pair_forces import surface_of
+from warpffrf_kernels.patch.preconditioner import eliminate_patch, place_slots, precondition_patch
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -59,7 +66,7 @@ def order_slots(run: Run, contact: ContactState, fields: ContactFields, normal: 
         normal.block[w, pair, COUNT] = 0
         normal.block[w, pair, LEFT_COUNT] = 0
         normal.row_scale[w, pair] = real(1.0)
-        if model.pairs.family[pair] == PATCH:
+        if model.elements[0].patches.lasting != 0:
             normal.row_scale[w, pair] = patch.patch_made[w, pair, WIDTH] / contact.patch_width[w, pair]
         pair += 1
     slot = int(0)
@@ -123,14 +130,14 @@ def gather_block(
 ): ...
 
 
-# Copies the lines of L of n slots from place `start` of `order` on, times `scale`, to W.
+# Copies the lines of L of n slots from place `start` of `order` on, times `scale`, to their places in `out`.
 @wp.func_native("""
     const int cap = model.capacity.slots, width = model.pairs.coupled_capacity;
     const int count = model.pairs.coupled_count.data[pair];
     const int* list = order.data + (size_t)w * cap + start;
     for (int i = 0; i < n; ++i) {
         const double* l = L.data + ((size_t)w * cap + list[i]) * width;
-        double* x = W.data + ((size_t)w * cap + start + i) * width;
+        double* x = out.data + ((size_t)w * cap + start + i) * width;
         for (int c = WP_TILE_THREAD_IDX; c < count; c += WP_TILE_BLOCK_DIM) x[c] = scale * l[c];
     }
     WP_TILE_SYNC();
@@ -144,7 +151,7 @@ def gather_lines(
     scale: real,
     L: wp.array3d(dtype=real),
     order: wp.array2d(dtype=int),
-    W: wp.array(dtype=real),
+    out: wp.array(dtype=real),
 ): ...
 
 
@@ -161,17 +168,31 @@ def lines_at(model: Model, w: int, start: int) -> int:
 
 
 @kernel
-def eliminate_pairs(run: Run, normal: ContactSolve):
-    """Per (world, pair): U, W and W^T W of the active nodes, unless they are `kept`."""
+def eliminate_pairs(run: Run, normal: ContactSolve, patch: PatchScratch, geometry: ContactGeometry):
+    """Per (world, pair): L in the order of the slots; U, W and W^T W of the active nodes, or Z and L^T Z of the active
+    cells, unless they are `kept`."""
     w, pair, lane = wp.tid()
     model = run.models[w]
-    n = normal.block[w, pair, COUNT]
-    if run.ctl[w].run == 0 or n == 0 or normal.kept[w] == LINES:
+    if run.ctl[w].run == 0:
         return
     start = normal.block[w, pair, START]
-    cap = model.capacity.slots
+    n = normal.block[w, pair, COUNT]
+    left = normal.block[w, pair, LEFT_START]
+    gather_lines(
+        model, w, pair, left, normal.block[w, pair, LEFT_COUNT], real(1.0), normal.L, normal.order, normal.borders
+    )
+    if model.pairs.family[pair] == PATCH:
+        place_slots(model, w, pair, start, n, patch, geometry, normal)
+        place_slots(model, w, pair, left, normal.block[w, pair, LEFT_COUNT], patch, geometry, normal)
+    if n == 0 or normal.kept[w] == LINES:
+        return
     width = model.pairs.coupled_capacity
     coupled = model.pairs.coupled_count[pair]
+    gather_lines(model, w, pair, start, n, real(1.0), normal.L, normal.order, normal.borders)
+    if model.pairs.matrix[pair] == 0:
+        eliminate_patch(model, w, pair, lane, start, n, patch, normal)
+        return
+    cap = model.capacity.slots
     at = block_at(model, w, start)
     line = lines_at(model, w, start)
     if normal.kept[w] == NOTHING:
@@ -221,83 +242,27 @@ def add_borders(
 ): ...
 
 
-@kernel
-def pose_pressures(
-    run: Run, system: RetainedSystem, fields: ContactFields, normal: ContactSolve, impulses: ImpulsiveContact,
-    residuals: Residuals, patterns: wp.array(dtype=Pattern), modal_residual: wp.array(dtype=real),
-):  # fmt: skip
-    """Per world: A + sum W^T W, unless it is `kept` too, and both right-hand sides with the nodes that leave the
-    set."""
-    w, lane = wp.tid()
-    model = run.models[w]
-    if run.ctl[w].run == 0:
-        return
-    if normal.kept[w] != LINES:
-        add_borders(model, patterns[0], w, system.tangent, normal.block, normal.square, normal.bordered)
-    i = lane
-    while i < model.retained.count:
-        normal.bordered_rhs[w, i] = system.rhs[w, i]
-        i += wp.block_dim()
-    sync()
-    last = model.pairs.count - 1
-    first_left = normal.block[w, 0, LEFT_START]
-    lefts = normal.block[w, last, LEFT_START] + normal.block[w, last, LEFT_COUNT] - first_left
-    i = lane
-    while i < first_left:  # the preceding places are those of active slots
-        a = normal.order[w, i]
-        pair = normal.slot_node[w, a, 0]
-        total = -impulses.weight[w, pair] * fields.opened[w, pair, normal.slot_node[w, a, 1]]
-        e = int(0)
-        while e < lefts:
-            slot = normal.order[w, first_left + e]
-            other = normal.slot_node[w, slot, 0]
-            if other == pair or (model.pairs.beside != 0 and not lags(model, run.ctl, w)):
-                s = real(1.0) / (normal.row_scale[w, pair] * normal.row_scale[w, other])
-                total += (
-                    s
-                    * normal.soft[w, a, slot]
-                    * impulses.weight[w, other]
-                    * fields.base[w, other, normal.slot_node[w, slot, 1]]
-                )
-            e += 1
-        line = (w * model.capacity.slots + a) * model.pairs.most_modes
-        for side in range(2):
-            surface = surface_of(model, pair, side)
-            modes = w * model.modes.count + model.surfaces.modal_start[surface]
-            n = model.surfaces.modal_count[surface]
-            total += weighted(n, normal.J, line, residuals.receptance, modes, modal_residual, modes)
-            line += n
-        normal.right[w, i] = normal.row_scale[w, pair] * total
-        i += wp.block_dim()
-    if lane != 0:
-        return
-    e = int(0)
-    while e < lefts:
-        slot = normal.order[w, first_left + e]
-        pair = normal.slot_node[w, slot, 0]
-        change = -impulses.weight[w, pair] * fields.base[w, pair, normal.slot_node[w, slot, 1]]
-        c = int(0)
-        while c < model.pairs.coupled_count[pair]:
-            column = model.pairs.coupled[pair, c]
-            normal.bordered_rhs[w, column] = normal.bordered_rhs[w, column] + change * normal.L[w, slot, c]
-            c += 1
-        e += 1
-
-
 @wp.func
 def eliminated(
-    model: Model, p: Pattern, w: int, lane: int, renew: int, held: int, normal: ContactSolve, system: RetainedSystem,
-    x: wp.array(dtype=real), at: int, right: wp.array(dtype=real), z: wp.array(dtype=real),
+    model: Model, p: Pattern, w: int, lane: int, renew: int, held: int, normal: ContactSolve, patch: PatchScratch,
+    system: RetainedSystem, x: wp.array(dtype=real), at: int, right: wp.array(dtype=real),
+    z: wp.array(dtype=real),
 ) -> int:  # fmt: skip
-    """Solution of the system by blocks. On entry, x from `at` on is the right-hand side of the places; on return, their
+    """Solution of the system by pairs. On entry, x from `at` on is the right-hand side of the places; on return, their
     changes of pressure. z: retained increments for `right`. Returns 1 if the retained matrix is singular."""
     cap = model.capacity.slots
     pair = int(0)
     while pair < model.pairs.count:
         start = normal.block[w, pair, START]
         n = normal.block[w, pair, COUNT]
-        block_elimination.forward(normal.factor, block_at(model, w, start), cap, n, x, at + start)
-        block_elimination.push_columns(model, w, pair, n, normal.W, lines_at(model, w, start), x, at + start, right)
+        if n > 0 and model.pairs.matrix[pair] == 0:
+            precondition_patch(model, w, pair, start, n, patch, normal, x, at + start, x, at + start, 1)
+            block_elimination.push_columns(
+                model, w, pair, n, normal.borders, lines_at(model, w, start), x, at + start, right
+            )
+        elif n > 0:
+            block_elimination.forward(normal.factor, block_at(model, w, start), cap, n, x, at + start)
+            block_elimination.push_columns(model, w, pair, n, normal.W, lines_at(model, w, start), x, at + start, right)
         pair += 1
     bad = solve(
         model, p, w, lane, renew, normal.bordered, right, system.hold, held, system.scaling, system.pivots,
@@ -309,53 +274,11 @@ def eliminated(
     while pair < model.pairs.count:
         start = normal.block[w, pair, START]
         n = normal.block[w, pair, COUNT]
-        block_elimination.follow_columns(
-            model, w, pair, n, real(-1.0), normal.W, lines_at(model, w, start), z, x, at + start
-        )
-        block_elimination.backward(normal.factor, block_at(model, w, start), cap, n, x, at + start)
+        if n > 0:
+            block_elimination.follow_columns(
+                model, w, pair, n, real(-1.0), normal.W, lines_at(model, w, start), z, x, at + start
+            )
+            if model.pairs.matrix[pair] != 0:
+                block_elimination.backward(normal.factor, block_at(model, w, start), cap, n, x, at + start)
         pair += 1
     return bad
-
-
-@wp.func
-def put_pressures(
-    model: Model, w: int, lane: int, count: int, fields: ContactFields, normal: ContactSolve,
-    impulses: ImpulsiveContact, contact: ContactState,
-):  # fmt: skip
-    """Pressures of the active slots from their changes."""
-    i = lane
-    while i < count:
-        pair = normal.slot_node[w, normal.order[w, i], 0]
-        m = normal.slot_node[w, normal.order[w, i], 1]
-        contact.pressure[w, pair, m] = (
-            fields.base[w, pair, m]
-            + normal.row_scale[w, pair] * normal.solution[w * model.capacity.slots + i] / impulses.weight[w, pair]
-        )
-        i += wp.block_dim()
-
-
-@kernel
-def solve_pressures(
-    run: Run, fields: ContactFields, normal: ContactSolve, impulses: ImpulsiveContact, system: RetainedSystem,
-    contact: ContactState, patterns: wp.array(dtype=Pattern), bordered_rhs: wp.array(dtype=real),
-):  # fmt: skip
-    """Per world: the retained increments, and pressures of the active set, without the coupling of pairs by local
-    modes. The factor of the retained matrix is that of the last solution if it is `kept`."""
-    w, lane = wp.tid()
-    model = run.models[w]
-    if run.ctl[w].run == 0:
-        return
-    at = w * model.capacity.slots
-    count = normal.block[w, 0, LEFT_START]
-    i = lane
-    while i < count:
-        normal.solution[at + i] = normal.right[w, i]
-        i += wp.block_dim()
-    sync()
-    bad = eliminated(
-        model, patterns[0], w, lane, int(normal.kept[w] != LINES), held_motions(run.ctl, w, system.hold_count), normal,
-        system, normal.solution, at, bordered_rhs, system.z,
-    )  # fmt: skip
-    if bad != 0 and lane == 0:
-        run.ctl[w].failure = run.ctl[w].failure | k.SINGULAR
-    put_pressures(model, w, lane, count, fields, normal, impulses, contact)

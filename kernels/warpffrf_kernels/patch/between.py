@@ -11,19 +11,16 @@ d and linear interpolation in z.
 
 import warp as wp
 
-from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.contact_scratch import ContactFields, PatchScratch
+from warpffrf_kernels.core.contact_scratch import PatchScratch
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.run import Run
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.kinematics.line_of_centres import wrap
-from warpffrf_kernels.normal.lagged import PATCHES_ALONE, lags
 from warpffrf_kernels.patch.cells import row_place
-from warpffrf_kernels.patch.fields import add_splines, beside_field, half_of, real_side, rows_of
+from warpffrf_kernels.patch.far_splines import beside_block, turned_column
 from warpffrf_kernels.patch.near import cubic_shares
-from warpffrf_kernels.patch.spline_tables import line_of
-from warpffrf_kernels.surfaces.fields import clear_field
+from warpffrf_kernels.patch.spline_tables import real_side
 from warpffrf_kernels.surfaces.surface import radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -62,12 +59,6 @@ def force_displacement(elements: Elements, table: int, d: real, z: real, source:
 
 
 @wp.func
-def strip_width(elements: Elements, w: int, pair: int, patch_place: wp.array3d(dtype=real)) -> real:
-    """Width [m] of the strips of a patch."""
-    return real(2.0) * patch_place[w, pair, 2] / real(elements.patches.columns[pair])
-
-
-@wp.func
 def way_between(
     model: Model,
     w: int,
@@ -88,7 +79,8 @@ def way_between(
 
 @kernel
 def lay_between(run: Run, patch: PatchScratch):
-    """Per (world, pair of family 2), lanes over entries: K of its rows due to those of all neighbouring patches."""
+    """Per (world, pair of family 2), lanes over entries: K of its rows due to those of all neighbouring patches, and
+    where the blocks between their columns of splines begin in `beside`; -1 outside a grid."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
@@ -99,11 +91,26 @@ def lay_between(run: Run, patch: PatchScratch):
         e = elements.patches.beside_start[2 * pair + side]
         while e < elements.patches.beside_start[2 * pair + side + 1]:
             table = elements.patches.beside_between[e]
+            other = elements.patches.beside_side[e] / 2
+            there = elements.patches.beside_side[e] % 2
+            s = real_side(elements, pair, side)
+            r = real_side(elements, other, there)
+            wide = elements.patches.far_columns_most
+            columns = patch.far_window[w, other, there, 1]
+            n = lane
+            while n < patch.far_window[w, pair, side, 1] * columns:
+                facing = turned_column(model, s, patch.far_window[w, pair, side, 0] + n / columns)
+                loading = turned_column(model, r, patch.far_window[w, other, there, 0] + n % columns)
+                at = int(-1)
+                if facing >= 0 and loading >= 0:
+                    at = beside_block(
+                        model, elements, elements.patches.beside_table[e], model.surfaces.rows[s],
+                        model.surfaces.rows[r], facing, loading,
+                    )  # fmt: skip
+                patch.beside_at[w, e, n / columns * wide + n % columns] = at
+                n += wp.block_dim()
             if table >= 0:
-                other = elements.patches.beside_side[e] / 2
-                there = elements.patches.beside_side[e] % 2
                 lines = model.surfaces.rows[model.pairs.first[other]]
-                s = real_side(elements, pair, side)
                 middle = real(0.5) * (elements.patches.between_low[table] + elements.patches.between_high[table])
                 d = way_between(model, w, s, middle, pair, side, other, there, patch.patch_place)
                 n = lane
@@ -112,101 +119,51 @@ def lay_between(run: Run, patch: PatchScratch):
                     source = row_place(elements, other, n % lines, patch.patch_place, w)
                     z = elements.patches.row_sign[2 * pair + side] * target[0]
                     z += elements.patches.row_offset[2 * pair + side]
-                    at = elements.patches.row_sign[2 * other + there] * source[0]
-                    at += elements.patches.row_offset[2 * other + there]
-                    u = force_displacement(elements, table, d, z, at)
+                    z_source = elements.patches.row_sign[2 * other + there] * source[0]
+                    z_source += elements.patches.row_offset[2 * other + there]
+                    u = force_displacement(elements, table, d, z, z_source)
                     patch.patch_between[w, e, n] = target[1] * source[1] * u
                     n += wp.block_dim()
             e += 1
 
 
-@wp.func
+# Adds the weak displacement of the cells by the half-space due to pressures at places of neighbouring patches: K of
+# their rows times the sums of these, and the widths of strips of both. Lanes over rows.
+@wp.func_native("""
+    const int rows = model.surfaces.rows.data[model.pairs.first.data[pair]], places = elements.patches.places;
+    const int columns = elements.patches.columns.data[pair], wide = patch_place.shape[2];
+    const size_t first = (size_t)w * model.pairs.count, size = patch_between.shape[2];
+    const int begin = elements.patches.beside_start.data[2 * pair];
+    const int end = elements.patches.beside_start.data[2 * pair + 2];
+    double* const u = value.data + (first + pair) * model.window.grid_nodes;
+    const double own = 2.0 * patch_place.data[(first + pair) * wide + 2] / columns;
+    WP_TILE_SYNC();
+    for (int e = begin; e < end; ++e) {
+        if (elements.patches.beside_between.data[e] < 0) continue;
+        const int other = elements.patches.beside_side.data[e] / 2, its = elements.patches.columns.data[other];
+        const int lines = model.surfaces.rows.data[model.pairs.first.data[other]], line = (lines + 7) / 8 * 8;
+        const double widths = own * 2.0 * patch_place.data[(first + other) * wide + 2] / its;
+        const double* const q = pressure.data + (first + other) * places;
+        const double* const K = patch_between.data + ((size_t)w * patch_between.shape[1] + e) * size;
+        for (int k = 0; k < lines; ++k) {
+            double load = 0.0;
+            for (int c = 0; c < its; ++c) load += q[c * line + k];
+            if (load == 0.0) continue;
+            for (int r = WP_TILE_THREAD_IDX; r < rows; r += WP_TILE_BLOCK_DIM) {
+                const double shift = widths * K[r * lines + k] * load;
+                for (int c = 0; c < columns; ++c) u[c * rows + r] += shift;
+            }
+        }
+    }
+    WP_TILE_SYNC();
+""")
 def add_half_space(
-    model: Model, elements: Elements, w: int, pair: int, lane: int, patch: PatchScratch, value: wp.array(dtype=real)
-):
-    """Adds the weak displacement of the cells by the half-space due to neighbouring patches. Lanes over rows."""
-    rows = model.surfaces.rows[model.pairs.first[pair]]
-    row = lane
-    while row < rows:
-        total = real(0.0)
-        e = elements.patches.beside_start[2 * pair]
-        while e < elements.patches.beside_start[2 * pair + 2]:
-            if elements.patches.beside_between[e] >= 0:
-                other = elements.patches.beside_side[e] / 2
-                lines = model.surfaces.rows[model.pairs.first[other]]
-                strip = strip_width(elements, w, other, patch.patch_place)
-                line = int(0)
-                while line < lines:
-                    load = real(0.0)
-                    column = int(0)
-                    while column < elements.patches.columns[other]:
-                        load += patch.patch_pressure[w, other, column * line_of(lines) + line]
-                        column += 1
-                    total += patch.patch_between[w, e, row * lines + line] * strip * load
-                    line += 1
-            e += 1
-        total *= strip_width(elements, w, pair, patch.patch_place)
-        column = int(0)
-        while column < elements.patches.columns[pair]:
-            m = (w * model.pairs.count + pair) * model.window.grid_nodes + column * rows + row
-            value[m] = value[m] + total
-            column += 1
-        row += wp.block_dim()
-
-
-@kernel
-def add_between(run: Run, patch: PatchScratch, fields: ContactFields):
-    """Per (world, pair of family 2), lanes over rows: weak displacement by the half-space due to the pressures of the
-    neighbouring patches."""
-    w, pair, lane = wp.tid()
-    model = run.models[w]
-    if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH or lags(model, run.ctl, w):
-        return
-    add_half_space(model, model.elements[0], w, pair, lane, patch, fields.first_local)
-
-
-@kernel
-def keep_beside(run: Run, patch: PatchScratch, fields: ContactFields):
-    """Per (world, pair of family 2), lanes over splines, then cells: weak displacement due to the pressures of the
-    neighbouring patches at the evaluation, stored for the correction of the set (`normal.lagged`)."""
-    w, pair, lane = wp.tid()
-    model = run.models[w]
-    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
-        return
-    if model.pairs.beside != PATCHES_ALONE or run.ctl[w].mode != k.DYNAMIC:
-        return
-    elements = model.elements[0]
-    for side in range(2):
-        s = real_side(elements, pair, side)
-        if s >= 0:
-            rows = model.surfaces.rows[s]
-            start = half_of(model, elements, w, pair, side)
-            n = lane
-            while n < patch.far_window[w, pair, side, 1] * rows:
-                patch.far_others[start + n] = beside_field(model, elements, w, pair, side, rows, n, patch)
-                if lags(model, run.ctl, w):
-                    patch.far_field[start + n] = patch.far_field[start + n] + patch.far_others[start + n]
-                n += wp.block_dim()
-    first = (w * model.pairs.count + pair) * model.window.grid_nodes
-    clear_field(lane, model.window.grid_nodes, first, patch.beside_local)
-    sync()
-    add_splines(
-        model, elements, w, pair, model.surfaces.rows[model.pairs.first[pair]], rows_of(model, elements, pair, 0),
-        rows_of(model, elements, pair, 1), patch.far_strip, patch.far_share, patch.far_others, patch.beside_local,
-    )  # fmt: skip
-    sync()
-    add_half_space(model, elements, w, pair, lane, patch, patch.beside_local)
-    sync()
-    if lags(model, run.ctl, w):
-        axpy(model.window.grid_nodes, real(1.0), patch.beside_local, first, fields.first_local, first)
-
-
-@kernel
-def add_kept(run: Run, patch: PatchScratch, fields: ContactFields):
-    """Per (world, pair of family 2): adds the displacement due to the neighbouring patches at the evaluation."""
-    w, pair, _lane = wp.tid()
-    model = run.models[w]
-    if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH or not lags(model, run.ctl, w):
-        return
-    first = (w * model.pairs.count + pair) * model.window.grid_nodes
-    axpy(model.window.grid_nodes, real(1.0), patch.beside_local, first, fields.first_local, first)
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    patch_between: wp.array3d(dtype=real),
+    patch_place: wp.array3d(dtype=real),
+    pressure: wp.array(dtype=real),
+    value: wp.array(dtype=real),
+): ...

@@ -12,15 +12,15 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.ring import SavedContact
 from warpffrf_kernels.core.run import Run
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real
 from warpffrf_kernels.core.scratch import Residuals, Trial
 from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.kinematics.closest_point import least_place, view_of
-from warpffrf_kernels.normal.lagged import lags
 from warpffrf_kernels.normal.pair_forces import modal_line
-from warpffrf_kernels.patch.far_splines import beside_block, turned_column
+from warpffrf_kernels.patch.between import add_half_space
 from warpffrf_kernels.patch.place import extent_of
 from warpffrf_kernels.patch.spline_tables import line_of, real_side, table_at, trace_at
+from warpffrf_kernels.patch.strips import multiply_pressures
 from warpffrf_kernels.surfaces.fields import clear_field
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -139,19 +139,12 @@ def modal_cells(
     )  # fmt: skip
 
 
-# Pressures at places, 0 without an active cell; then the loads on the splines of both sides due to them.
+# Loads on the splines of both sides due to pressures q at places.
 @wp.func_native("""
-    const int line = (lines + 7) / 8 * 8, columns = elements.patches.columns.data[pair],
-        grid_nodes = model.window.grid_nodes;
+    const int line = (lines + 7) / 8 * 8, columns = elements.patches.columns.data[pair];
     const int stride = elements.patches.places, nodes = elements.patches.far_nodes;
     const size_t p = ((size_t)w * model.pairs.count + pair) * 2;
-    const double* const given = pressure.data + p / 2 * grid_nodes;
-    const int* const on = active.data + p / 2 * grid_nodes;
-    double* const q = patch_pressure.data + p / 2 * stride;
-    for (int e = WP_TILE_THREAD_IDX; e < columns * line; e += WP_TILE_BLOCK_DIM) {
-        const int m = e / line * lines + e % line;
-        q[e] = e % line < lines && on[m] != 0 ? given[m] : 0.0;
-    }
+    const double* const q = pressure.data + p / 2 * stride;
     WP_TILE_SYNC();
     for (int side = 0; side < 2; ++side) {
         const int rows = side ? second_rows : first_rows;
@@ -169,6 +162,7 @@ def modal_cells(
             load[n] = ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
         }
     }
+    WP_TILE_SYNC();
 """)
 def sum_loads(
     model: Model,
@@ -178,105 +172,164 @@ def sum_loads(
     lines: int,
     first_rows: int,
     second_rows: int,
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
+    pressure: wp.array(dtype=real),
     far_window: wp.array4d(dtype=int),
     far_strip: wp.array4d(dtype=int),
     far_share: wp.array(dtype=real),
-    patch_pressure: wp.array3d(dtype=real),
     far_load: wp.array(dtype=real),
 ): ...
 
 
+# Pressures of the active cells at places, 0 at others.
+@wp.func_native("""
+    const int line = (lines + 7) / 8 * 8, columns = elements.patches.columns.data[pair];
+    const size_t here = (size_t)w * model.pairs.count + pair;
+    const double* const given = pressure.data + here * model.window.grid_nodes;
+    const int* const on = active.data + here * model.window.grid_nodes;
+    double* const q = placed.data + here * elements.patches.places;
+    for (int e = WP_TILE_THREAD_IDX; e < columns * line; e += WP_TILE_BLOCK_DIM) {
+        const int m = e / line * lines + e % line;
+        q[e] = e % line < lines && on[m] != 0 ? given[m] : 0.0;
+    }
+""")
+def place_pressures(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    lines: int,
+    active: wp.array3d(dtype=int),
+    pressure: wp.array3d(dtype=real),
+    placed: wp.array(dtype=real),
+): ...
+
+
+@wp.func
+def load_patch(
+    model: Model, elements: Elements, w: int, pair: int, patch: PatchScratch, pressure: wp.array(dtype=real),
+    load: wp.array(dtype=real),
+):  # fmt: skip
+    """Loads on the splines of both sides [N] due to pressures at places."""
+    sum_loads(
+        model, elements, w, pair, model.surfaces.rows[model.pairs.first[pair]], rows_of(model, elements, pair, 0),
+        rows_of(model, elements, pair, 1), pressure, patch.far_window, patch.far_strip, patch.far_share, load,
+    )  # fmt: skip
+
+
 @kernel
 def load_splines(run: Run, contact: ContactState, patch: PatchScratch):
-    """Per (world, pair of family 2): the present pressures at places, and loads on the splines of both sides [N]."""
-    w, pair, lane = wp.tid()
+    """Per (world, pair of family 2): the present pressures at places, and loads on the splines of both sides."""
+    w, pair, _lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
-    sum_loads(
-        model, elements, w, pair, model.surfaces.rows[model.pairs.first[pair]], rows_of(model, elements, pair, 0),
-        rows_of(model, elements, pair, 1), contact.active, contact.pressure, patch.far_window, patch.far_strip,
-        patch.far_share, patch.patch_pressure, patch.far_load,
-    )  # fmt: skip
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    place_pressures(model, elements, w, pair, rows, contact.active, contact.pressure, patch.patch_pressure)
+    load_patch(model, elements, w, pair, patch, patch.patch_pressure, patch.far_load)
 
 
-# Weak displacement of the cells of a pair by the half-spaces and the layer.
+# Weak displacement of the cells of a pair: that by the half-spaces, at places, and those by the layer and by distant
+# ends.
 @wp.func_native("""
-    const int B = WP_TILE_BLOCK_DIM > 1 ? 1 : 8, line = (rows + 7) / 8 * 8;
-    const int columns = elements.patches.columns.data[pair];
+    const int line = (rows + 7) / 8 * 8, columns = elements.patches.columns.data[pair];
     const size_t p = (size_t)w * model.pairs.count + pair;
     const double yielded = elements.patches.layer.data[pair];
-    const double* const near = patch_near.data + p * patch_near.shape[2];
-    const double* const q = patch_pressure.data + p * elements.patches.places;
+    const double* const length = elements.patches.row_length.data + elements.patches.row_start.data[pair];
+    const double* const q = pressure.data + p * elements.patches.places;
+    const double* const near = placed.data + p * elements.patches.places;
     const double* const size = area.data + p * model.window.grid_nodes;
     double* const u = value.data + p * model.window.grid_nodes;
-    for (int e = B * WP_TILE_THREAD_IDX; e < columns * line; e += B * WP_TILE_BLOCK_DIM) {
-        const int c = e / line, r = e % line;
-        double sum[8] = {0.0};
-        for (int d = 0; d < columns; ++d) {
-            const double* const table = near + (size_t)(d < c ? c - d : d - c) * rows * line + r;
-            for (int k = 0; k < rows; ++k) {
-                const double f = q[d * line + k];
-                if (f != 0.0) for (int i = 0; i < B; ++i) sum[i] += f * table[k * line + i];
-            }
+    double all = 0.0;
+    for (int c = 0; ends != 0.0 && c < columns; ++c)
+        for (int r = 0; r < rows; ++r) all += length[r] * q[c * line + r];
+    for (int c = WP_TILE_THREAD_IDX; c < columns; c += WP_TILE_BLOCK_DIM)
+        for (int r = 0; r < rows; ++r) {
+            const int m = c * rows + r, e = c * line + r;
+            u[m] = !own ? 0.0 : near[e] + yielded * size[m] * q[e] + ends * length[r] * all;
         }
-        for (int i = 0; i < B && r + i < rows; ++i) {
-            const int m = c * rows + r + i;
-            u[m] = sum[i] + yielded * size[m] * q[e + i];
-        }
-    }
+    WP_TILE_SYNC();
 """)
-def near_field(
+def take_near(
     model: Model,
     elements: Elements,
     w: int,
     pair: int,
     rows: int,
-    patch_near: wp.array3d(dtype=real),
-    patch_pressure: wp.array3d(dtype=real),
+    own: int,
+    ends: real,
+    pressure: wp.array(dtype=real),
+    placed: wp.array(dtype=real),
     area: wp.array3d(dtype=real),
     value: wp.array(dtype=real),
 ): ...
 
 
+# field += displacements of the splines of a side, `rows` in each column, by the far fields of the neighbouring patches,
+# due to the loads on theirs; up to 32 rows at a time, whose sums are kept in eight parts. Lanes over the columns.
+@wp.func_native("""
+    const size_t p = (size_t)w * model.pairs.count * 2, own = p + 2 * pair + side;
+    const int count = far_window.data[2 * own + 1], nodes = elements.patches.far_nodes;
+    const int begin = elements.patches.beside_start.data[2 * pair + side];
+    const int end = elements.patches.beside_start.data[2 * pair + side + 1];
+    const int wide = elements.patches.far_columns_most;
+    WP_TILE_SYNC();
+    for (int d = WP_TILE_THREAD_IDX; d < count; d += WP_TILE_BLOCK_DIM) for (int first = 0; first < rows; first += 32) {
+        const int high = first + 32 < rows ? 32 : rows - first;
+        double sum[32][8], rest[32];
+        for (int k = 0; k < high; ++k) { rest[k] = 0.0; for (int v = 0; v < 8; ++v) sum[k][v] = 0.0; }
+        for (int e = begin; e < end; ++e) {
+            const int other = elements.patches.beside_side.data[e], table = elements.patches.beside_table.data[e];
+            const int r = (other % 2 ? elements.patches.second : elements.patches.first).data[other / 2];
+            const int lines = model.surfaces.rows.data[r], stride = elements.patches.table_source.data[table] * lines;
+            const int columns = far_window.data[2 * (p + other) + 1];
+            const int* const at = beside_at.data + (((size_t)w * beside_at.shape[1] + e) * wide + d) * wide;
+            for (int c = 0; c < columns; ++c) {
+                const double* const f = load.data + (p + other) * nodes + (size_t)c * lines;
+                bool loaded = false;
+                for (int i = 0; i < lines; ++i) loaded |= f[i] != 0.0;
+                if (!loaded || at[c] < 0) continue;
+                const double* const block = elements.patches.beside.data + at[c] + (size_t)first * stride;
+                for (int k = 0; k < high; ++k) {
+                    const double* const x = block + (size_t)k * stride;
+                    int i = 0;
+                    for (; i + 7 < lines; i += 8) for (int v = 0; v < 8; ++v) sum[k][v] += x[i + v] * f[i + v];
+                    if (i + 3 < lines) { for (int v = 0; v < 4; ++v) sum[k][v] += x[i + v] * f[i + v]; i += 4; }
+                    for (; i < lines; ++i) rest[k] += x[i] * f[i];
+                }
+            }
+        }
+        for (int k = 0; k < high; ++k) {
+            const double* const s = sum[k];
+            field.data[own * nodes + (size_t)d * rows + first + k] +=
+                ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7])) + rest[k];
+        }
+    }
+    WP_TILE_SYNC();
+""")
+def add_beside(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    side: int,
+    rows: int,
+    far_window: wp.array4d(dtype=int),
+    beside_at: wp.array3d(dtype=int),
+    load: wp.array(dtype=real),
+    field: wp.array(dtype=real),
+): ...
+
+
 @wp.func
-def beside_field(
-    model: Model, elements: Elements, w: int, pair: int, side: int, rows: int, n: int, patch: PatchScratch
-) -> real:
-    """Displacement of spline n [m] of a side by the far field of the neighbouring patches."""
-    target = turned_column(model, real_side(elements, pair, side), patch.far_window[w, pair, side, 0] + n / rows)
-    value = real(0.0)
-    e = elements.patches.beside_start[2 * pair + side]
-    while target >= 0 and e < elements.patches.beside_start[2 * pair + side + 1]:
-        other = elements.patches.beside_side[e] / 2
-        there = elements.patches.beside_side[e] % 2
-        lines = model.surfaces.rows[real_side(elements, other, there)]
-        table = elements.patches.beside_table[e]
-        stride = elements.patches.table_source[table] * lines
-        loads = half_of(model, elements, w, other, there)
-        c = int(0)
-        while c < patch.far_window[w, other, there, 1]:
-            source = turned_column(model, real_side(elements, other, there), patch.far_window[w, other, there, 0] + c)
-            if source >= 0:
-                at = beside_block(model, elements, table, rows, lines, target, source) + (n % rows) * stride
-                value += dot(lines, elements.patches.beside, at, patch.far_load, loads + c * lines)
-            c += 1
-        e += 1
-    return value
-
-
-@kernel
-def local_cells(run: Run, patch: PatchScratch, geometry: ContactGeometry, fields: ContactFields):
-    """Per (world, pair of family 2), lanes over splines, then cells: weak displacement of both bodies, near field and
-    far field, due to the present pressures."""
-    w, pair, lane = wp.tid()
-    model = run.models[w]
-    if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
-        return
-    elements = model.elements[0]
+def displace_patch(
+    model: Model, elements: Elements, w: int, pair: int, own: int, beside: int, patch: PatchScratch,
+    geometry: ContactGeometry,
+    pressure: wp.array(dtype=real), load: wp.array(dtype=real), field: wp.array(dtype=real),
+    placed: wp.array(dtype=real), value: wp.array(dtype=real),
+):  # fmt: skip
+    """Weak displacement `value` of the cells of a pair by both bodies due to pressures at places and the loads on
+    splines: `own` ones, and those `beside`, of other pairs."""
     for side in range(2):
         s = real_side(elements, pair, side)
         if s >= 0:
@@ -284,22 +337,34 @@ def local_cells(run: Run, patch: PatchScratch, geometry: ContactGeometry, fields
             start = half_of(model, elements, w, pair, side)
             count = patch.far_window[w, pair, side, 1] * rows
             sum_lines(
-                line_of(count), count, patch.far_load, start, patch.far_table, table_at(model, elements, w, pair, side),
-                elements.patches.far_nodes, patch.far_field, start,
+                line_of(count), count * own, load, start, patch.far_table, table_at(model, elements, w, pair, side),
+                elements.patches.far_nodes, field, start,
             )  # fmt: skip
-            n = lane
-            while n < count and elements.patches.touching > 0 and not lags(model, run.ctl, w):
-                value = beside_field(model, elements, w, pair, side, rows, n, patch)
-                patch.far_field[start + n] = patch.far_field[start + n] + value
-                n += wp.block_dim()
+            if beside != 0:
+                add_beside(model, elements, w, pair, side, rows, patch.far_window, patch.beside_at, load, field)
     rows = model.surfaces.rows[model.pairs.first[pair]]
-    near_field(
-        model, elements, w, pair, rows, patch.patch_near, patch.patch_pressure, geometry.area, fields.first_local
-    )
-    sync()
+    if own != 0:
+        multiply_pressures(model, elements, w, pair, patch, pressure, placed)
+    take_near(model, elements, w, pair, rows, own, patch.patch_ends[w, pair], pressure, placed, geometry.area, value)
     add_splines(
         model, elements, w, pair, rows, rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
-        patch.far_strip, patch.far_share, patch.far_field, fields.first_local,
+        patch.far_strip, patch.far_share, field, value,
+    )  # fmt: skip
+    if beside != 0:
+        add_half_space(model, elements, w, pair, patch.patch_between, patch.patch_place, pressure, value)
+
+
+@kernel
+def local_cells(run: Run, patch: PatchScratch, geometry: ContactGeometry, fields: ContactFields):
+    """Per (world, pair of family 2), lanes over splines, then cells: weak displacement of both bodies, near field and
+    far field, due to the present pressures."""
+    w, pair, _lane = wp.tid()
+    model = run.models[w]
+    if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
+        return
+    displace_patch(
+        model, model.elements[0], w, pair, 1, int(model.elements[0].patches.touching > 0), patch, geometry,
+        patch.patch_pressure, patch.far_load, patch.far_field, patch.patch_shift, fields.first_local,
     )  # fmt: skip
 
 

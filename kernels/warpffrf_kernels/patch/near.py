@@ -1,9 +1,9 @@
-r"""The half-space of both bodies under a patch: weak displacement of a cell due to a unit pressure on another one.
+r"""The half-space of both bodies under a patch at any half-width W: levels of tables, and distant ends.
 
-Cells have equal widths, so it depends on the distance in strips and on both rows: a table for every pair at the
-half-widths W of its levels; apart from a power of W it varies slowly,
+The weak displacement of a cell due to a unit pressure on another one is tabulated for every pair, as blocks by
+frequency (`patch.strips`), at the half-widths W of its levels; apart from a power of W it varies slowly,
 
-    near[d, r, r'](W) = W^p sum_l c_l(ln W) table[l, d, r, r'],        c cubic, through the four adjacent levels,
+    K(W) = W^p sum_l c_l(ln W) K_l,        c cubic, through the four adjacent levels,
 
 with p = 2 along a line and 3, exactly, if rows grow with W: then a single level suffices. The contribution of ends far
 from the cells is then a constant, the sum over the ends of strength over distance.
@@ -11,11 +11,8 @@ from the cells is then a constant, the sum over the ends of strength over distan
 
 import warp as wp
 
-from warpffrf_kernels.core.contact_scratch import PatchScratch
-from warpffrf_kernels.core.declaration import kernel
-from warpffrf_kernels.core.model import PATCH, Elements, Model
-from warpffrf_kernels.core.run import Run
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -59,72 +56,3 @@ def end_constant(model: Model, elements: Elements, pair: int, z: real, least: re
         total += elements.patches.end_strength[i] / wp.max(wp.abs(z - elements.patches.end_z[i]), least)
         i += 1
     return total
-
-
-# Sum of the levels of the table, LINE numbers of a line at a time; target rows are padded with zeros. Native for
-# contiguous inner loops.
-@wp.func_native("""
-    const int B = WP_TILE_BLOCK_DIM > 1 ? 1 : 8, line = (rows + 7) / 8 * 8, size = columns * rows * rows;
-    const double c0 = c[0], c1 = c[1], c2 = c[2], c3 = c[3];
-    const double* const length = elements.patches.row_length.data + elements.patches.row_start.data[pair];
-    double* const out = patch_near.data + ((size_t)w * model.pairs.count + pair) * patch_near.shape[2];
-    for (int e = B * WP_TILE_THREAD_IDX; e < columns * rows * line; e += B * WP_TILE_BLOCK_DIM) {
-        const int r = e % line, count = r + B < rows ? B : rows - r;
-        const double* const t = elements.patches.near.data + start + (size_t)(e / line) * rows + r;
-        double sum[8] = {0.0};
-        if (levels == 1) for (int i = 0; i < count; ++i) sum[i] = c0 * t[i];
-        else if (count == 8) {
-            for (int i = 0; i < 8; ++i)
-                sum[i] = c0 * t[i] + c1 * t[size + i] + c2 * t[2 * size + i] + c3 * t[3 * size + i];
-        } else for (int i = 0; i < count; ++i)
-            sum[i] = c0 * t[i] + c1 * t[size + i] + c2 * t[2 * size + i] + c3 * t[3 * size + i];
-        if (ends != 0.0) {
-            const double loaded = ends * length[e / line % rows];
-            for (int i = 0; i < count; ++i) sum[i] += loaded * length[r + i];
-        }
-        for (int i = 0; i < B; ++i) out[e + i] = sum[i];
-    }
-""")
-def sum_levels(
-    model: Model,
-    elements: Elements,
-    w: int,
-    pair: int,
-    rows: int,
-    columns: int,
-    start: int,
-    levels: int,
-    c: wp.vec4d,
-    ends: real,
-    patch_near: wp.array3d(dtype=real),
-): ...
-
-
-@kernel
-def lay_near(run: Run, patch: PatchScratch):
-    """Per (world, pair of family 2), lanes over entries: the table at the W of the attempt, unless it is that of
-    `patch_laid`."""
-    w, pair, lane = wp.tid()
-    model = run.models[w]
-    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
-        return
-    elements = model.elements[0]
-    width = patch.patch_place[w, pair, 2]
-    ends = real(0.0)
-    if elements.patches.follows[pair] != 0:
-        ends = end_constant(model, elements, pair, patch.patch_place[w, pair, 1], width * elements.patches.aspect[pair])
-    if patch.patch_laid[w, pair, 0] == width and patch.patch_laid[w, pair, 1] == ends:
-        return
-    rows = model.surfaces.rows[model.pairs.first[pair]]
-    columns = elements.patches.columns[pair]
-    scale = wp.pow(width, elements.patches.near_power[pair])
-    start = elements.patches.near_start[pair] + first_level(elements, pair, width) * columns * rows * rows
-    strip = real(2.0) * width / real(columns)
-    sum_levels(
-        model, elements, w, pair, rows, columns, start, wp.min(elements.patches.near_levels[pair], 4),
-        scale * level_shares(elements, pair, width), ends * strip * width * strip * width, patch.patch_near,
-    )  # fmt: skip
-    sync()
-    if lane == 0:
-        patch.patch_laid[w, pair, 0] = width
-        patch.patch_laid[w, pair, 1] = ends

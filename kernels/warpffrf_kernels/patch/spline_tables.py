@@ -152,8 +152,6 @@ def lay_splines(run: Run, patch: PatchScratch):
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
-    if lane == 0:
-        patch.far_answered[w, pair] = 0
     lines = model.surfaces.rows[model.pairs.first[pair]]
     for side in range(2):
         s = real_side(elements, pair, side)

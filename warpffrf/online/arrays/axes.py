@@ -69,9 +69,13 @@ NAMES = {
     "patch_pair": "pairs, in scenes with patches of cells",
     "patch_cell": "cells of a patch: as many as nodes, in scenes with such patches",
     "patch_row": "rows of a patch, largest number",
-    "patch_slot": "active cells",
     "far_spline": "splines of a far window",
+    "patch_slot": "active cells",
+    "matrix_patch": "pairs, if some are patches with a matrix",
     "near_number": "numbers of the near field of a patch",
+    "beside_block": "pairs of columns of splines under two patches, largest number",
+    "patch_strip_number": "numbers of a product over strips",
+    "patch_spectrum_number": "numbers of the blocks by frequency of a patch",
     "beside_patch": "patches, one for each other patch on the same body",
     "between_place": "pairs of rows of two patches",
     "patch_column": "strips of a patch, largest number",
@@ -203,7 +207,6 @@ NAMES = {
             "slip_speed_entry",
             "patch_row_entry",
             "patch_end_entry",
-            "near_entry",
             "far_entry",
             "knot_entry",
             "far_mode_entry",
@@ -212,6 +215,8 @@ NAMES = {
             "wave_entry",
             "spectrum_entry",
             "inverse_entry",
+            "shear_spectrum_entry",
+            "shear_inverse_entry",
             "far_tangent_entry",
             "sheared_entry",
             "turned_entry",
@@ -232,8 +237,9 @@ NAMES = {
     "projected_retained": "retained unknowns, if velocities are projected",
     "layer_slot": "active nodes, in scenes with layers of variable compliance",
     "layer_retained": "retained unknowns there",
-    "slot_beside": "active nodes, if pairs are coupled by local modes",
-    "retained_beside": "retained unknowns there",
+    "dense_slot": "active nodes, if pressures are at nodes",
+    "krylov_slot": "active nodes, if pairs are coupled by local modes or pressures are on contact-fixed cells",
+    "krylov_retained": "retained unknowns there",
     "friction_retained": "retained unknowns, in scenes with friction",
     "adaptive_world": "worlds, if steps follow an allowed local error",
     "line_pair": "pairs with gaps along the line of centres",
@@ -242,7 +248,7 @@ NAMES = {
     "few_pair": "pairs of the line of centres with a list of points",
     "node_pair": "pairs with pressures at nodes of the first grid",
     "patch_beside": "active cells, if several patches are on a body",
-    "pair_beside": "pairs, if several load a body",
+    "pair_beside": "pairs, if several load a body and some have pressures at nodes",
 }
 
 
@@ -261,6 +267,7 @@ def sizes_of(
     )
     grid_node, node = m.window.grid_nodes, m.window.nodes
     families, counts = m.pairs.family.numpy()[:P], m.points.count.numpy()[:P]
+    matrices = bool(((families == PATCH) & (m.pairs.matrix.numpy()[:P] > 0)).any())
     rubs = m.pairs.friction.numpy()[:P] > 0.0
     stations = (m.window.rows - 1) * m.quadrature.z_points
     rubbing = bool(m.capacity.cells)
@@ -297,10 +304,13 @@ def sizes_of(
         "share": m.window.share_columns * m.window.share_rows,
         "patch_pair": P if patched else 0, "patch_cell": grid_node if patched else 0,
         "patch_beside": S if elements.patches.touching else 0,
-        "beside_patch": elements.patches.touching, "between_place": m.window.rows**2 if patched else 0,
+        "beside_patch": elements.patches.touching, "beside_block": elements.patches.far_columns_most**2,
+        "between_place": m.window.rows**2 if patched else 0,
         "patch_row": m.window.rows if patched else 0, "patch_slot": S if patched else 0,
         "far_spline": elements.patches.far_nodes if patched else 0,
-        "near_number": elements.patches.places * m.window.rows if patched else 0,
+        "matrix_patch": P if matrices else 0, "near_number": elements.patches.places * m.window.rows if matrices else 0,
+        "patch_strip_number": elements.patches.strip_numbers,
+        "patch_spectrum_number": elements.patches.spectrum_numbers,
         "patch_column": m.window.columns if patched else 0, "patch_place": elements.patches.places,
         "patch_mode": m.pairs.most_modes if patched else 0,
         "rolling_pair": P if rolls else 0, "rolling_cell": grid_node if rolls else 0,
@@ -327,11 +337,13 @@ def sizes_of(
         "stiffened_row": rows if compiled.stiffened else 0,
         "projected_row": rows if projected else 0, "projected_retained": retained if projected else 0,
         "layer_slot": S if layered else 0, "layer_retained": retained if layered else 0,
-        "slot_beside": S if beside else 0, "retained_beside": retained if beside else 0,
+        "krylov_slot": S if beside or patched else 0, "krylov_retained": retained if beside or patched else 0,
+        "dense_slot": S if m.pairs.dense else 0,
         "friction_retained": retained if rubbing else 0, "adaptive_world": worlds if adaptive else 0,
         "line_pair": int((families == LINE_OF_CENTRES).sum()), "point_pair": int((families == AT_POINTS).sum()),
         "node_pair": int((families != PATCH).sum()), "grid_rubbing": int(((families != PATCH) & rubs).sum()),
-        "few_pair": int(((families == LINE_OF_CENTRES) & (counts > 0)).sum()), "pair_beside": P if beside else 0,
+        "few_pair": int(((families == LINE_OF_CENTRES) & (counts > 0)).sum()),
+        "pair_beside": P if beside and (families != PATCH).any() else 0,
     }  # fmt: skip
 
 

@@ -34,6 +34,7 @@ from warpffrf_kernels.kinematics.line_of_centres import GUARD
 
 LEAST_CROWN = 1.0  # radii: below, the drop of the crown along the width is not small
 SOFT, SOFT_STRAIN = 2e8, 0.3  # Pa, of elastomers: half of their default window over the effective radius
+MATRIX_CELLS = 400  # of a patch: above, iterations cost less than factors, even where these are kept (bench/README.md)
 SKEW = 0.02  # rad between the axes: the line of centres drops terms of the order of its square, 4e-4
 
 
@@ -100,8 +101,14 @@ def fill_pairs(collector: Collector, m: Model) -> None:
             f"scene: a node of a contact's first grid overlaps {stencil[0]} x {stencil[1]} nodes of the second, at "
             f"most {k.MOST_STENCIL}: swap the two surfaces, or give the second a coarser grid, ContactGrid(spacing=)"
         )
+    matrix = [
+        # tractions need the receptance of the retained coordinates with pressures eliminated exactly
+        int(plan is None or pair.contact.friction.acts or plan.columns * len(plan.z) <= MATRIX_CELLS)
+        for pair, plan in zip(pairs, plans, strict=True)
+    ]
     collector.fill(
         m.pairs, first=collector.sides[::2], second=collector.sides[1::2], family=families, group=_groups(pairs),
+        matrix=matrix, dense=int(any(matrix)), matrix_free=int(not all(matrix)),
         most_modes=pair_modes, coupled_capacity=most_coupled, coupled_count=[len(c) for c in coupled],
         coupled=[c + [0] * (most_coupled - len(c)) for c in coupled],
     )  # fmt: skip

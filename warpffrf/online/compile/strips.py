@@ -1,10 +1,10 @@
-r"""Tables of the products by strips -> device (kernels of `rolling.strips`): the compliance K of the tractions by the
-half-spaces, and the preconditioner W, as blocks by frequency.
+r"""Tables of the products by strips -> device (kernels of `patch.strips`): the compliance K of pressures, and that of
+tractions, by the half-spaces, and their preconditioners W, as blocks by frequency.
 
 Cells have equal widths, so K depends on the distance in strips d = c - c' and on two rows, in any way: K is block
 Toeplitz. A discrete Fourier transform along the strips, of length L >= 2 columns - 1, makes it block diagonal. The
-kinds (`rolling.shear`) are even in d, or odd where e_1 and tau_2, or e_2 and tau_1 meet; so with component 1 divided by
-i every block is real and symmetric,
+kinds (pressures; `rolling.shear`) are even in d, or odd where e_1 and tau_2, or e_2 and tau_1 meet; so with component 1
+of tractions divided by i every block is real and symmetric,
 
     M_k = sum_d cos(omega_k d) K_d    (even),      +- sum_d sin(omega_k d) K_d    (odd),      omega_k = 2 pi k/L.
 
@@ -52,19 +52,22 @@ def wave_tables(columns: int, length: int) -> Array:
     return np.stack([cosine, sine, weight * cosine, weight * sine])
 
 
+def transformed(kinds: Array, length: int, *, odd: bool = False) -> Array:
+    """sum_d cos(omega_k d) K_d, or sines where K is odd in d, of K (distances, i, j) -> (frequencies, i, j)."""
+    reach = len(kinds) - 1
+    angle = np.outer(2.0 * np.pi * np.arange(length // 2 + 1) / length, np.arange(reach + 1))
+    twice = np.where(np.arange(reach + 1) > 0, 2.0, 1.0)
+    if length % 2 == 0 and reach == length // 2:
+        twice[-1] = 1.0  # both distances of half a period are the same cell
+    return np.einsum("kd,dij->kij", twice * (np.sin(angle) if odd else np.cos(angle)), kinds)
+
+
 def blocks(table: Array, rings: int, length: int, reach: int) -> Array:
     """M_k (frequencies, 2 rows, 2 rows) of a table (kinds, strips, loaded rows, receiving rows) of `rolling.shear`, by
     the distances up to `reach`; lines displace, columns load."""
     rows = table.shape[2]
     kinds = np.swapaxes(table[:3, : reach + 1, :, rings : rings + rows], 2, 3)  # (kind, d, displaced, loaded)
-    omega = 2.0 * np.pi * np.arange(length // 2 + 1) / length
-    angle = np.outer(omega, np.arange(reach + 1))
-    twice = np.where(np.arange(reach + 1) > 0, 2.0, 1.0)
-    if length % 2 == 0 and reach == length // 2:
-        twice[-1] = 1.0  # both distances of half a period are the same cell
-    even, odd = twice * np.cos(angle), twice * np.sin(angle)
-    along, across = (np.einsum("kd,dij->kij", even, kinds[n]) for n in (0, 1))
-    both = np.einsum("kd,dij->kij", odd, kinds[2])
+    along, across, both = (transformed(kinds[n], length, odd=n == 2) for n in range(3))
     return np.block([[along, -both], [both, across]])
 
 
@@ -75,32 +78,60 @@ def inverted(M: Array) -> Array:
     return np.einsum("kij,kj,klj->kil", vector, 1.0 / value, vector)
 
 
-def padded(M: Array, line: int) -> Array:
-    """(frequencies, loaded, displaced), both components filled up to `line` rows."""
-    rows = M.shape[1] // 2
-    out = np.zeros((len(M), 2, line, 2, line))
-    out[:, :, :rows, :, :rows] = np.swapaxes(M, 1, 2).reshape(len(M), 2, rows, 2, rows)
-    return out.reshape(len(M), 2 * line, 2 * line)
+def padded(M: Array, line: int, components: int) -> Array:
+    """(frequencies, loaded, displaced), all components filled up to `line` rows."""
+    rows = M.shape[1] // components
+    out = np.zeros((len(M), components, line, components, line))
+    out[:, :, :rows, :, :rows] = np.swapaxes(M, 1, 2).reshape(len(M), components, rows, components, rows)
+    return out.reshape(len(M), components * line, components * line)
 
 
-def strip_tables(levels: Array, columns: int, rings: int, line: int) -> tuple[Array, Array, Array]:
-    """Of the levels of a pair (levels, kinds, strips, loaded rows, receiving rows): its wave tables, those of K before
-    those of W; the blocks of K by level; by level the diagonal of W, padded, and its blocks."""
-    length, period = 2 * columns, int(LONGER * columns) + MORE
-    waves = [wave_tables(columns, length), wave_tables(columns, period)]
-    reach = min(period // 2, columns + RINGS - 1)
-    K = np.stack([padded(blocks(table, rings, length, columns - 1), line) for table in levels])
-    W = np.stack([padded(inverted(blocks(table, rings, period, reach)), line) for table in levels])
+def waves(columns: int) -> Array:
+    """The wave tables of a pair, those of K before those of W."""
+    return np.concatenate([wave_tables(columns, length).ravel() for length in (2 * columns, period_of(columns))])
+
+
+def period_of(columns: int) -> int:
+    """L of the preconditioner."""
+    return int(LONGER * columns) + MORE
+
+
+def with_diagonals(W: Array, period: int) -> Array:
+    """(levels, numbers): by level the diagonal of W (levels, frequencies, n, n), and W."""
     own = np.einsum("k,lkii->li", weights(period), W)
-    return np.concatenate([t.ravel() for t in waves]), K, np.concatenate([own, W.reshape(len(W), -1)], axis=1)
+    return np.concatenate([own, W.reshape(len(W), -1)], axis=1)
+
+
+def pressure_tables(table: Array, line: int) -> tuple[Array, Array]:
+    """Of the near table of a pair (levels, strips, rows, rows): the blocks of K by level; W with its diagonal."""
+    columns = table.shape[1]
+    period = period_of(columns)
+    near = table[:, : min(period // 2, columns - 1) + 1]
+    K = np.stack([padded(transformed(level, 2 * columns), line, 1) for level in table])
+    W = np.stack([padded(inverted(transformed(level, period)), line, 1) for level in near])
+    return K, with_diagonals(W, period)
+
+
+def strip_tables(levels: Array, columns: int, rings: int, line: int) -> tuple[Array, Array]:
+    """The same of tractions, `levels` (levels, kinds, strips, loaded rows, receiving rows)."""
+    period = period_of(columns)
+    reach = min(period // 2, columns + RINGS - 1)
+    K = np.stack([padded(blocks(table, rings, 2 * columns, columns - 1), line, 2) for table in levels])
+    W = np.stack([padded(inverted(blocks(table, rings, period, reach)), line, 2) for table in levels])
+    return K, with_diagonals(W, period)
+
+
+def product_numbers(columns: int, line: int, components: int) -> int:
+    """Numbers that a product needs."""
+    return components * line * (2 * ((columns + 1) // 2) + 4 * (columns + 1))
 
 
 class StripTables:
-    """The tables of all pairs of a scene, pair by pair; none unless `present`."""
+    """The tables of the tractions of all pairs of a scene, pair by pair; none unless `present`."""
 
     def __init__(self, *, present: bool) -> None:
         self.present = present
-        self._found: dict[str, list[Array]] = {"wave": [], "spectrum": [], "inverse": []}
+        self._found: dict[str, list[Array]] = {"spectrum": [], "inverse": []}
         self._start: dict[str, list[int]] = {name: [] for name in self._found}
         self._numbers = self._blocks = 0
 
@@ -123,11 +154,11 @@ class StripTables:
         self.skip()
         if not self.present:
             return
-        wave, spectrum, inverse = strip_tables(levels, columns, rings, line)
-        for name, table in (("wave", wave), ("spectrum", spectrum), ("inverse", inverse)):
-            self._found[name].append(table.ravel())
+        spectrum, inverse = strip_tables(levels, columns, rings, line)
+        self._found["spectrum"].append(spectrum.ravel())
+        self._found["inverse"].append(inverse.ravel())
         self._blocks = max(self._blocks, spectrum[0].size)
-        self._numbers = max(self._numbers, 2 * line * (2 * ((columns + 1) // 2) + 4 * (columns + 1)))
+        self._numbers = max(self._numbers, product_numbers(columns, line, 2))
 
     def arrays(self) -> dict[str, Any]:
         """What `Rolling` has of them."""

@@ -15,7 +15,6 @@ from warpffrf_kernels.kinematics import (
     windows,
 )
 from warpffrf_kernels.normal import (
-    between_pairs,
     compliance_reuse,
     contact_assembly,
     contact_compliance,
@@ -23,13 +22,15 @@ from warpffrf_kernels.normal import (
     contact_record,
     contact_solve,
     pair_elimination,
+    pressure_solve,
 )
-from warpffrf_kernels.patch import between, cells, fields, near, place, spline_tables, system
+from warpffrf_kernels.patch import between, cells, fields, modal_rows, place, spline_tables, strips, system
 from warpffrf_kernels.step import missed_contact
 
-BESIDE = "pair_beside"  # bodies that are loaded by several pairs
+NODES_BESIDE = "pair_beside"  # bodies that are loaded by several pairs, some of which have nodes
 LINE, POINT, FEW = "line_pair", "point_pair", "few_pair"  # families of kinematics
 TOUCHING = "patch_beside"  # several of these on one body
+MATRIX = "matrix_patch"  # small patches, with a matrix
 PATCH = "patch_pair"  # pressures on contact-fixed cells
 GRID_NODES = "node_pair"  # pressures at the nodes of the first grid
 STEP = {"amplitude": "modal_step", "of_state": 0, "first_field": "first_step", "second_field": "second_step"}
@@ -37,7 +38,7 @@ STEP = {"amplitude": "modal_step", "of_state": 0, "first_field": "first_step", "
 CONTACT = Participant(
     "contact",
     when="pair",
-    begin=[blocks(impulsive_contact.begin_contact), threads(compliance_reuse.begin_rows, when=PATCH)],
+    begin=[blocks(impulsive_contact.begin_contact), threads(compliance_reuse.begin_rows, when=MATRIX)],
     locate=[
         threads(line_of_centres.locate, "pair", when=LINE),
         threads(closest_point.locate_points, "pair", when=POINT),
@@ -51,7 +52,7 @@ CONTACT = Participant(
         blocks(cells.hold_rows, "pair", when=PATCH),
         blocks(cells.sample_cells, "pair", when=PATCH, weak_gap="shifted_gap"),
         threads(cells.open_far_windows, "pair", when=PATCH),
-        blocks(near.lay_near, "pair", when=PATCH),
+        blocks(strips.lay_spectrum, "pair", when=PATCH),
         blocks(between.lay_between, "pair", when=TOUCHING),
         blocks(spline_tables.lay_splines, "pair", when=PATCH),
     ],
@@ -71,10 +72,8 @@ CONTACT = Participant(
         blocks(contact_fields.local_fields, "pair", when=GRID_NODES),
         blocks(fields.load_splines, "pair", when=PATCH),
         blocks(fields.local_cells, "pair", when=PATCH),
-        blocks(between.add_between, "pair", when=TOUCHING),
     ],
     close=[
-        blocks(between.keep_beside, "pair", when=TOUCHING),
         blocks(contact_fields.close_gaps, "pair"),
         blocks(contact_fields.load_modes, "pair", when=GRID_NODES),
         blocks(fields.load_modes, "pair", when=PATCH),
@@ -85,32 +84,28 @@ CONTACT = Participant(
     assemble_compliance=[
         blocks(impulsive_contact.compare_receptances, when="dynamic_mode"),
         threads(contact_compliance.take_slots),
-        threads(compliance_reuse.note_rows, "pair", when=PATCH),
+        threads(compliance_reuse.note_rows, "pair", when=MATRIX),
         blocks(contact_compliance.respond, when=GRID_NODES),
         blocks(contact_compliance.modal_rows, when=GRID_NODES),
-        blocks(system.answer_splines, "pair", when=PATCH),
-        blocks(system.assemble_cells, when=PATCH),
+        blocks(modal_rows.load_modes_of_cells, "pair", when=PATCH),
+        blocks(modal_rows.modal_rows_of_cells, when=PATCH),
+        blocks(system.answer_splines, "pair", when=MATRIX),
+        blocks(system.assemble_cells, when=MATRIX),
         blocks(contact_assembly.assemble, when=GRID_NODES),
-        blocks(contact_assembly.assemble_between, when=BESIDE),
-        blocks(system.assemble_patches_beside, when=TOUCHING),
+        blocks(contact_assembly.assemble_between, when=NODES_BESIDE),
     ],
     condense=[blocks(contact_compliance.retained_rows)],
     solve_normal=[
         threads(pair_elimination.order_slots),
         blocks(pair_elimination.eliminate_pairs, "pair"),
-        blocks(pair_elimination.pose_pressures),
-        blocks(pair_elimination.solve_pressures),
-        blocks(between_pairs.solve_between, when=BESIDE),
+        blocks(pressure_solve.pose_pressures),
+        blocks(pressure_solve.solve_pressures),
     ],
     back_substitute=[
         blocks(contact_fields.modal_fields, "pair", when=GRID_NODES, **STEP),
         blocks(fields.modal_cells, "pair", when=PATCH, amplitude="modal_step", of_state=0, first_field="first_step"),
     ],
-    correct=[
-        blocks(between.add_kept, "pair", when=TOUCHING),
-        blocks(contact_solve.correct_set, "pair"),
-        threads(contact_solve.accept_set),
-    ],
+    correct=[blocks(contact_solve.correct_set, "pair"), threads(contact_solve.accept_set)],
     finish=[blocks(impulsive_memory.finish_rates)],
     judge=[
         threads(missed_contact.refuse_leaps_of_pairs),
@@ -120,7 +115,7 @@ CONTACT = Participant(
     keep=[
         blocks(impulsive_memory.keep_memory, "pair"),
         threads(place.keep_change, "pair", when=PATCH),
-        threads(compliance_reuse.keep_rows, when=PATCH),
+        threads(compliance_reuse.keep_rows, when=MATRIX),
     ],
     measure=[
         threads(contact_record.sum_second, "pair", when=LINE),

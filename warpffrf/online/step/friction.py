@@ -69,6 +69,7 @@ RUB = [
     blocks(traction_solve.solve_tractions, **LIMITS),
     blocks(slip_speed.split_tractions, when=SPEED),
     blocks(fields.open_by_change, "pair", when=ROLLING),
+    blocks(pressure_response.pose_answer),
     blocks(pressure_response.press_with_tractions),
     threads(slip_speed.keep_following, when=SPEED),
     *bounds(0),

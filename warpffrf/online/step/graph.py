@@ -55,6 +55,10 @@ class Parts(ABC):
         """The contact part of `evaluate`."""
         self.program.run(phases.CONTACT)
 
+    def displace(self) -> None:
+        """Displacements by local modes due to the present contact pressures."""
+        self.program.run(("displace",))
+
     def assemble(self) -> None:
         """The retained matrix and its right-hand side, from the last `evaluate`."""
         self.program.run(("assemble",))

@@ -57,6 +57,7 @@ from warpffrf.online.start.motions import gradients
 from warpffrf.online.vibrations import stuck_contacts
 from warpffrf.online.vibrations.film_system import GAP_STEP, FilmSystem, film_systems, smallest_gap
 from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.model import PATCH
 
 Array = np.ndarray
 LENGTH_STEP = 1e-5  # m, rad: fourth-order error 1e-12 at lengths of 10 mm, round-off 1e-11 of the forces per m
@@ -368,12 +369,38 @@ def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
                 L[slot, 6 * body : 6 * body + 6] += local[slot, 6 * side : 6 * side + 6]
             L[slot, 6 * probe.bodies + first : 6 * probe.bodies + first + size] += J[slot, at : at + size]
             at += size
-    G = x.G.numpy()[0, :count, :count]
-    if not m.pairs.beside:  # G has blocks between pairs only where local modes couple them
-        G = np.where(slot_pair[:, None] == slot_pair, G, 0.0)
+    G = _local_compliance(probe, count)
     if probe.engine.compiled.elements.layers.count:
         G = G + slot_flexibility(probe.engine.compiled, x, count)
     return L.T @ np.linalg.solve(0.5 * (G + G.T), L), count
+
+
+def _local_compliance(probe: _Probe, count: int) -> Array:
+    """G (count, count) [m^3/Pa] of the active slots: of nodes the matrix of the kernels, of cells the displacements due
+    to unit pressures.
+    """
+    m, x, s = probe.model, probe.scratch, probe.state
+    G = np.zeros((count, count))
+    pairs, at = x.slot_node.numpy()[0, :count].T
+    on_cells = m.pairs.family.numpy()[pairs] == PATCH
+    if m.pairs.dense:
+        G = np.where(on_cells[:, None] | on_cells, 0.0, x.G.numpy()[0, :count, :count])
+        if not m.pairs.beside:  # it has blocks between pairs only where local modes couple them
+            G = np.where(pairs[:, None] == pairs, G, 0.0)
+    if not np.any(on_cells):
+        return G
+    before, words = s.pressure.numpy(), s.ctl.numpy().copy()
+    words["run"] = 1
+    s.ctl.assign(words)
+    for slot in np.flatnonzero(on_cells):
+        unit = np.zeros_like(before)
+        unit[0, pairs[slot], at[slot]] = 1.0
+        s.pressure.assign(unit)
+        probe.engine.graph.displace()
+        shift = x.first_local.numpy()[: unit[0].size].reshape(unit[0].shape)
+        G[on_cells, slot] = shift[pairs[on_cells], at[on_cells]]
+    s.pressure.assign(before)
+    return G
 
 
 def _coordinates(probe: _Probe) -> tuple[Array, Array, Array, Array, list[str], bool]:

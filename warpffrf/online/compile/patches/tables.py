@@ -16,8 +16,8 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.online.compile.patches.plan import PatchPlan, radius_of, relative_curvatures
 from warpffrf.online.compile.patches.several import fill_beside
+from warpffrf.online.compile.strips import pressure_tables, product_numbers, waves
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.normal.lagged import PATCHES_ALONE
 from warpffrf_kernels.patch.spline_tables import LINE
 
 Array = np.ndarray
@@ -128,15 +128,19 @@ def fill_patches(collector: Any, m: Model) -> None:
     plans, contacts = collector.patches, collector.scene.finite_sliding
     per_pair: dict[str, list] = {
         name: [] for name in ("columns", "first", "second", "curvature", "follows", "aspect", "middle", "least_width",
-                              "most_width", "begins", "span", "layer", "row_start", "near_start", "near_levels",
+                              "most_width", "begins", "span", "layer", "row_start", "wave_start", "spectrum_start",
+                              "inverse_start", "near_levels",
                               "near_first", "near_step", "near_power", "end_start")
     }  # fmt: skip
-    z, length, near, end_z, strength = [np.zeros(0)], [np.zeros(0)], [np.zeros(0)], [], []
+    z, length, end_z, strength = [np.zeros(0)], [np.zeros(0)], [], []
+    blocks: dict[str, list[Array]] = {name: [np.zeros(0)] for name in ("wave", "spectrum", "inverse")}
+    of_table: dict[bytes, dict[str, int]] = {}  # equal pairs share theirs
+    spectrum_numbers = strip_numbers = 0
     for i, contact in enumerate(contacts):
         plan = plans.get(i)
         sides = [collector.surfaces[s].surface for s in collector.sides[2 * i : 2 * i + 2]]
         values = dict.fromkeys(per_pair, 0)
-        values |= {"row_start": sum(map(len, z)), "near_start": sum(map(len, near)), "end_start": len(end_z)}
+        values |= {"row_start": sum(map(len, z)), "end_start": len(end_z)}
         if plan is not None:
             first, second = (side.number for side in sides)
             values |= {
@@ -149,7 +153,15 @@ def fill_patches(collector: Any, m: Model) -> None:
             }  # fmt: skip
             z.append(plan.z)
             length.append(plan.length)
-            near.append(plan.table.ravel())
+            line, key = filled(len(plan.z)), plan.table.tobytes()
+            if key not in of_table:
+                of_table[key] = {f"{name}_start": sum(map(len, found)) for name, found in blocks.items()}
+                spectrum, inverse = pressure_tables(plan.table, line)
+                for name, table in (("wave", waves(plan.columns)), ("spectrum", spectrum), ("inverse", inverse)):
+                    blocks[name].append(table.ravel())
+                spectrum_numbers = max(spectrum_numbers, spectrum[0].size)
+                strip_numbers = max(strip_numbers, product_numbers(plan.columns, line, 1))
+            values |= of_table[key]
             end_z += [at for at, _ in plan.ends]
             strength += [value for _, value in plan.ends]
         for name, value in values.items():
@@ -159,7 +171,7 @@ def fill_patches(collector: Any, m: Model) -> None:
         name: [] for name in ("far_start", "far_sectors", "far_columns", "column_knots", "row_knots", "mode_start")
     }
     operators, knots, modes = [np.zeros(0)], [np.zeros(0)], [np.zeros(0)]
-    far_of, nodes = [], LINE
+    far_of, nodes, fewest_rows = [], LINE, LINE
     for body, _, surface in collector.surfaces:
         if not plans or not isinstance(surface, ContactSurface) or surface.far is None:
             far_of.append(-1)
@@ -183,25 +195,27 @@ def fill_patches(collector: Any, m: Model) -> None:
         radius = float(np.min(surface.shape.radius_at(np.asarray(grid.z))))
         columns = min(int(np.ceil(2.0 * widest / (grid.pitch * radius))) + FAR_COLUMNS, splines.turn or grid.columns)
         nodes = max(nodes, filled(max(columns, TAPS) * grid.rows))
+        fewest_rows = min(fewest_rows, grid.rows)
     places = max((plan.columns * filled(len(plan.z)) for plan in plans.values()), default=0)
     beside = fill_beside(collector)
     if beside["beside_side"]:
-        apart = m.pairs.beside or collector.elements.layers.count or m.modes.dynamic_count
-        m.pairs.beside = 1 if apart else int(PATCHES_ALONE)
+        m.pairs.beside = 1
     collector.fill(
-        collector.elements.patches, **beside, count=len(plans), touching=len(beside["beside_side"]),
-        lasting=int(_rows_stand(collector, m)), far_nodes=nodes, places=places, **per_pair, **far, far_of=far_of,
-        row_z=np.concatenate(z), row_length=np.concatenate(length), near=np.concatenate(near), end_z=end_z,
-        end_strength=strength, far=np.concatenate(operators), knot=np.concatenate(knots), mode=np.concatenate(modes),
+        collector.elements.patches, **beside, count=len(plans), touching=len(beside["beside_side"]), far_nodes=nodes,
+        far_columns_most=nodes // fewest_rows, lasting=int(_rows_stand(collector, m)), places=places, **per_pair, **far,
+        far_of=far_of, row_z=np.concatenate(z), row_length=np.concatenate(length), end_z=end_z, end_strength=strength,
+        spectrum_numbers=spectrum_numbers, strip_numbers=strip_numbers,
+        **{name: np.concatenate(found) for name, found in blocks.items()}, far=np.concatenate(operators),
+        knot=np.concatenate(knots), mode=np.concatenate(modes),
     )  # fmt: skip
 
 
 def _rows_stand(collector: Any, m: Model) -> bool:
-    """Whether rows of the local compliance may be kept from step to step: all pairs on contact-fixed grids, which
-    depend only on their own pressures, with constant coefficients.
+    """Whether rows of the local compliance may be kept from step to step: all pairs on contact-fixed grids with a
+    matrix, which depend only on their own pressures, with constant coefficients.
     """
     alone = not (m.capacity.cells or collector.elements.layers.count or m.modes.dynamic_count or m.pairs.beside)
-    return alone and 0 < len(collector.patches) == len(collector.scene.finite_sliding)
+    return alone and 0 < len(collector.patches) == len(collector.scene.finite_sliding) and not m.pairs.matrix_free
 
 
 def _spline_modes(body: Body | Ground, collector: Any, surface: ContactSurface) -> Array:

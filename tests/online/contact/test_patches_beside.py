@@ -1,4 +1,4 @@
-"""Patches on one body, one of them hardly loaded: what they do to each other lags, and all comes out the same."""
+"""Patches on one body, one of them hardly loaded, with and without a matrix of their pressures."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.online import History, run
-from warpffrf.online.compile.patches import tables as patches
+from warpffrf.online.compile import pairs
 
 STEEL = wf.Material(210e9, 0.3, 7850.0)
 LOAD, IDLE = 2e4, 5.0  # N
@@ -42,18 +42,33 @@ def thrown_back(ring: wf.ReducedBody, apart: float) -> History:
 
 
 @pytest.mark.parametrize("apart", [0.5, 0.25])
-def test_lagged_blocks_change_no_result(ring: wf.ReducedBody, apart: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Against the same run with the blocks between the patches in its matrix."""
-    lagged = thrown_back(ring, apart)
-    monkeypatch.setattr(patches, "PATCHES_ALONE", 1)
-    assembled = thrown_back(ring, apart)
-    assert lagged.status == assembled.status == "completed", lagged.message
-    thrown = np.linalg.norm(list(lagged.contacts.values())[1].force, axis=-1)
+def test_pressures_need_no_matrix(ring: wf.ReducedBody, apart: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Eliminated by their matrix, and iterated with products over strips; both with what patches do to each other."""
+    eliminated = thrown_back(ring, apart)
+    monkeypatch.setattr(pairs, "MATRIX_CELLS", 0)
+    iterated = thrown_back(ring, apart)
+    assert eliminated.status == iterated.status == "completed", iterated.message
+    thrown = np.linalg.norm(list(iterated.contacts.values())[1].force, axis=-1)
     assert thrown[-1] > 0.0 and thrown.min() == 0.0  # it comes back as an idle pair: the weights have differed
-    assert lagged.counters["rejected_steps"] == lagged.counters["impulsive_steps"] == 0  # nor is it judged
-    for name in lagged.contacts:
-        force = lagged.contacts[name].force - assembled.contacts[name].force
+    assert iterated.counters["rejected_steps"] == iterated.counters["impulsive_steps"] == 0  # nor is it judged
+    for name in iterated.contacts:
+        force = iterated.contacts[name].force - eliminated.contacts[name].force
         assert np.abs(force).max() < BALANCED * LOAD
+
+
+def test_small_motions_need_no_matrix(ring: wf.ReducedBody, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Frequencies of a roller pressed on the ring: the local compliance of cells is found by unit pressures."""
+    scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
+    held = scene.add_body(ring, name="ring")
+    scene.add(wf.joints.Fixed(scene.ground, held["bore"]))
+    tread = wf.surfaces.Cylinder(radius=0.02, axis_point=(0.0, 0.0, 0.0), axis_direction=(0.0, 1.0, 0.0))
+    roller = scene.add_rigid_body(0.1, (1e-5,) * 3, name="roller", position=(0, 0, 0.07), surfaces={"tread": tread})
+    scene.add(wf.joints.Prismatic(scene.ground, roller.at((0.0, 0.0, 0.0)), axis=(0, 0, 1)))
+    scene.add(wf.Contact(held["rim"], roller["tread"], cells=(9, 5)))
+    scene.add(wf.forces.PointForce(roller.at((0.0, 0.0, 0.0)), (LOAD, (0, 0, -1))))
+    eliminated = wf.eigenmodes(scene, progress=False).frequencies
+    monkeypatch.setattr(pairs, "MATRIX_CELLS", 0)
+    np.testing.assert_allclose(wf.eigenmodes(scene, progress=False).frequencies, eliminated, rtol=BALANCED)
 
 
 @pytest.mark.parametrize("idle", [5.0, 50.0])
