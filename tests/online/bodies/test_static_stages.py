@@ -353,7 +353,10 @@ def test_an_interrupted_static_run_keeps_what_it_has(beam: ReducedBody, monkeypa
     assert first.status == "interrupted" and 4 < len(first.time) < 5001
     rest = static(scene, 5.0 - float(first.time[-1]), 1e-3, start=first)
     whole = static(scene, 5.0, 1e-3)
-    assert np.array_equal(np.concatenate([tip(first), tip(rest)]), tip(whole))
+    # where it is interrupted depends on the machine, and the step of the rest, its duration over their number, is 1e-3
+    # to round-off
+    both, size = np.concatenate([tip(first), tip(rest)]), np.abs(tip(whole)).max()
+    np.testing.assert_allclose(both, tip(whole), rtol=0.0, atol=1e-12 * size)
 
 
 def test_the_budget_and_the_report_of_a_static_run(beam: ReducedBody) -> None:
