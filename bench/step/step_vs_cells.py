@@ -31,7 +31,7 @@ SECTORS = 40
 APPROACH = 20e-6  # m
 STEP = 1e-4  # s
 TURN = 2.0 * 2.0 * np.pi / SECTORS / 6e-3  # rad/s: two elements in 60 steps
-CELLS = ((8, 8), (10, 12), (11, 21), (15, 21), (19, 27), (27, 41), (41, 61), (61, 91), (81, 121))  # strips, rows
+CELLS = ((8, 8), (10, 12), (11, 21), (15, 21), (19, 27), (27, 41), (41, 61), (61, 91))  # strips, rows
 
 
 def body() -> ReducedBody:
