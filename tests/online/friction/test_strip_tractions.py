@@ -19,6 +19,7 @@ RADIUS, WIDTH, BALL, APPROACH, MU, SPEED = 0.05, 0.02, 0.03, 20e-6, 0.3, 10.0
 ROUND_OFF = 1e-13  # of the largest entry: sums of some hundred terms
 CONDITION = 8.0  # of the preconditioned compliance, whatever the cells
 SAME = 2e-7  # of the largest traction: steps converge to 1e-9 of the force, tractions at edges to 200 times that
+BALANCED = 2e-9  # of the largest force: two runs, whose steps end below 1e-9 of it each
 STEEL, ALUMINIUM = wf.Material(210e9, 0.3, 7800.0), wf.Material(70e9, 0.34, 2700.0)
 
 
@@ -211,7 +212,8 @@ def test_runs_are_those_with_a_matrix(
     assert mine is not None and theirs is not None
     assert {1, 2} <= set(np.unique(theirs.state)) or name in ("free to turn", "regularised")
     assert np.abs(mine.traction - theirs.traction).max() < SAME * np.abs(theirs.traction).max()
-    np.testing.assert_allclose(found.contacts["pair"].force, exact.contacts["pair"].force, rtol=0, atol=1e-5)
+    force, expected = found.contacts["pair"].force, exact.contacts["pair"].force
+    assert np.abs(force - expected).max() < BALANCED * np.linalg.norm(expected, axis=1).max()
 
 
 def test_a_run_is_continued_bit_for_bit(bodies: dict[str, ReducedBody], monkeypatch: pytest.MonkeyPatch) -> None:
