@@ -181,6 +181,7 @@ class ContactSolve:
     )
     row_scale: DeviceArray = reals("world", "pair", note="W of a patch where its rows were made over W; 1 of others")
     slot_place: DeviceArray = integers("world", "patch_slot", note="of cells, in their order")
+    slot_yield: DeviceArray = reals("world", "patch_slot", unit="m3/Pa", note="of nonlinear layers")
     slot_scale: DeviceArray = reals("world", "patch_slot", note="see `patch.preconditioner`")
     kept: DeviceArray = integers("world", note="what of the next four is that of the solve before")
     factor: DeviceArray = reals(

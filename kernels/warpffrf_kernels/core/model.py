@@ -17,6 +17,8 @@ LINE_OF_CENTRES = wp.constant(0)
 AT_POINTS = wp.constant(1)
 PATCH = wp.constant(2)  # contact-fixed cells
 
+CONSTANT = wp.constant(0)  # of `Layers.kind`: no layer, or its compliance is constant; others: `layers.layer_laws`
+
 
 @topic
 class Bodies:

@@ -20,12 +20,13 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry, LayerScratch
 from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.model import CONSTANT
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.core.scratch import ImpulsiveContact
 from warpffrf_kernels.core.state import ContactState, LayerState
 from warpffrf_kernels.impulsive.impulsive_means import has_converged
-from warpffrf_kernels.layers.layer_laws import CHI, CONSTANT, layer_depth, layer_energy, layer_pressure
+from warpffrf_kernels.layers.layer_laws import CHI, layer_depth, layer_energy, layer_pressure
 from warpffrf_kernels.layers.weak_layer import cell_exists, corner_of, linear_yield, node_value, point_area, rate_of
 from warpffrf_kernels.normal.pair_forces import mean_of
 

@@ -25,7 +25,6 @@ from warpffrf_kernels.layers.table_form import table_beginning, table_depth, tab
 
 wp.set_module_options(MODULE_OPTIONS)
 
-CONSTANT = wp.constant(0)  # no layer, or a constant compliance that is part of that of the bodies
 POWER = wp.constant(1)
 EXPONENTIAL = wp.constant(2)
 TABLE = wp.constant(3)

@@ -39,16 +39,24 @@ Rates. A damped layer requires the depth of every point at the last accepted sta
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry, ContactSolve, LayerScratch
+from warpffrf_kernels.core.contact_scratch import (
+    ContactFields,
+    ContactGeometry,
+    ContactSolve,
+    LayerScratch,
+    PatchScratch,
+)
 from warpffrf_kernels.core.declaration import kernel
-from warpffrf_kernels.core.model import PATCH, Model
+from warpffrf_kernels.core.model import CONSTANT, PATCH, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
-from warpffrf_kernels.core.scratch import RetainedSystem
+from warpffrf_kernels.core.scratch import ImpulsiveContact, RetainedSystem
 from warpffrf_kernels.core.state import ContactState, LayerState
-from warpffrf_kernels.layers.layer_laws import CHI, CONSTANT, layer_depth, layer_pressure, least_depth
+from warpffrf_kernels.layers.layer_laws import CHI, layer_depth, layer_pressure, least_depth
 from warpffrf_kernels.linear.retained_solve import held_motions, solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
+from warpffrf_kernels.normal.pair_elimination import COUNT, LEFT_START, START
+from warpffrf_kernels.normal.pressure_products import ACTIVE, VECTORS, add_cells
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -292,19 +300,48 @@ def add_yield(run: Run, geometry: ContactGeometry, contact: ContactState, layers
         m += wp.block_dim()
 
 
+@wp.func
+def set_support(
+    model: Model, w: int, pair: int, m: int, slot: int, held: real, geometry: ContactGeometry, normal: ContactSolve,
+    layers: LayerScratch,
+):  # fmt: skip
+    """S of node m with the slot `slot`; `held`: its opening by the bodies' local compliance."""
+    total = held
+    c = int(0)
+    while c < model.pairs.coupled_count[pair]:
+        column = w * model.retained.count + model.pairs.coupled[pair, c]
+        total += normal.L[w, slot, c] * layers.layer_moved[column]
+        c += 1
+    layers.layer_support[w, pair, m] = real(0.0)
+    if geometry.area[w, pair, m] > real(0.0):
+        layers.layer_support[w, pair, m] = wp.max(total / geometry.area[w, pair, m], real(0.0))
+
+
 @kernel
 def find_support(
-    run: Run, contact: ContactState, geometry: ContactGeometry, normal: ContactSolve, system: RetainedSystem,
-    layers: LayerScratch, patterns: wp.array(dtype=Pattern),
+    run: Run, contact: ContactState, geometry: ContactGeometry, normal: ContactSolve, patch: PatchScratch,
+    impulses: ImpulsiveContact, system: RetainedSystem, layers: LayerScratch, patterns: wp.array(dtype=Pattern),
 ):  # fmt: skip
     """Per world, after an evaluation: S of the module docstring, the opening of each active node of a pair due to a
-    uniform pressure on all of them, (G + L A^-1 L^T) 1 over its area."""
+    uniform pressure on all of them, (G + L A^-1 L^T) 1 over its area; G 1 of pairs without a matrix by a product."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     slots = run.ctl[w].slots
+    ones = w * VECTORS * model.capacity.slots
+    opened = ones + model.capacity.slots
     held = held_motions(run.ctl, w, system.hold_count)
+    if model.pairs.matrix_free != 0:
+        i = lane
+        while i < normal.block[w, 0, LEFT_START]:
+            normal.krylov[ones + i] = real(1.0)
+            normal.krylov[opened + i] = real(0.0)
+            i += wp.block_dim()
+        sync()
+        add_cells(
+            model, w, lane, ACTIVE, 1, 0, normal, patch, geometry, impulses, normal.krylov, ones, normal.krylov, opened
+        )
     renew = int(1)
     pair = int(0)
     while pair < model.pairs.count:
@@ -338,23 +375,22 @@ def find_support(
                     m = normal.slot_node[w, i, 1]
                     total = real(0.0)
                     j = int(0)
-                    while j < slots:
+                    while j < slots and model.pairs.matrix[pair] != 0:
                         if (
                             normal.slot_node[w, j, 0] == pair
                             and contact.active[w, pair, normal.slot_node[w, j, 1]] != 0
                         ):
                             total += normal.G[w, i, j]
                         j += 1
-                    c = int(0)
-                    while c < count:
-                        total += (
-                            normal.L[w, i, c]
-                            * layers.layer_moved[w * model.retained.count + model.pairs.coupled[pair, c]]
-                        )
-                        c += 1
-                    layers.layer_support[w, pair, m] = real(0.0)
-                    if geometry.area[w, pair, m] > real(0.0):
-                        layers.layer_support[w, pair, m] = wp.max(total / geometry.area[w, pair, m], real(0.0))
+                    set_support(model, w, pair, m, i, total, geometry, normal, layers)
+                i += wp.block_dim()
+            start = normal.block[w, pair, START]
+            i = start + lane
+            while i < start + normal.block[w, pair, COUNT] and model.pairs.matrix[pair] == 0:
+                slot = normal.order[w, i]
+                # the product contains the yield
+                total = normal.krylov[opened + i] - normal.slot_yield[w, i]
+                set_support(model, w, pair, normal.slot_node[w, slot, 1], slot, total, geometry, normal, layers)
                 i += wp.block_dim()
             sync()
         pair += 1

@@ -19,7 +19,13 @@ so lines and right-hand sides are multiplied by `row_scale` = 1/s, and the resul
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry, ContactSolve, PatchScratch
+from warpffrf_kernels.core.contact_scratch import (
+    ContactFields,
+    ContactGeometry,
+    ContactSolve,
+    LayerScratch,
+    PatchScratch,
+)
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.run import Run
@@ -168,7 +174,24 @@ def lines_at(model: Model, w: int, start: int) -> int:
 
 
 @kernel
-def eliminate_pairs(run: Run, normal: ContactSolve, patch: PatchScratch, geometry: ContactGeometry):
+def place_cells(
+    run: Run, normal: ContactSolve, patch: PatchScratch, geometry: ContactGeometry, layers: LayerScratch
+):  # fmt: skip
+    """Per (world, pair of family 2): places, yields and factors of the preconditioner of its active slots, and of those
+    that have left the set."""
+    w, pair, _lane = wp.tid()
+    model = run.models[w]
+    if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
+        return
+    for kind in range(2):
+        place_slots(
+            model, w, pair, normal.block[w, pair, 2 * kind + START], normal.block[w, pair, 2 * kind + COUNT], patch,
+            geometry, layers, normal,
+        )  # fmt: skip
+
+
+@kernel
+def eliminate_pairs(run: Run, normal: ContactSolve, patch: PatchScratch):
     """Per (world, pair): L in the order of the slots; U, W and W^T W of the active nodes, or Z and L^T Z of the active
     cells, unless they are `kept`."""
     w, pair, lane = wp.tid()
@@ -177,13 +200,10 @@ def eliminate_pairs(run: Run, normal: ContactSolve, patch: PatchScratch, geometr
         return
     start = normal.block[w, pair, START]
     n = normal.block[w, pair, COUNT]
-    left = normal.block[w, pair, LEFT_START]
     gather_lines(
-        model, w, pair, left, normal.block[w, pair, LEFT_COUNT], real(1.0), normal.L, normal.order, normal.borders
-    )
-    if model.pairs.family[pair] == PATCH:
-        place_slots(model, w, pair, start, n, patch, geometry, normal)
-        place_slots(model, w, pair, left, normal.block[w, pair, LEFT_COUNT], patch, geometry, normal)
+        model, w, pair, normal.block[w, pair, LEFT_START], normal.block[w, pair, LEFT_COUNT], real(1.0), normal.L,
+        normal.order, normal.borders,
+    )  # fmt: skip
     if n == 0 or normal.kept[w] == LINES:
         return
     width = model.pairs.coupled_capacity

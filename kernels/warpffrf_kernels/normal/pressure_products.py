@@ -19,6 +19,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 ACTIVE = wp.constant(0)  # what a product reads: the active slots,
 LEFT = wp.constant(2)  # or those that have left the set; columns of `block`
+VECTORS = wp.constant(7)  # of a world in `krylov`
 
 
 # y += G x of the active slots of pairs with a matrix, x of the slots in the columns `read` of `block`: `own` of the
@@ -128,7 +129,8 @@ def follow_modes_of_slots(
 ): ...
 
 
-# y[at_y + i] += weight (u of the cell less the opening at its place) of n slots. Lanes over the slots.
+# y[at_y + i] += weight (u of the cell less the opening at its place) + yield x[at_x + i], the last where x is of the
+# same slots (`same`). Lanes over the n slots.
 @wp.func_native("""
     const int cap = model.capacity.slots;
     const int* place = slot_place.data + (size_t)w * cap + start;
@@ -137,7 +139,8 @@ def follow_modes_of_slots(
     const double *u = shift.data + here * model.window.grid_nodes, *o = opening.data + here * elements.patches.places;
     WP_TILE_SYNC();
     for (int i = WP_TILE_THREAD_IDX; i < n; i += WP_TILE_BLOCK_DIM)
-        y.data[at_y + i] += weight * (u[slots[2 * list[i] + 1]] - o[place[i]]);
+        y.data[at_y + i] += weight * (u[slots[2 * list[i] + 1]] - o[place[i]])
+            + (same ? slot_yield.data[(size_t)w * cap + start + i] * x.data[at_x + i] : 0.0);
     WP_TILE_SYNC();
 """)
 def open_cells(
@@ -147,12 +150,16 @@ def open_cells(
     pair: int,
     start: int,
     n: int,
+    same: int,
     weight: real,
     order: wp.array2d(dtype=int),
     slot_node: wp.array3d(dtype=int),
     slot_place: wp.array2d(dtype=int),
+    slot_yield: wp.array2d(dtype=real),
     shift: wp.array(dtype=real),
     opening: wp.array(dtype=real),
+    x: wp.array(dtype=real),
+    at_x: int,
     y: wp.array(dtype=real),
     at_y: int,
 ): ...
@@ -235,8 +242,8 @@ def add_cells(
     geometry: ContactGeometry, impulses: ImpulsiveContact, x: wp.array(dtype=real), at_x: int,
     y: wp.array(dtype=real), at_y: int,
 ):  # fmt: skip
-    """y += G x (`own`) of the active cells of patches without a matrix; F x (`beside`) of all, and the motion of active
-    nodes by the modes that these load."""
+    """y += G x (`own`), with the yield of layers, of the active cells of patches without a matrix; F x (`beside`) of
+    all, and the motion of active nodes by the modes that these load."""
     elements = model.elements[0]
     m = lane
     while m < 2 * model.modes.count:
@@ -279,8 +286,9 @@ def add_cells(
                     patch.solve_field, patch.solve_place, patch.solve_shift,
                 )  # fmt: skip
                 open_cells(
-                    model, elements, w, pair, start, n, impulses.weight[w, pair], normal.order, normal.slot_node,
-                    normal.slot_place, patch.solve_shift, patch.solve_opening, y, at_y + start,
+                    model, elements, w, pair, start, n, moved * int(read == ACTIVE), impulses.weight[w, pair],
+                    normal.order, normal.slot_node, normal.slot_place, normal.slot_yield, patch.solve_shift,
+                    patch.solve_opening, x, at_x + start, y, at_y + start,
                 )  # fmt: skip
             else:
                 follow_modes_of_slots(

@@ -35,7 +35,7 @@ from warpffrf_kernels.linear.retained_solve import held_motions
 from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.normal.pair_elimination import LEFT_COUNT, LEFT_START, LINES, add_borders, eliminated
 from warpffrf_kernels.normal.pair_forces import surface_of
-from warpffrf_kernels.normal.pressure_products import ACTIVE, LEFT, add_product, follow_retained
+from warpffrf_kernels.normal.pressure_products import ACTIVE, LEFT, VECTORS, add_product, follow_retained
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -43,7 +43,6 @@ REDUCTION = wp.constant(wp.float64(1.0e-5))  # of the residual: the rest is left
 EXACT = wp.constant(wp.float64(1.0e-10))  # the same of a set that is corrected for long: signs decide about cells
 PATIENCE = wp.constant(4)  # solutions before
 PASSES = wp.constant(20)  # iterations without F
-VECTORS = wp.constant(7)  # of an iteration
 MOST = wp.constant(60)  # steps; the rest stays in the gaps for the Newton iteration
 
 

@@ -1,14 +1,15 @@
 r"""The preconditioner of the pressures of a patch: W of the half-spaces, masked to the active cells.
 
 W has the inverse blocks of a periodic kernel (`warpffrf.online.compile.strips`), so P W P on the active cells P is
-close to the inverse of their compliance, which far fields and modes only add smooth parts to. A layer adds layer A_i to
-the diagonal; with w_ii the diagonal of W, its effect is P S W S P, S_i = (1 + layer A_i w_ii)^-1/2.
+close to the inverse of their compliance, which far fields and modes only add smooth parts to. A layer adds its yield
+E_i to the diagonal, A_i times its compliance or the tangent of its law (`layers.weak_layer`); with w_ii the diagonal of
+W, its effect is P S W S P, S_i = (1 + E_i w_ii)^-1/2.
 """
 
 import warp as wp
 
-from warpffrf_kernels.core.contact_scratch import ContactGeometry, ContactSolve, PatchScratch
-from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.contact_scratch import ContactGeometry, ContactSolve, LayerScratch, PatchScratch
+from warpffrf_kernels.core.model import CONSTANT, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.linear.block_elimination import is_loaded, product_of_borders
 from warpffrf_kernels.patch.strips import inverse_at, multiply_inverse
@@ -16,7 +17,8 @@ from warpffrf_kernels.patch.strips import inverse_at, multiply_inverse
 wp.set_module_options(MODULE_OPTIONS)
 
 
-# Places and factors S_i of n slots from place `start` of `order` on. Lanes over the slots.
+# Places, yields of a nonlinear layer and factors S_i of n slots from place `start` of `order` on; `layer`: compliance
+# of a linear one; `part`: unit of W. Lanes over the slots.
 @wp.func_native("""
     const int cap = model.capacity.slots, line = (rows + 7) / 8 * 8;
     const size_t here = (size_t)w * model.pairs.count + pair, first = (size_t)w * cap + start;
@@ -24,8 +26,10 @@ wp.set_module_options(MODULE_OPTIONS)
     const double *size = area.data + here * model.window.grid_nodes, *own = inverse.data + at_own;
     for (int i = WP_TILE_THREAD_IDX; i < n; i += WP_TILE_BLOCK_DIM) {
         const int m = slots[2 * list[i] + 1], r = m % rows;
+        const double yielded = nonlinear ? tangent.data[(here * model.window.grid_nodes + m) * 9 + 4] : 0.0;
         slot_place.data[first + i] = m / rows * line + r;
-        slot_scale.data[first + i] = 1.0 / ::sqrt(1.0 + soft * size[m] * own[r]);
+        slot_yield.data[first + i] = yielded;
+        slot_scale.data[first + i] = 1.0 / ::sqrt(1.0 + part * (layer * size[m] + yielded) * own[r]);
     }
     WP_TILE_SYNC();
 """)
@@ -36,13 +40,17 @@ def find_places(
     rows: int,
     start: int,
     n: int,
-    soft: real,
+    nonlinear: int,
+    layer: real,
+    part: real,
     inverse: wp.array(dtype=real),
     at_own: int,
     order: wp.array2d(dtype=int),
     slot_node: wp.array3d(dtype=int),
     area: wp.array3d(dtype=real),
+    tangent: wp.array4d(dtype=real),
     slot_place: wp.array2d(dtype=int),
+    slot_yield: wp.array2d(dtype=real),
     slot_scale: wp.array2d(dtype=real),
 ): ...
 
@@ -107,16 +115,17 @@ def from_places(
 @wp.func
 def place_slots(
     model: Model, w: int, pair: int, start: int, n: int, patch: PatchScratch, geometry: ContactGeometry,
-    normal: ContactSolve,
+    layers: LayerScratch, normal: ContactSolve,
 ):  # fmt: skip
-    """Places and factors S_i of n slots from place `start` of `order` on."""
+    """Places, yields and factors S_i of n slots from place `start` of `order` on."""
     elements = model.elements[0]
     width = patch.patch_place[w, pair, 2]
     find_places(
         model, w, pair, model.surfaces.rows[model.pairs.first[pair]], start, n,
-        elements.patches.layer[pair] * wp.pow(width, -elements.patches.near_power[pair]), elements.patches.inverse,
-        inverse_at(model, elements, pair, width), normal.order, normal.slot_node, geometry.area, normal.slot_place,
-        normal.slot_scale,
+        int(elements.layers.kind[pair] != CONSTANT), elements.patches.layer[pair],
+        wp.pow(width, -elements.patches.near_power[pair]), elements.patches.inverse,
+        inverse_at(model, elements, pair, width), normal.order, normal.slot_node, geometry.area, layers.layer_tangent,
+        normal.slot_place, normal.slot_yield, normal.slot_scale,
     )  # fmt: skip
 
 

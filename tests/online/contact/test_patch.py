@@ -439,9 +439,13 @@ def test_rollers_beside_each_other_stay_on_the_material_grid(roller) -> None:
         Engine(scene)
 
 
-@pytest.mark.parametrize("cells", [None, (9, 11)])
-def test_what_is_linearised_keeps_its_cells(roller, cells: tuple[int, int] | None) -> None:
-    """The compliance of two pressed rollers, linearised and by the difference of two equilibria, whose cells follow."""
+@pytest.mark.parametrize(
+    ("cells", "law"),
+    [(None, wf.laws.Unilateral()), ((9, 11), wf.laws.Unilateral()), ((9, 11), LAWS[1]), (None, LAWS[4])],
+)
+def test_what_is_linearised_keeps_its_cells(roller, cells: tuple[int, int] | None, law: wf.laws.Law) -> None:
+    """The compliance of two pressed rollers, linearised and by the difference of two equilibria, whose cells follow.
+    The last has no matrix."""
 
     def pressed_by(load: float) -> wf.Scene:
         scene = wf.Scene(gravity=(0, 0, 0))
@@ -449,7 +453,7 @@ def test_what_is_linearised_keeps_its_cells(roller, cells: tuple[int, int] | Non
         scene.add(wf.joints.Fixed(scene.ground, lower["bore"]))
         scene.add(wf.joints.Prismatic(scene.ground, upper["bore"], axis=(0, 0, 1)))
         scene.add(wf.forces.PointForce(upper["bore"], (0, 0, -load)))
-        scene.add(wf.Contact(lower["rim"], upper["rim"], cells=cells))
+        scene.add(wf.Contact(lower["rim"], upper["rim"], cells=cells, law=law))
         return scene
 
     load, more = 1e4, 50.0

@@ -23,7 +23,7 @@ def ring() -> wf.ReducedBody:
     )  # fmt: skip
 
 
-def thrown_back(ring: wf.ReducedBody, apart: float) -> History:
+def thrown_back(ring: wf.ReducedBody, apart: float, law: wf.laws.Law) -> History:
     """Two rigid rollers on a held ring, `apart` [rad]: one pressed on, one lifted off and thrown back."""
     scene = wf.Scene()
     held = scene.add_body(ring, name="ring")
@@ -36,17 +36,22 @@ def thrown_back(ring: wf.ReducedBody, apart: float) -> History:
             0.1, (1e-5, 1e-5, 1e-5), name=f"roller_{angle}", position=0.07 * out, surfaces={"tread": tread}
         )
         scene.add(wf.joints.Prismatic(scene.ground, roller.at((0.0, 0.0, 0.0)), axis=out))
-        scene.add(wf.Contact(held["rim"], roller["tread"], cells=(9, 5)))
+        scene.add(wf.Contact(held["rim"], roller["tread"], cells=(9, 5), law=law))
         scene.add(wf.forces.PointForce(roller.at((0.0, 0.0, 0.0)), (load, tuple(-out))))
     return run(scene, 4e-4, step=4e-5, start="equilibrium", progress=False)
 
 
-@pytest.mark.parametrize("apart", [0.5, 0.25])
-def test_pressures_need_no_matrix(ring: wf.ReducedBody, apart: float, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("apart", "law"),
+    [(0.5, wf.laws.Unilateral()), (0.25, wf.laws.Unilateral()), (0.25, wf.laws.HuntCrossley(1e20, 1.5, 0.1))],
+)
+def test_pressures_need_no_matrix(
+    ring: wf.ReducedBody, apart: float, law: wf.laws.Law, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Eliminated by their matrix, and iterated with products over strips; both with what patches do to each other."""
-    eliminated = thrown_back(ring, apart)
+    eliminated = thrown_back(ring, apart, law)
     monkeypatch.setattr(pairs, "MATRIX_CELLS", 0)
-    iterated = thrown_back(ring, apart)
+    iterated = thrown_back(ring, apart, law)
     assert eliminated.status == iterated.status == "completed", iterated.message
     thrown = np.linalg.norm(list(iterated.contacts.values())[1].force, axis=-1)
     assert thrown[-1] > 0.0 and thrown.min() == 0.0  # it comes back as an idle pair: the weights have differed

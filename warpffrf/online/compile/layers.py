@@ -9,6 +9,7 @@ from warpffrf.model.laws.curves import Curve
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.points import PointRule
 from warpffrf.online.compile.sampling_rules import layer_rule
+from warpffrf_kernels.core.model import CONSTANT
 from warpffrf_kernels.layers import layer_laws as device
 
 LAYER_ITERATIONS = 2  # factor of the Newton iterations: pressures of asperities span decades, one decade per iteration
@@ -27,7 +28,7 @@ def fill_layers(collector: Collector) -> None:
                 f"contact {contact.name!r}: the curve of the law {contact.law.kind} has the form {curve.form!r}; the "
                 f"kernels evaluate {', '.join(device.FORMS)}; return laws.curves.Table(depths, pressures)"
             )
-        kinds.append(int(device.CONSTANT) if curve is None else int(device.FORMS[curve.form]))
+        kinds.append(int(CONSTANT) if curve is None else int(device.FORMS[curve.form]))
         numbers.append([0.0] * device.NUMBERS if curve is None else _numbers(curve, contact.law.chi))
         table = np.zeros((0, 3)) if curve is None else curve.table
         starts.append(sum(map(len, tables)))
@@ -44,7 +45,7 @@ def fill_layers(collector: Collector) -> None:
         if contact.law.remark:
             collector.notes.append(f"contact {contact.name!r}: {contact.law.remark}")
     collector.fill(
-        collector.elements.layers, count=sum(kind != int(device.CONSTANT) for kind in kinds), kind=kinds,
+        collector.elements.layers, count=sum(kind != int(CONSTANT) for kind in kinds), kind=kinds,
         number=numbers, table_start=starts, table_count=counts, table=np.concatenate(tables),
     )  # fmt: skip
     _fill_points(collector, rules)

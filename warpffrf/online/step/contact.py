@@ -94,9 +94,12 @@ CONTACT = Participant(
         blocks(contact_assembly.assemble, when=GRID_NODES),
         blocks(contact_assembly.assemble_between, when=NODES_BESIDE),
     ],
-    condense=[blocks(contact_compliance.retained_rows)],
-    solve_normal=[
+    condense=[
+        blocks(contact_compliance.retained_rows),
         threads(pair_elimination.order_slots),
+        blocks(pair_elimination.place_cells, "pair", when=PATCH),
+    ],
+    solve_normal=[
         blocks(pair_elimination.eliminate_pairs, "pair"),
         blocks(pressure_solve.pose_pressures),
         blocks(pressure_solve.solve_pressures),

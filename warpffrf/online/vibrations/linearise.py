@@ -370,14 +370,12 @@ def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
             L[slot, 6 * probe.bodies + first : 6 * probe.bodies + first + size] += J[slot, at : at + size]
             at += size
     G = _local_compliance(probe, count)
-    if probe.engine.compiled.elements.layers.count:
-        G = G + slot_flexibility(probe.engine.compiled, x, count)
     return L.T @ np.linalg.solve(0.5 * (G + G.T), L), count
 
 
 def _local_compliance(probe: _Probe, count: int) -> Array:
-    """G (count, count) [m^3/Pa] of the active slots: of nodes the matrix of the kernels, of cells the displacements due
-    to unit pressures.
+    """G with the yield of layers (count, count) [m^3/Pa] of the active slots: of nodes the matrix of the kernels, of
+    cells the displacements due to unit pressures.
     """
     m, x, s = probe.model, probe.scratch, probe.state
     G = np.zeros((count, count))
@@ -387,18 +385,24 @@ def _local_compliance(probe: _Probe, count: int) -> Array:
         G = np.where(on_cells[:, None] | on_cells, 0.0, x.G.numpy()[0, :count, :count])
         if not m.pairs.beside:  # it has blocks between pairs only where local modes couple them
             G = np.where(pairs[:, None] == pairs, G, 0.0)
+        if probe.engine.compiled.elements.layers.count:
+            G = G + np.where(on_cells, 0.0, slot_flexibility(probe.engine.compiled, x, count))
     if not np.any(on_cells):
         return G
     before, words = s.pressure.numpy(), s.ctl.numpy().copy()
     words["run"] = 1
     s.ctl.assign(words)
+
+    def displaced(pressure: Array) -> Array:
+        s.pressure.assign(pressure)
+        probe.engine.graph.displace()
+        return x.first_local.numpy()[: before[0].size].reshape(before[0].shape)[pairs[on_cells], at[on_cells]]
+
+    unloaded = displaced(np.zeros_like(before))  # depths at which the tangents of layers have no pressure
     for slot in np.flatnonzero(on_cells):
         unit = np.zeros_like(before)
         unit[0, pairs[slot], at[slot]] = 1.0
-        s.pressure.assign(unit)
-        probe.engine.graph.displace()
-        shift = x.first_local.numpy()[: unit[0].size].reshape(unit[0].shape)
-        G[on_cells, slot] = shift[pairs[on_cells], at[on_cells]]
+        G[on_cells, slot] = displaced(unit) - unloaded
     s.pressure.assign(before)
     return G
 
