@@ -75,8 +75,8 @@ from warpffrf_kernels.rolling.system import soften_splines
 
 wp.set_module_options(MODULE_OPTIONS)
 
-SETTLED = wp.constant(wp.float64(1.0e-11))  # of the largest bound: below the tolerance of the retained iteration
-FRACTION = wp.constant(wp.float64(1.0e-4))  # of the defect at the beginning,
+SETTLED = wp.constant(wp.float64(1.0e-11))
+FRACTION = wp.constant(wp.float64(1.0e-3))
 LATE = wp.constant(wp.float64(1.0e-4))  # unless this is small: the retained iteration is near its end
 SLOW = wp.constant(wp.float64(0.1))  # of the previous defect: an old factor that leaves more is recomputed
 CLOSE = wp.constant(wp.float64(1.0e-2))  # defect below which cells are expected to keep their states
@@ -403,9 +403,9 @@ def wanted(model: Model, defect: real) -> real:
     pair = int(0)
     while pair < model.pairs.count and model.elements[0].slip_speeds.pieces[pair] == 0:
         pair += 1
-    if pair < model.pairs.count or defect < LATE:
+    if pair < model.pairs.count:
         return SETTLED
-    return FRACTION * defect
+    return wp.max(FRACTION * defect, SETTLED)
 
 
 @kernel
