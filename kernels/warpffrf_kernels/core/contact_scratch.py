@@ -183,6 +183,9 @@ class ContactSolve:
     slot_place: DeviceArray = integers("world", "patch_slot", note="of cells, in their order")
     slot_yield: DeviceArray = reals("world", "patch_slot", unit="m3/Pa", note="of nonlinear layers")
     slot_scale: DeviceArray = reals("world", "patch_slot", note="see `patch.preconditioner`")
+    uniform: DeviceArray = reals(
+        "world", 2, "matrix_free_slot", note="z and y of `patch.preconditioner`", carried=True, flat=True
+    )
     kept: DeviceArray = integers("world", note="what of the next four is that of the solve before")
     factor: DeviceArray = reals(
         "world", "dense_slot", "dense_slot", note="U of each pair's block of G", carried=True, flat=True

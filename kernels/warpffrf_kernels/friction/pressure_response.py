@@ -65,9 +65,9 @@ ACTIVE = wp.constant(0)  # columns of `answer_state`: active slots for which Y w
 RENEWED = wp.constant(1)  # 1 if Y is new in this iteration
 OPEN = wp.constant(2)  # 1 while the bounds do not follow the pressures yet
 ROUND = wp.constant(3)  # rounds of tractions and bounds in this iteration
-SAME = wp.constant(wp.float64(1.0e-3))  # of the first response: a round that changes the pressures by less is the last
+FALL = wp.constant(wp.float64(0.1))  # of the last round of the iteration before: less change, and a round is the last
 NEGLIGIBLE = wp.constant(wp.float64(1.0e-10))  # of the largest pressure: a tenth of the convergence tolerance of a step
-ROUGH = wp.constant(wp.float64(1.0e-4))  # reduction of a system, without the coupling of pairs by local modes: the
+ROUGH = wp.constant(wp.float64(1.0e-2))  # reduction of a system, without the coupling of pairs by local modes: the
 # rest is left to the next iteration
 ROUNDS = wp.constant(20)  # of an iteration: each leaves half of the change, for friction close to its limits
 
@@ -490,11 +490,10 @@ def press_with_tractions(
         a += 1
     rounds = tangential.answer_state[w, ROUND] + 1
     tangential.answer_state[w, ROUND] = rounds
-    if rounds == 1:
-        tangential.answer_change[w, 0] = most
-    settled = most <= NEGLIGIBLE * largest or (most <= SAME * tangential.answer_change[w, 0] and rounds > 1)
+    settled = run.ctl[w].iteration == 0 or most <= NEGLIGIBLE * largest or most <= FALL * tangential.answer_change[w, 0]
     if settled or rounds == ROUNDS or run.ctl[w].failure != 0:
         tangential.answer_state[w, OPEN] = 0
+        tangential.answer_change[w, 0] = most
 
 
 @kernel

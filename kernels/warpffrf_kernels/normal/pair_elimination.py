@@ -1,10 +1,10 @@
 """Elimination of the active slots pair by pair, and solution of the retained system with their Schur complements.
 
-Equations and names: `contact_solve`. Nodes of a grid, and cells of small patches or under friction, are eliminated by
-the factor U of their block of G. Cells of other patches have no matrix: in its place, P S W S P
-(`patch.preconditioner`) is close to the inverse of G, with Z = P S W S P L in place of G^-1 L,
+Equations and names: `contact_solve`. Nodes of a grid, and cells of small patches, are eliminated by the factor U of
+their block of G. Cells of other patches have no matrix: in its place, M (`patch.preconditioner`) is close to the
+inverse of G, with Z = M L in place of G^-1 L,
 
-    (A + L^T Z) z = rhs + Z^T b,      ds = P S W S P b - Z z,
+    (A + L^T Z) z = rhs + Z^T b,      ds = M b - Z z,
 
 which is a preconditioner of the system (`pressure_solve`) that satisfies A z - L^T ds = rhs exactly.
 

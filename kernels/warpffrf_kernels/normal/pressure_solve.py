@@ -33,9 +33,18 @@ from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedS
 from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.linear.retained_solve import held_motions
 from warpffrf_kernels.linear.sparse_factor import Pattern
-from warpffrf_kernels.normal.pair_elimination import LEFT_COUNT, LEFT_START, LINES, add_borders, eliminated
+from warpffrf_kernels.normal.pair_elimination import (
+    COUNT,
+    LEFT_COUNT,
+    LEFT_START,
+    LINES,
+    START,
+    add_borders,
+    eliminated,
+)
 from warpffrf_kernels.normal.pair_forces import surface_of
-from warpffrf_kernels.normal.pressure_products import ACTIVE, LEFT, VECTORS, add_product, follow_retained
+from warpffrf_kernels.normal.pressure_products import ACTIVE, LEFT, VECTORS, add_cells, add_product, follow_retained
+from warpffrf_kernels.patch.preconditioner import answer
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -44,6 +53,56 @@ EXACT = wp.constant(wp.float64(1.0e-10))  # the same of a set that is corrected 
 PATIENCE = wp.constant(4)  # solutions before
 PASSES = wp.constant(20)  # iterations without F
 MOST = wp.constant(60)  # steps; the rest stays in the gaps for the Newton iteration
+
+
+@wp.func
+def inner(n: int, x: wp.array(dtype=real), a: int, y: wp.array(dtype=real), b: int) -> real:
+    """x[a:] . y[b:] of n numbers, the same in every lane."""
+    total = dot(n, x, a, y, b)
+    sync()
+    return total
+
+
+@kernel
+def answer_uniform(
+    run: Run, normal: ContactSolve, patch: PatchScratch, geometry: ContactGeometry, impulses: ImpulsiveContact
+):  # fmt: skip
+    """Per world: the pressures of each pair without a matrix that answer a uniform gap, and the gap due to them
+    (`patch.preconditioner`), unless they are `kept`."""
+    w, lane = wp.tid()
+    model = run.models[w]
+    if run.ctl[w].run == 0 or normal.kept[w] == LINES:
+        return
+    z = 2 * w * model.capacity.slots
+    y = z + model.capacity.slots
+    pair = int(0)
+    while pair < model.pairs.count:
+        start = normal.block[w, pair, START]
+        n = normal.block[w, pair, COUNT]
+        if n > 0 and model.pairs.matrix[pair] == 0:
+            i = start + lane
+            while i < start + n:
+                size = geometry.area[w, pair, normal.slot_node[w, normal.order[w, i], 1]]
+                normal.uniform[z + i] = size
+                normal.uniform[y + i] = real(0.0)
+                i += wp.block_dim()
+            sync()
+            answer(model, w, pair, start, n, patch, normal, normal.uniform, z + start, normal.uniform, z + start, 1)
+        pair += 1
+    add_cells(model, w, lane, ACTIVE, 1, 0, normal, patch, geometry, impulses, normal.uniform, z, normal.uniform, y)
+    pair = int(0)
+    while pair < model.pairs.count:
+        start = normal.block[w, pair, START]
+        n = normal.block[w, pair, COUNT]
+        if n > 0 and model.pairs.matrix[pair] == 0:
+            scale = real(1.0) / wp.sqrt(inner(n, normal.uniform, z + start, normal.uniform, y + start))
+            i = start + lane
+            while i < start + n:
+                normal.uniform[z + i] = scale * normal.uniform[z + i]
+                normal.uniform[y + i] = scale * normal.uniform[y + i]
+                i += wp.block_dim()
+            sync()
+        pair += 1
 
 
 @kernel
@@ -140,14 +199,6 @@ def release(model: Model, w: int, pair: int, lane: int, start: int, n: int, norm
             normal.bordered_rhs[w, column] = normal.bordered_rhs[w, column] - total
         c += wp.block_dim()
     sync()
-
-
-@wp.func
-def inner(n: int, x: wp.array(dtype=real), a: int, y: wp.array(dtype=real), b: int) -> real:
-    """x[a:] . y[b:] of n numbers, the same in every lane."""
-    total = dot(n, x, a, y, b)
-    sync()
-    return total
 
 
 @wp.func

@@ -101,11 +101,7 @@ def fill_pairs(collector: Collector, m: Model) -> None:
             f"scene: a node of a contact's first grid overlaps {stencil[0]} x {stencil[1]} nodes of the second, at "
             f"most {k.MOST_STENCIL}: swap the two surfaces, or give the second a coarser grid, ContactGrid(spacing=)"
         )
-    matrix = [
-        # tractions need the receptance of the retained coordinates with pressures eliminated exactly
-        int(plan is None or pair.contact.friction.acts or plan.columns * len(plan.z) <= MATRIX_CELLS)
-        for pair, plan in zip(pairs, plans, strict=True)
-    ]
+    matrix = [int(plan is None or plan.columns * len(plan.z) <= MATRIX_CELLS) for plan in plans]
     collector.fill(
         m.pairs, first=collector.sides[::2], second=collector.sides[1::2], family=families, group=_groups(pairs),
         matrix=matrix, dense=int(any(matrix)), matrix_free=int(not all(matrix)),

@@ -31,6 +31,7 @@ NODES_BESIDE = "pair_beside"  # bodies that are loaded by several pairs, some of
 LINE, POINT, FEW = "line_pair", "point_pair", "few_pair"  # families of kinematics
 TOUCHING = "patch_beside"  # several of these on one body
 MATRIX = "matrix_patch"  # small patches, with a matrix
+MATRIX_FREE = "matrix_free_slot"  # large ones, without
 PATCH = "patch_pair"  # pressures on contact-fixed cells
 GRID_NODES = "node_pair"  # pressures at the nodes of the first grid
 STEP = {"amplitude": "modal_step", "of_state": 0, "first_field": "first_step", "second_field": "second_step"}
@@ -100,6 +101,7 @@ CONTACT = Participant(
         blocks(pair_elimination.place_cells, "pair", when=PATCH),
     ],
     solve_normal=[
+        blocks(pressure_solve.answer_uniform, when=MATRIX_FREE),
         blocks(pair_elimination.eliminate_pairs, "pair"),
         blocks(pressure_solve.pose_pressures),
         blocks(pressure_solve.solve_pressures),
