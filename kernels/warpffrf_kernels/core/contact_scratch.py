@@ -199,6 +199,7 @@ class ContactSolve:
     bordered_rhs: DeviceArray = reals("world", "contact_retained")
     solution: DeviceArray = reals("world", "slot", unit="Pa", flat=True)
     krylov: DeviceArray = reals("world", 7, "krylov_slot", note="see `pressure_solve`", run=True)
+    krylov_least: DeviceArray = reals("world", "krylov_pair", unit="m2", note="square of the residual to reach")
     krylov_rhs: DeviceArray = reals("world", "krylov_retained", run=True)
     krylov_z: DeviceArray = reals("world", "krylov_retained", run=True)
     mode_load: DeviceArray = reals("world", 2, "contact_mode", note="by pressures of cells, of nodes", flat=True)

@@ -131,7 +131,7 @@ class FrictionSolve:
     answer_step: DeviceArray = reals("world", "friction_slot", unit="Pa", flat=True)
     answer_moved: DeviceArray = reals("world", "friction_pair", "2*cell", unit="Pa", flat=True)
     answer_state: DeviceArray = integers("world", 4, carried=True)
-    answer_change: DeviceArray = reals("world", 1)
+    answer_change: DeviceArray = reals("world", 1, unit="Pa", carried=True)
 
 
 @topic

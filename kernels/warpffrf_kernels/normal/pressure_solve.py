@@ -18,6 +18,9 @@ idle pair touches next to one that is pressed, so the method is that of van der 
 Symmetric blocks in their place would not agree with the gaps by which the active set is corrected: cells at the edge of
 a patch would enter and leave it indefinitely.
 
+An idle roller carries a millionth of what its neighbours do, and its contacts have to be balanced, too: an iteration
+ends where the residual of every pair is less than a fraction of its own right-hand side, or is round-off.
+
 Products: `pressure_products`.
 """
 
@@ -52,6 +55,7 @@ REDUCTION = wp.constant(wp.float64(1.0e-5))  # of the residual: the rest is left
 EXACT = wp.constant(wp.float64(1.0e-10))  # the same of a set that is corrected for long: signs decide about cells
 PATIENCE = wp.constant(4)  # solutions before
 PASSES = wp.constant(20)  # iterations without F
+TINY = wp.constant(wp.float64(1.0e-300))
 MOST = wp.constant(60)  # steps; the rest stays in the gaps for the Newton iteration
 
 
@@ -277,8 +281,8 @@ def step_along(
 def find_residual(
     model: Model, w: int, lane: int, count: int, normal: ContactSolve, patch: PatchScratch, geometry: ContactGeometry,
     impulses: ImpulsiveContact, right: wp.array(dtype=real), x: wp.array(dtype=real), z: wp.array(dtype=real),
-) -> real:  # fmt: skip
-    """The residual of the elimination, the first of the vectors, without F, and its square."""
+):  # fmt: skip
+    """The residual of the elimination, the first of the vectors, without F."""
     at = w * model.capacity.slots
     residual = VECTORS * at
     i = lane
@@ -294,16 +298,15 @@ def find_residual(
             normal.krylov[residual + i] = right[at + i] - normal.krylov[residual + i]
         i += wp.block_dim()
     sync()
-    return inner(count, normal.krylov, residual, normal.krylov, residual)
 
 
 @wp.func(inline=False)
 def take_beside(
     model: Model, w: int, lane: int, count: int, normal: ContactSolve, patch: PatchScratch, geometry: ContactGeometry,
     impulses: ImpulsiveContact, x: wp.array(dtype=real),
-) -> real:  # fmt: skip
-    """Takes F times the change of x since the last call off the residual, the first of the vectors, and returns its
-    square; the last of them is x then."""
+):  # fmt: skip
+    """Takes F times the change of x since the last call off the residual, the first of the vectors; the last of them is
+    x then."""
     at = w * model.capacity.slots
     residual = VECTORS * at
     image = residual + 3 * model.capacity.slots
@@ -323,17 +326,43 @@ def take_beside(
         normal.krylov[known + i] = x[at + i]
         i += wp.block_dim()
     sync()
-    return inner(count, normal.krylov, residual, normal.krylov, residual)
+
+
+@wp.func
+def allow(model: Model, w: int, lane: int, fraction: real, normal: ContactSolve, x: wp.array(dtype=real), at: int):
+    """Each pair may leave a residual of this fraction of x[at:]."""
+    pair = int(0)
+    while pair < model.pairs.count:
+        start = at + normal.block[w, pair, START]
+        size = fraction * fraction * inner(normal.block[w, pair, COUNT], x, start, x, start)
+        if lane == 0:
+            normal.krylov_least[w, pair] = wp.max(normal.krylov_least[w, pair], size)
+        pair += 1
+    sync()
+
+
+@wp.func
+def excess(model: Model, w: int, normal: ContactSolve) -> real:
+    """The largest square of a pair's residual, the first of the vectors, over what it may leave; the same in every
+    lane."""
+    most = real(0.0)
+    pair = int(0)
+    while pair < model.pairs.count:
+        at = w * VECTORS * model.capacity.slots + normal.block[w, pair, START]
+        size = inner(normal.block[w, pair, COUNT], normal.krylov, at, normal.krylov, at)
+        if size > real(0.0):
+            most = wp.max(most, size / wp.max(normal.krylov_least[w, pair], TINY))
+        pair += 1
+    return most
 
 
 @wp.func(inline=False)
 def iterate(
-    model: Model, p: Pattern, w: int, lane: int, count: int, beside: int, least: real, normal: ContactSolve,
-    patch: PatchScratch, geometry: ContactGeometry, impulses: ImpulsiveContact, system: RetainedSystem,
-    x: wp.array(dtype=real), z: wp.array(dtype=real),
-) -> real:  # fmt: skip
-    """x and z with a residual whose square is less than `least`, from that in the first of the vectors on. Returns
-    it."""
+    model: Model, p: Pattern, w: int, lane: int, count: int, beside: int, normal: ContactSolve, patch: PatchScratch,
+    geometry: ContactGeometry, impulses: ImpulsiveContact, system: RetainedSystem, x: wp.array(dtype=real),
+    z: wp.array(dtype=real),
+):  # fmt: skip
+    """x and z with a residual that pairs may leave, from that in the first of the vectors on."""
     cap = model.capacity.slots
     residual = w * VECTORS * cap
     shadow = residual + cap  # the first residual
@@ -343,18 +372,16 @@ def iterate(
     second = residual + 5 * cap  # image of the latter
     copy(count, lane, normal.krylov, residual, shadow)
     copy(count, lane, normal.krylov, residual, path)
-    size = inner(count, normal.krylov, residual, normal.krylov, residual)
-    product = size
+    product = inner(count, normal.krylov, residual, normal.krylov, residual)
     step = int(0)
-    while step < MOST and size > least and product != real(0.0):
+    while step < MOST and product != real(0.0) and excess(model, w, normal) > real(1.0):
         image_of(model, p, w, lane, count, beside, path, answer, image, normal, patch, geometry, impulses, system)
         along = inner(count, normal.krylov, shadow, normal.krylov, image)
         if along == real(0.0):
             break
         length = product / along
         step_along(model, w, lane, count, length, normal, answer, residual, image, x, z)
-        size = inner(count, normal.krylov, residual, normal.krylov, residual)
-        if size <= least:
+        if excess(model, w, normal) <= real(1.0):
             break
         image_of(model, p, w, lane, count, beside, residual, answer, second, normal, patch, geometry, impulses, system)
         square = inner(count, normal.krylov, second, normal.krylov, second)
@@ -362,7 +389,6 @@ def iterate(
         if square > real(0.0):
             part = inner(count, normal.krylov, second, normal.krylov, residual) / square
         step_along(model, w, lane, count, part, normal, answer, residual, second, x, z)
-        size = inner(count, normal.krylov, residual, normal.krylov, residual)
         before = product
         product = inner(count, normal.krylov, shadow, normal.krylov, residual)
         kept = real(0.0)
@@ -376,7 +402,6 @@ def iterate(
             i += wp.block_dim()
         sync()
         step += 1
-    return size
 
 
 @wp.func
@@ -385,31 +410,41 @@ def complete(
     patch: PatchScratch, geometry: ContactGeometry, impulses: ImpulsiveContact, system: RetainedSystem,
     right: wp.array(dtype=real), x: wp.array(dtype=real), z: wp.array(dtype=real),
 ):  # fmt: skip
-    """x and z, on entry those of the elimination, with a residual of less than `reduction` of the first one, or of the
-    right-hand side."""
+    """x and z, on entry those of the elimination, with a residual of each pair of less than `reduction` of its first
+    one, or of its right-hand side, or EXACT of all of them."""
     at = w * model.capacity.slots
-    known = (w * VECTORS + VECTORS - 1) * model.capacity.slots
-    size = find_residual(model, w, lane, count, normal, patch, geometry, impulses, right, x, z)
-    least = reduction * reduction * wp.max(size, inner(count, right, at, right, at))
+    residual = VECTORS * at
+    known = residual + (VECTORS - 1) * model.capacity.slots
+    round_off = EXACT * EXACT * inner(count, right, at, right, at)
+    i = lane
+    while i < model.pairs.count:
+        normal.krylov_least[w, i] = round_off
+        i += wp.block_dim()
+    sync()
+    find_residual(model, w, lane, count, normal, patch, geometry, impulses, right, x, z)
+    allow(model, w, lane, reduction, normal, right, at)
+    allow(model, w, lane, reduction, normal, normal.krylov, residual)
     if coupled == 0:
-        iterate(model, p, w, lane, count, 0, least, normal, patch, geometry, impulses, system, x, z)
+        iterate(model, p, w, lane, count, 0, normal, patch, geometry, impulses, system, x, z)
         return
     i = lane
     while i < count:
         normal.krylov[known + i] = real(0.0)
         i += wp.block_dim()
     sync()
-    size = take_beside(model, w, lane, count, normal, patch, geometry, impulses, x)
-    least = wp.max(least, reduction * reduction * size)
+    take_beside(model, w, lane, count, normal, patch, geometry, impulses, x)
+    allow(model, w, lane, reduction, normal, normal.krylov, residual)
     beside = int(0)
     fall = real(1.0)  # of the square of the residual, by the last iteration
+    size = excess(model, w, normal)
     turn = int(0)
-    while size > least and turn < PASSES:
+    while size > real(1.0) and turn < PASSES:
         before = size
-        size = iterate(model, p, w, lane, count, beside, least, normal, patch, geometry, impulses, system, x, z)
-        if beside != 0 or fall * before <= least:  # the residual would be that
+        iterate(model, p, w, lane, count, beside, normal, patch, geometry, impulses, system, x, z)
+        if beside != 0 or fall * before <= real(1.0):  # the residual would be less
             return
-        size = take_beside(model, w, lane, count, normal, patch, geometry, impulses, x)
+        take_beside(model, w, lane, count, normal, patch, geometry, impulses, x)
+        size = excess(model, w, normal)
         fall = size / before
         if fall > real(0.25):
             beside = 1
