@@ -75,9 +75,9 @@ from warpffrf_kernels.rolling.system import soften_splines
 
 wp.set_module_options(MODULE_OPTIONS)
 
-SETTLED = wp.constant(wp.float64(1.0e-11))
+SETTLED = wp.constant(wp.float64(1.0e-10))
 FRACTION = wp.constant(wp.float64(1.0e-3))
-LATE = wp.constant(wp.float64(1.0e-4))  # unless this is small: the retained iteration is near its end
+LATE = wp.constant(wp.float64(1.0e-3))  # unless this is small: the retained iteration is near its end
 SLOW = wp.constant(wp.float64(0.1))  # of the previous defect: an old factor that leaves more is recomputed
 CLOSE = wp.constant(wp.float64(1.0e-2))  # defect below which cells are expected to keep their states
 COARSE = wp.constant(wp.float64(0.01))  # reduction of a system while cells change their states,
@@ -403,9 +403,9 @@ def wanted(model: Model, defect: real) -> real:
     pair = int(0)
     while pair < model.pairs.count and model.elements[0].slip_speeds.pieces[pair] == 0:
         pair += 1
-    if pair < model.pairs.count:
+    if pair < model.pairs.count or defect < LATE:
         return SETTLED
-    return wp.max(FRACTION * defect, SETTLED)
+    return FRACTION * defect
 
 
 @kernel

@@ -64,6 +64,7 @@ from warpffrf.output.geometry.places import grid_theta_offset, rotate
 OPEN, STICK, SLIP = 0, 1, 2
 STATES = ("open", "stick", "slip")
 ROLLS = 1e-9  # of the largest rolling speed of the run: below it the contact is stationary, and creepage is undefined
+SLIDES = 1e-6  # of the creep velocity: a contact that rolls by less slides without rolling
 MOVES = 1e-6  # columns per step: a smaller advance of the patch is round-off
 MOST_CELLS = {"nodes": 1.0, "cells": 2.5}  # columns per step up to which entering material is treated correctly
 FRICTION_ERROR = 0.01  # of the largest friction force, up to that limit
@@ -147,6 +148,7 @@ class FrictionResult:
         speed = np.abs(np.asarray(self.rolling_velocity, dtype=float))
         rolls = speed > ROLLS * np.max(speed, initial=0.0, where=np.isfinite(speed))
         rolls &= self.contact.touching & (np.asarray(self.cells_per_step) > MOVES)
+        rolls &= speed > SLIDES * np.linalg.norm(self.creep_velocity, axis=1)
         return np.where(rolls, speed, np.nan)
 
     @cached_property
