@@ -24,9 +24,9 @@ On contact-fixed cells (`rolling`) Y, whose cost grows with the third power of t
 (`answering`), so K is kept from step to step. There the pressures follow the change of the tractions, N^T dtau by the
 fields themselves (`take_gaps`), and the resulting change of the slips is left to the next iteration.
 
-The bounds follow that response as well, which leaves a fraction mu N^T G^-1 of an error: once in an iteration, and where
-this leaves more than a tenth of what the iteration before has left, in rounds of tractions and bounds with the same
-matrices. They converge if friction has a unique solution, and cost little if no cell changes its state.
+The bounds follow that response as well, which leaves a fraction mu N^T G^-1 of an error: once in an iteration, and
+where this leaves more than a tenth of what the iteration before has left, in rounds of tractions and bounds with the
+same matrices. They converge if friction has a unique solution, and cost little if no cell changes its state.
 """
 
 import warp as wp

@@ -47,7 +47,7 @@ from warpffrf_kernels.normal.pair_elimination import (
 )
 from warpffrf_kernels.normal.pair_forces import surface_of
 from warpffrf_kernels.normal.pressure_products import ACTIVE, LEFT, VECTORS, add_cells, add_product, follow_retained
-from warpffrf_kernels.patch.preconditioner import answer
+from warpffrf_kernels.patch.preconditioner import precondition_near
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -91,7 +91,9 @@ def answer_uniform(
                 normal.uniform[y + i] = real(0.0)
                 i += wp.block_dim()
             sync()
-            answer(model, w, pair, start, n, patch, normal, normal.uniform, z + start, normal.uniform, z + start, 1)
+            precondition_near(
+                model, w, pair, start, n, patch, normal, normal.uniform, z + start, normal.uniform, z + start, 1
+            )
         pair += 1
     add_cells(model, w, lane, ACTIVE, 1, 0, normal, patch, geometry, impulses, normal.uniform, z, normal.uniform, y)
     pair = int(0)
@@ -146,21 +148,9 @@ def pose_pressures(
     sync()
     if all > active:
         add_product(
-            model,
-            w,
-            lane,
-            LEFT,
-            1,
-            model.pairs.beside,
-            normal,
-            patch,
-            geometry,
-            impulses,
-            normal.solution,
-            w * cap,
-            normal.right,
-            w * cap,
-        )
+            model, w, lane, LEFT, 1, model.pairs.beside, normal, patch, geometry, impulses, normal.solution, w * cap,
+            normal.right, w * cap,
+        )  # fmt: skip
         pair = int(0)
         while pair < model.pairs.count:
             start = normal.block[w, pair, LEFT_START]
@@ -240,21 +230,9 @@ def image_of(
     )  # fmt: skip
     sync()
     add_product(
-        model,
-        w,
-        lane,
-        ACTIVE,
-        1,
-        beside,
-        normal,
-        patch,
-        geometry,
-        impulses,
-        normal.krylov,
-        answer,
-        normal.krylov,
+        model, w, lane, ACTIVE, 1, beside, normal, patch, geometry, impulses, normal.krylov, answer, normal.krylov,
         image,
-    )
+    )  # fmt: skip
     follow_retained(model, w, real(1.0), normal, normal.krylov_z, normal.krylov, image)
 
 

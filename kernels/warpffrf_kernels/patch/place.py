@@ -41,7 +41,7 @@ FELT = wp.constant(wp.float64(1.0e-3))
 CONTENT = wp.constant(wp.float64(0.99))  # of the wanted W: pressures in the outermost strips are then what is cut off
 SETTLING = wp.constant(3)  # iterations in which W may shrink
 FASTEST = wp.constant(wp.float64(1.6))  # change of W from one attempt to the next
-GROWTH = wp.constant(wp.float64(1.5))  # of W if the outermost strips are under pressure
+GROWTH = wp.constant(wp.float64(3.0))  # of W if the outermost strips are under pressure
 # of W: permitted deviation during the energy search for a static state; other cells would change the energy by 1e-3
 LOOSE = wp.constant(wp.float64(0.2))
 SPARSE = wp.constant(wp.float64(0.5))  # of the strips: a patch on fewer is regridded within an attempt

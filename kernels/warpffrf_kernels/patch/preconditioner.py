@@ -178,13 +178,13 @@ def precondition_patch(
     opened = z + model.capacity.slots
     part = along(n, normal.uniform, z, x, at_x, stride)
     shift(n, -part, normal.uniform, opened, x, at_x, y, at_y, stride)
-    answer(model, w, pair, start, n, patch, normal, y, at_y, y, at_y, stride)
+    precondition_near(model, w, pair, start, n, patch, normal, y, at_y, y, at_y, stride)
     part -= along(n, normal.uniform, opened, y, at_y, stride)
     shift(n, part, normal.uniform, z, y, at_y, y, at_y, stride)
 
 
 @wp.func
-def answer(
+def precondition_near(
     model: Model, w: int, pair: int, start: int, n: int, patch: PatchScratch, normal: ContactSolve,
     x: wp.array(dtype=real), at_x: int, y: wp.array(dtype=real), at_y: int, stride: int,
 ):  # fmt: skip
