@@ -101,7 +101,12 @@ def answer_uniform(
         start = normal.block[w, pair, START]
         n = normal.block[w, pair, COUNT]
         if n > 0 and model.pairs.matrix[pair] == 0:
-            scale = real(1.0) / wp.sqrt(inner(n, normal.uniform, z + start, normal.uniform, y + start))
+            size = inner(n, normal.uniform, z + start, normal.uniform, y + start)
+            scale = real(0.0)
+            if size > real(0.0):
+                scale = real(1.0) / wp.sqrt(size)
+            elif lane == 0:  # or not a number
+                run.ctl[w].failure = run.ctl[w].failure | k.INDEFINITE
             i = start + lane
             while i < start + n:
                 normal.uniform[z + i] = scale * normal.uniform[z + i]
