@@ -15,52 +15,49 @@ from warpffrf_kernels.patch.spline_tables import line_of, real_side, trace_at
 wp.set_module_options(MODULE_OPTIONS)
 
 
-# Loads of unit pressures at all places on the modes of one side. Strips that load the same columns of splines are
-# treated together. Native for contiguous inner loops along places.
+# out[at_out:] = sum of f[at:], a number per spline of one side, times the loads of unit pressures at all places on it.
+# Strips that load the same columns of splines are treated together. Native for contiguous inner loops along places.
 @wp.func_native("""
-    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM, nodes = elements.patches.far_nodes;
+    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
     const int columns = elements.patches.columns.data[pair], stride = elements.patches.places;
-    const int rows = model.surfaces.rows.data[s], modes = model.surfaces.modal_count.data[s];
     const size_t p = ((size_t)w * model.pairs.count + pair) * 2 + side;
     const int* const strip = far_strip.data + 2 * p * model.window.columns;
-    const double* const trace = far_trace.data + trace_start;
-    const double* const share = far_share.data + p * nodes * stride;
-    double* const gradient = far_gradient.data + (p / 2 * model.pairs.most_modes + first_mode) * stride;
-    for (int n = 0; n < modes; ++n) {
-        const double* const f = trace + (size_t)n * nodes;
-        double* const out = gradient + (size_t)n * stride;
-        for (int c = 0, end = 1; c < columns; c = end) {
-            const int* const here = strip + 2 * c;
-            for (end = c + 1; end < columns && strip[2 * end] == here[0] && strip[2 * end + 1] == here[1];) ++end;
-            const int high = (here[0] + here[1]) * rows;
-            for (int e = c * line + lane; e < end * line; e += lanes) out[e] = 0.0;
-            int k = here[0] * rows;
-            for (; k + 3 < high; k += 4) {
-                const double f0 = f[k], f1 = f[k + 1], f2 = f[k + 2], f3 = f[k + 3];
-                const double* const x = share + (size_t)k * stride;
-                for (int e = c * line + lane; e < end * line; e += lanes)
-                    out[e] += f0 * x[e] + f1 * x[stride + e] + f2 * x[2 * stride + e] + f3 * x[3 * stride + e];
-            }
-            for (; k < high; ++k)
-                for (int e = c * line + lane; e < end * line; e += lanes)
-                    out[e] += f[k] * share[(size_t)k * stride + e];
+    const double* const factor = f.data + at;
+    const double* const share = far_share.data + p * elements.patches.far_nodes * stride;
+    double* const sum = out.data + at_out;
+    WP_TILE_SYNC();
+    for (int c = 0, end = 1; c < columns; c = end) {
+        const int* const here = strip + 2 * c;
+        for (end = c + 1; end < columns && strip[2 * end] == here[0] && strip[2 * end + 1] == here[1];) ++end;
+        const int high = (here[0] + here[1]) * rows;
+        for (int e = c * line + lane; e < end * line; e += lanes) sum[e] = 0.0;
+        int k = here[0] * rows;
+        for (; k + 3 < high; k += 4) {
+            const double f0 = factor[k], f1 = factor[k + 1], f2 = factor[k + 2], f3 = factor[k + 3];
+            const double* const x = share + (size_t)k * stride;
+            for (int e = c * line + lane; e < end * line; e += lanes)
+                sum[e] += f0 * x[e] + f1 * x[stride + e] + f2 * x[2 * stride + e] + f3 * x[3 * stride + e];
         }
+        for (; k < high; ++k)
+            for (int e = c * line + lane; e < end * line; e += lanes)
+                sum[e] += factor[k] * share[(size_t)k * stride + e];
     }
+    WP_TILE_SYNC();
 """)
-def load_modes_of_side(
+def weigh_loads(
     model: Model,
     elements: Elements,
     w: int,
     pair: int,
     side: int,
-    s: int,
+    rows: int,
     line: int,
-    trace_start: int,
-    first_mode: int,
+    f: wp.array(dtype=real),
+    at: int,
     far_strip: wp.array4d(dtype=int),
     far_share: wp.array(dtype=real),
-    far_trace: wp.array(dtype=real),
-    far_gradient: wp.array(dtype=real),
+    out: wp.array(dtype=real),
+    at_out: int,
 ): ...
 
 
@@ -80,15 +77,18 @@ def load_modes_of_cells(run: Run, normal: ContactSolve, patch: PatchScratch):
     if run.ctl[w].run == 0 or first_new(run, w, normal) == run.ctl[w].slots or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
+    line = line_of(model.surfaces.rows[model.pairs.first[pair]])
+    modes = (w * model.pairs.count + pair) * model.pairs.most_modes
     first_mode = int(0)
     for side in range(2):
         s = real_side(elements, pair, side)
         if s >= 0:
-            load_modes_of_side(
-                model, elements, w, pair, side, s, line_of(model.surfaces.rows[model.pairs.first[pair]]),
-                trace_at(model, elements, w, pair, side), first_mode, patch.far_strip, patch.far_share,
-                patch.far_trace, patch.far_gradient,
-            )  # fmt: skip
+            for n in range(model.surfaces.modal_count[s]):
+                weigh_loads(
+                    model, elements, w, pair, side, model.surfaces.rows[s], line, patch.far_trace,
+                    trace_at(model, elements, w, pair, side) + n * elements.patches.far_nodes, patch.far_strip,
+                    patch.far_share, patch.far_gradient, (modes + first_mode + n) * elements.patches.places,
+                )  # fmt: skip
         first_mode += model.surfaces.modal_count[model.pairs.first[pair]]
 
 

@@ -16,6 +16,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.core.scratch import ImpulsiveContact
 from warpffrf_kernels.patch.fields import rows_of
+from warpffrf_kernels.patch.modal_rows import weigh_loads
 from warpffrf_kernels.patch.spline_tables import line_of, real_side, trace_at
 from warpffrf_kernels.patch.strips import spectrum_at
 
@@ -61,68 +62,37 @@ def find_near(
 ): ...
 
 
-# Displacement of the splines of one side due to a unit pressure at each place, by S + Phi sigma^-1 Phi^T, line by line.
-# Strips that load the same columns of splines are treated together. Native for contiguous inner loops along places.
+# Displacement of spline n of one side due to unit loads on its splines, a line of S + Phi sigma^-1 Phi^T.
 @wp.func_native("""
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM, nodes = elements.patches.far_nodes;
-    const int columns = elements.patches.columns.data[pair], stride = elements.patches.places;
-    const int rows = model.surfaces.rows.data[s], modes = model.surfaces.modal_count.data[s];
     const size_t p = ((size_t)w * model.pairs.count + pair) * 2 + side;
-    const int count = far_window.data[2 * p + 1] * rows;
-    const int* const strip = far_strip.data + 2 * p * model.window.columns;
-    const double* const table = far_table.data + p * nodes * nodes;
-    const double* const trace = far_trace.data + trace_start;
-    const double* const share = far_share.data + p * nodes * stride;
+    const double* const table = far_table.data + (p * nodes + n) * nodes;
     const double* const own = receptance.data + (size_t)w * model.modes.count + model.surfaces.modal_start.data[s];
     double* const soft = far_soft.data + p * nodes;
-    double* const answer = far_answer.data + p * nodes * stride;
-    for (int n = 0; n < count; ++n) {
-        for (int k = lane; k < count; k += lanes) soft[k] = table[(size_t)n * nodes + k];
-        for (int m = 0; m < modes; ++m) {
-            const double* const t = trace + (size_t)m * nodes;
-            const double f = weight * weight * own[m] * t[n];
-            for (int k = lane; k < count; k += lanes) soft[k] += f * t[k];
-        }
-        WP_TILE_SYNC();
-        const double* const f = soft;
-        double* const out = answer + (size_t)n * stride;
-        for (int c = 0, end = 1; c < columns; c = end) {
-            const int* const here = strip + 2 * c;
-            for (end = c + 1; end < columns && strip[2 * end] == here[0] && strip[2 * end + 1] == here[1];) ++end;
-            const int high = (here[0] + here[1]) * rows;
-            for (int e = c * line + lane; e < end * line; e += lanes) out[e] = 0.0;
-            int k = here[0] * rows;
-            for (; k + 3 < high; k += 4) {
-                const double f0 = f[k], f1 = f[k + 1], f2 = f[k + 2], f3 = f[k + 3];
-                const double* const x = share + (size_t)k * stride;
-                for (int e = c * line + lane; e < end * line; e += lanes)
-                    out[e] += f0 * x[e] + f1 * x[stride + e] + f2 * x[2 * stride + e] + f3 * x[3 * stride + e];
-            }
-            for (; k < high; ++k)
-                for (int e = c * line + lane; e < end * line; e += lanes)
-                    out[e] += f[k] * share[(size_t)k * stride + e];
-        }
-        WP_TILE_SYNC();
+    WP_TILE_SYNC();
+    for (int k = lane; k < count; k += lanes) soft[k] = table[k];
+    for (int m = 0; m < model.surfaces.modal_count.data[s]; ++m) {
+        const double* const t = far_trace.data + trace_start + (size_t)m * nodes;
+        const double f = weight * weight * own[m] * t[n];
+        for (int k = lane; k < count; k += lanes) soft[k] += f * t[k];
     }
+    WP_TILE_SYNC();
 """)
-def answer_side(
+def soften_line(
     model: Model,
     elements: Elements,
     w: int,
     pair: int,
     side: int,
     s: int,
-    line: int,
+    n: int,
+    count: int,
     weight: real,
     trace_start: int,
-    far_window: wp.array4d(dtype=int),
-    far_strip: wp.array4d(dtype=int),
-    far_share: wp.array(dtype=real),
     far_table: wp.array(dtype=real),
     far_trace: wp.array(dtype=real),
     receptance: wp.array2d(dtype=real),
     far_soft: wp.array(dtype=real),
-    far_answer: wp.array(dtype=real),
 ): ...
 
 
@@ -143,11 +113,19 @@ def answer_splines(run: Run, patch: PatchScratch, impulses: ImpulsiveContact):
     for side in range(2):
         s = real_side(elements, pair, side)
         if s >= 0:
-            answer_side(
-                model, elements, w, pair, side, s, line_of(rows), impulses.weight[w, pair],
-                trace_at(model, elements, w, pair, side), patch.far_window, patch.far_strip, patch.far_share,
-                patch.far_table, patch.far_trace, impulses.contact_receptance, patch.far_soft, patch.far_answer,
-            )  # fmt: skip
+            own = model.surfaces.rows[s]
+            count = patch.far_window[w, pair, side, 1] * own
+            start = ((w * model.pairs.count + pair) * 2 + side) * elements.patches.far_nodes
+            for n in range(count):
+                soften_line(
+                    model, elements, w, pair, side, s, n, count, impulses.weight[w, pair],
+                    trace_at(model, elements, w, pair, side), patch.far_table, patch.far_trace,
+                    impulses.contact_receptance, patch.far_soft,
+                )  # fmt: skip
+                weigh_loads(
+                    model, elements, w, pair, side, own, line_of(rows), patch.far_soft, start, patch.far_strip,
+                    patch.far_share, patch.far_answer, (start + n) * elements.patches.places,
+                )  # fmt: skip
 
 
 # Row `slot` of G, of the cell at place `at`, for the slots of its pair up to itself: computed over the places of all
