@@ -24,9 +24,9 @@ from warpffrf_kernels.core.scalars import BLOCK
 from warpffrf_kernels.core.scratch import RetainedSystem
 from warpffrf_kernels.rolling import traction_solve
 
-SAME = 1e-10  # of the largest bound: the solution stops at 1e-11 of it, and the compliances' condition is below 100
-SOLUTIONS = 4  # each reduces its first defect to 1e-4
-STIFF = 1e-8  # of the same, where one motion common to all raises the condition to 1e7
+SAME = 1e-9  # of the largest bound: the solution stops at 1e-10 of it, and the compliances' condition is below 100
+SOLUTIONS = 4  # each reduces its first defect to 1e-3
+STIFF = 1e-7  # of the same, where one motion common to all raises the condition to 1e7
 
 
 def compliance(count: int, generator: np.random.Generator) -> np.ndarray:
