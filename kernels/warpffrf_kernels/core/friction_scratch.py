@@ -53,17 +53,13 @@ class FrictionSolve:
     cell_slot_of: DeviceArray = integers("world", "pair", "friction_node", carried=True)
     cell_slot: DeviceArray = integers("world", "friction_pair", "cell", note="which cell", carried=True)
     cell_block: DeviceArray = integers("world", "friction_pair", 3, note="see `cell_blocks`", carried=True)
-    cell_G: DeviceArray = reals("world", "block_pair", "2*cell", "2*cell", unit="m/Pa", carried=True, flat=True)
-    cell_D: DeviceArray = reals(
-        "world",
-        "block_pair",
-        "2*cell",
-        "2*cell",
-        unit="m/Pa",
-        note="G with the pressures' answer",
-        carried=True,
-        flat=True,
+    cell_G: DeviceArray = reals(
+        "world", "block_pair", "2*block_cell", "2*block_cell", unit="m/Pa", carried=True, flat=True
     )
+    cell_D: DeviceArray = reals(
+        "world", "block_pair", "2*block_cell", "2*block_cell", unit="m/Pa", note="G with the pressures' answer",
+        carried=True, flat=True,
+    )  # fmt: skip
     cell_L: DeviceArray = reals("world", "friction_pair", "2*cell", "coupled", carried=True, flat=True)
     cell_J: DeviceArray = reals("world", "friction_pair", "2*cell", "pair_mode", run=True, carried=True)
     cell_JT: DeviceArray = reals("world", "friction_pair", "pair_mode", "2*cell", note="transposed", carried=True)
@@ -101,8 +97,9 @@ class FrictionSolve:
     cell_start_slip: DeviceArray = reals("world", "friction_pair", "2*cell", unit="m", flat=True)
     cell_solution: DeviceArray = reals("world", "friction_pair", "2*cell", flat=True)
     cell_U: DeviceArray = reals(
-        "world", "block_pair", "2*cell", "2*cell", note="factor of the free coordinates", carried=True, flat=True
-    )
+        "world", "block_pair", "2*block_cell", "2*block_cell", note="factor of the free coordinates", carried=True,
+        flat=True,
+    )  # fmt: skip
     cell_W: DeviceArray = reals("world", "friction_pair", "2*cell", "coupled", carried=True, flat=True)
     cell_square: DeviceArray = reals("world", "friction_pair", "coupled", "coupled", carried=True, flat=True)
     cell_load: DeviceArray = reals("world", "friction_retained", run=True)
