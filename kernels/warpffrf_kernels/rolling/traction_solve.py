@@ -75,7 +75,7 @@ from warpffrf_kernels.rolling.system import soften_splines
 
 wp.set_module_options(MODULE_OPTIONS)
 
-SETTLED = wp.constant(wp.float64(1.0e-10))
+SETTLED = wp.constant(wp.float64(1.0e-11))
 FRACTION = wp.constant(wp.float64(1.0e-3))
 LATE = wp.constant(wp.float64(1.0e-3))  # unless this is small: the retained iteration is near its end
 SLOW = wp.constant(wp.float64(0.1))  # of the previous defect: an old factor that leaves more is recomputed
