@@ -41,6 +41,7 @@ def test_idle_rollers_find_their_rest(cells: tuple[int, int] | None) -> None:
         cage=wf.bearings.PrescribedCage(speed=0.0), materials=wf.bearings.Materials(STEEL),
     )  # fmt: skip
     for contact in bearing.contacts.values():
+        assert isinstance(contact, wf.Contact)
         contact.cells = cells
     hub = scene.add_rigid_body(0.5, (1e-3,) * 3, name="hub")
     scene.add(wf.joints.Prismatic(scene.ground, hub.at((0, 0, 0)), axis=(0, 0, 1)))
