@@ -398,10 +398,10 @@ def find_support(
 
 @kernel
 def add_flexibility(run: Run, normal: ContactSolve, layers: LayerScratch):
-    """Per world, lanes over slots: G + E."""
+    """Per world, lanes over slots: G + E, if any pair has a matrix."""
     w, lane = wp.tid()
     model = run.models[w]
-    if run.ctl[w].run == 0:
+    if run.ctl[w].run == 0 or model.pairs.dense == 0:
         return
     slots = run.ctl[w].slots
     i = lane

@@ -212,7 +212,7 @@ def lay_row(
 @wp.func_native("""
     const int cap = model.capacity.slots;
     const int* const pair = slot_node.data + (size_t)w * cap * 2;
-    const int *const family = model.pairs.family.data, *const matrix = model.pairs.matrix.data;
+    const int *family = model.pairs.family.data, *matrix = model.pairs.matrix.data;
     double* const g = G.data + (size_t)w * cap * cap;
     for (int s = fresh; s < slots; s += 8) {
         const int end = s + 8 < slots ? s + 8 : slots;
