@@ -180,13 +180,15 @@ def run(name: str, case: Case, share: float) -> dict:
         "cpu_seconds": time.process_time() - used,
     }  # fmt: skip
     counters = result.history.counters
-    row["asked"], row["done"] = steps, len(result.time) - 1
+    row["asked"], row["done"] = steps, max(len(result.time) - 1, 0)
     row["seconds_per_step"] = counters["seconds_in_graph"] / max(row["done"], 1)
     row["iterations"], row["halved"] = counters["mean_iterations"], int(counters["rejected_steps"])
-    pushed = [result.contact(f"b outer {i + 1}").force[-1] for i in range(case.elements)]
-    row["largest"] = float(np.linalg.norm(pushed, axis=1).max())
-    row["carried"] = float(abs(np.sum(pushed, axis=0)[2]) / LOAD)
-    row["energy"] = float(np.ptp(result.energy_residual))
+    row["largest"] = row["carried"] = row["energy"] = float("nan")
+    if len(result.time):
+        pushed = [result.contact(f"b outer {i + 1}").force[-1] for i in range(case.elements)]
+        row["largest"] = float(np.linalg.norm(pushed, axis=1).max())
+        row["carried"] = float(abs(np.sum(pushed, axis=0)[2]) / LOAD)
+        row["energy"] = float(np.ptp(result.energy_residual))
     return row
 
 
