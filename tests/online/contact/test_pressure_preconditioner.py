@@ -1,5 +1,7 @@
 """The preconditioner of pressures without a matrix: beside the inverse of the compliance that products give."""
 
+# pyright: reportInvalidTypeForm=false, reportAssignmentType=false, reportIndexIssue=false, reportGeneralTypeIssues=false
+
 from typing import Any
 
 import numpy as np
@@ -77,7 +79,7 @@ def test_it_is_symmetric_and_near_the_inverse(law: wf.laws.Law, monkeypatch: pyt
         for a in apply_both.adj.args
     ]
     wp.launch_tiled(apply_both, dim=(1,), inputs=inputs, block_dim=1, device="cpu")
-    M, G = (own[name].numpy().reshape(n, n) for name in ("preconditioned", "opened"))
+    M, G = (np.array(own[name].numpy(), dtype=float).reshape(n, n) for name in ("preconditioned", "opened"))
     for symmetric in (M, G):
         assert np.abs(symmetric - symmetric.T).max() < ROUND_OFF * np.abs(symmetric).max()
     eigenvalues = np.linalg.eigvals(M @ G).real
