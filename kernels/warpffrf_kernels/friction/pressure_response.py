@@ -459,7 +459,7 @@ def press_with_tractions(
     patterns: wp.array(dtype=Pattern), solution: wp.array2d(dtype=real),
 ):  # fmt: skip
     """Per world: the pressures with their response to the tractions of this round, none below zero, and whether the
-    bounds follow them in another round. change: of the largest in the first round; answer_z: retained increments."""
+    bounds follow them in another round. change: the largest of the last round; answer_z: retained increments."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, OPEN] == 0:
