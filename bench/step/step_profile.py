@@ -53,7 +53,7 @@ BETWEEN, COUNTER = ("between", "steps and chunks"), ("counter", "a launch that r
 PHASES = {  # of `online.step.phases`, as a reader of docs/method.md knows them
     "begin predict remember": "prediction",
     "move load": "bodies, joints, loads",
-    "locate few shift cells": "gaps: place, area, wrench, splines",
+    "locate shift cells": "gaps: place, area, wrench, splines",
     "displace close slide sum push": "displacements and forces of contact",
     "balance store mean unbalanced": "is it balanced?",
     "assemble eliminate": "retained matrix",

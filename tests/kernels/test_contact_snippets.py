@@ -1,17 +1,18 @@
 """The contact snippets against NumPy, written from the equations, on the arrays of an engine inside a step.
 
-sum_hat: the sums over Gauss points of the module docstring of `line_of_centres_weights`; couple: G of
+sum_hat: the sums over Gauss points of the module docstring of `line_of_centres_points`; couple: G of
 `contact_compliance` from the dense compliance of both surfaces, without the tables; the elimination of the active nodes
 put back into the whole system."""
 
 from __future__ import annotations
 
 import numpy as np
+from reference_contact import gauss
 
 from warpffrf.online import Engine
 from warpffrf.online.step.launches import blocks
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.kinematics import line_of_centres_weights
+from warpffrf_kernels.kinematics import line_of_centres_points
 
 ROUND_OFF = 1e-12  # relative to the largest entry: sums of some hundred terms
 
@@ -27,18 +28,23 @@ def surfaces(engine: Engine):
     return contact.a.surface, contact.b.surface
 
 
+def by_station(values: np.ndarray, cells: int, rows: int, NT: int, NZ: int) -> np.ndarray:
+    """Values of the points of all strips, (cells, circumferential point, station, ...)."""
+    places = values[: cells * rows * NZ * NT].reshape(cells, rows * NZ, NT, *values.shape[1:])
+    return np.swapaxes(places, 1, 2)
+
+
 def nodes_of_points(engine: Engine) -> dict[str, np.ndarray]:
     """What `weigh` sums, point by point: every Gauss point adds to four nodes of A, and there to four nodes of B."""
     m, x = engine.compiled.model, engine.scratch
     a, b = surfaces(engine)
-    rows, rows_b, NT, NZ = a.grid.rows, b.grid.rows, m.quadrature.theta_points, m.quadrature.z_points
+    rows, rows_b, NT, NZ = a.grid.rows, b.grid.rows, engine.settings.theta_points, m.quadrature.z_points
     NS = (rows - 1) * NZ
     cells = m.window.columns + 1
-    gap = x.point_gap.numpy()[0, 0][: cells * NT * NS].reshape(cells, NT, NS)
-    place = x.point_place.numpy()[0, 0][: cells * NT * NS].reshape(cells, NT, NS, 2)
+    gap = by_station(x.point_gap.numpy()[0, 0], cells, rows - 1, NT, NZ)
+    place = by_station(x.point_place.numpy()[0, 0], cells, rows - 1, NT, NZ)
     weight, wrench = x.station.numpy()[0, 0, :, 6], x.station_wrench.numpy()[0, 0]
-    xt, wt = m.quadrature.theta_abscissa.numpy(), m.quadrature.theta_weight.numpy()
-    xz = m.quadrature.z_abscissa.numpy()
+    (xt, wt), xz = gauss(NT), m.quadrature.z_abscissa.numpy()
     origin = int(x.center.numpy()[0, 0, 1]) - m.window.second_half
     low, high = x.window.numpy()[0, 0] + m.window.half
     found = {
@@ -106,11 +112,10 @@ def test_stencil_holds_a_row_that_only_inner_points_reach(engine: Engine) -> Non
     """The lowest row of B under a node may lie under any of its points: the load of a node is its area all the same."""
     m, x = engine.compiled.model, engine.scratch
     a = surfaces(engine)[0]
-    rows, NT = a.grid.rows, m.quadrature.theta_points
-    NS = (rows - 1) * m.quadrature.z_points
+    rows, NT = a.grid.rows, engine.settings.theta_points
     place = x.point_place.numpy().copy()
     changed = place.copy()
-    points = changed[0, 0][: (m.window.columns + 1) * NT * NS].reshape(-1, NT, NS, 2)
+    points = by_station(changed[0, 0], m.window.columns + 1, rows - 1, NT, m.quadrature.z_points)
     points[..., 1] = 1.0 + 1e-9
     points[:, NT // 2, :, 1] = 1.0 - 1e-9
     names = ("weak_gap", "area", "wrench", "stencil", "stencil_at")
@@ -118,7 +123,7 @@ def test_stencil_holds_a_row_that_only_inner_points_reach(engine: Engine) -> Non
     x.point_place.assign(changed)
     engine.control(run=1, moved=1)
     program = engine.graph.program
-    blocks(line_of_centres_weights.weigh, "pair").go(program.arrays, program.sizes, program.device)
+    blocks(line_of_centres_points.weigh, "pair").go(program.arrays, program.sizes, program.device)
     failure = int(engine.word("failure")[0])
     low, high = x.window.numpy()[0, 0] + m.window.half
     inside = slice(low * rows, (high + 1) * rows)

@@ -320,13 +320,10 @@ class Responses:
 
 @topic
 class Quadrature:
-    """Quadrature points of a cell of the first grid of each pair."""
+    """Stations of the line of centres between two rows of the first grid of each pair."""
 
-    theta_points: int
     z_points: int
-    theta_abscissa: DeviceArray = reals("theta_point", note="in (0, 1)")
-    theta_weight: DeviceArray = reals("theta_point")
-    z_abscissa: DeviceArray = reals("z_point")
+    z_abscissa: DeviceArray = reals("z_point", note="in (0, 1)")
     z_weight: DeviceArray = reals("z_point")
 
 
@@ -367,7 +364,7 @@ class SlipSpeeds:
 
 @topic
 class Points:
-    """Points of a column of the first grid, for the pairs of family 1 and those with few points, sorted by row."""
+    """Points of a column of the first grid, for the pairs of families 0 and 1, sorted by row."""
 
     most: int  # maximum number per pair, 0 without such pairs
     start: DeviceArray = integers("pair", note="first point")

@@ -22,7 +22,6 @@ that runs off an edge ends there. A rigid B has no edges, no grid and no load.
 
 import warp as wp
 
-from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import AT_POINTS, Model
@@ -33,6 +32,7 @@ from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.kinematics.closest_point import TWO_PI, view_of
 from warpffrf_kernels.kinematics.contact_wrench import Held, point_wrench
 from warpffrf_kernels.kinematics.line_of_centres import row_below, wrap
+from warpffrf_kernels.kinematics.line_of_centres_points import keep_node
 from warpffrf_kernels.surfaces.surface import CENTRE, axes_of, meridian_of
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -140,7 +140,7 @@ def sample_points(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.ar
 
 
 # Weak gap, area, wrench and stencil of one node: the sum over the points of its (up to) four cells. Returns 1 if the
-# stencil cannot hold all of B's nodes. Native like `line_of_centres_weights.sum_node`.
+# stencil cannot hold all of B's nodes. Native like `line_of_centres_points.sum_node`.
 @wp.func_native("""
     const int start = model.points.start.data[pair], count = model.points.count.data[pair];
     const int SC = model.window.stencil_columns, SR = model.window.stencil_rows;
@@ -215,8 +215,8 @@ def sum_points(
 
 @kernel
 def weigh_points(run: Run, trial: Trial, geometry: ContactGeometry):
-    """Per (world, pair of family 1), lanes over nodes of the window: as `line_of_centres_weights.weigh` for the other
-    families."""
+    """Per (world, pair of family 1), lanes over nodes of the window: as `line_of_centres_points.weigh` for the other
+    family."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
@@ -232,32 +232,10 @@ def weigh_points(run: Run, trial: Trial, geometry: ContactGeometry):
     while m < end:
         beyond = sum_points(
             model, w, pair, m, rows, model.surfaces.rows[B], model.surfaces.rigid[B], origin, turn, geometry.point_line,
-            geometry.weak_gap, geometry.area, geometry.wrench, geometry.more_wrench, geometry.stencil,
+            geometry.shifted_gap, geometry.area, geometry.wrench, geometry.more_wrench, geometry.stencil,
             geometry.stencil_at,
         )  # fmt: skip
-        absolute = geometry.center[w, pair, 0] + m / rows - H
-        dropped = int(0)
-        if model.surfaces.periodic[A] == 0 and (absolute < 0 or absolute >= model.surfaces.columns[A]):
-            dropped = int(1)
-        reached = geometry.stencil_at[w, pair, m, 0]
-        if reached < 0 or reached + model.window.stencil_columns > model.window.second_columns:
-            if dropped == 0 and geometry.weak_gap[w, pair, m] <= real(0.0):
-                run.ctl[w].failure = run.ctl[w].failure | k.STENCIL  # overlaps outside the second window
-            dropped = int(1)  # so far around the bodies that no part of the second window is opposite
-        if beyond != 0 and dropped == 0:
-            # where surfaces separate, the opposite points spread; an overlapping node may be needed
-            if geometry.weak_gap[w, pair, m] > real(0.0):
-                dropped = int(1)
-            else:
-                run.ctl[w].failure = run.ctl[w].failure | k.STENCIL
-        if dropped != 0:
-            geometry.area[w, pair, m] = real(0.0)
-            geometry.stencil_at[w, pair, m, 0] = model.window.second_half
-            geometry.stencil_at[w, pair, m, 1] = 0
-            e = int(0)
-            while e < model.window.stencil_columns * model.window.stencil_rows:
-                geometry.stencil[w, pair, m, e] = real(0.0)
-                e += 1
+        keep_node(model, w, pair, m, rows, beyond, geometry.shifted_gap[w, pair, m], geometry, run)
         m += wp.block_dim()
 
 

@@ -25,8 +25,8 @@ hence `dd = N.w`, `N = c - e_A (c.e_B)/(e_A.e_B)`.
 The phases of a step are those of its first evaluation, the predicted state, until an iteration moves the grids by more
 than FREEZE: the ripple of the force is a fraction of a percent per column, so that is below the residual tolerance. At
 fixed phases the gap of two cylinders is linear in d, and an evaluation only shifts the weak gaps instead of sampling
-them again. `line_of_centres_weights` sums the sampled values, gap and opposite point on B's grid (column, row) at Gauss
-points of A's cells, to weak gaps.
+them again. `line_of_centres_points` samples gap and opposite point on B's grid (column, row), and sums them to weak
+gaps.
 """
 
 import math
@@ -206,92 +206,3 @@ def row_below(model: Model, B: int, z: real) -> int:
     while i < last and z >= model.surfaces.z[z0 + i + 1]:
         i += 1
     return i
-
-
-@kernel
-def sample(run: Run, geometry: ContactGeometry):
-    """Per (world, pair), lanes over points of the window: gap, and grid coordinates (column, row) of the opposite
-    point of B.
-    """
-    w, pair, lane = wp.tid()
-    model = run.models[w]
-    if (
-        run.ctl[w].run == 0
-        or run.ctl[w].moved == 0
-        or geometry.center[w, pair, 2] != 0
-        or model.pairs.family[pair] != LINE_OF_CENTRES
-    ):
-        return
-    if model.points.count[pair] != 0:  # few points: `line_of_centres_sampled`
-        return
-    A = model.pairs.first[pair]
-    B = model.pairs.second[pair]
-    stations = (model.surfaces.rows[A] - 1) * model.quadrature.z_points
-    per_cell = model.quadrature.theta_points * stations
-    first = geometry.window[w, pair, 0] + model.window.half
-    last = geometry.window[w, pair, 1] + model.window.half + 1
-    R_A = model.surfaces.radius[A]
-    crown_a = model.surfaces.crown[A]
-    crown_b = model.surfaces.crown[B]
-    z0 = model.surfaces.z_start[A]
-    zb0 = model.surfaces.z_start[B]
-    columns = (last + 1 - first) * model.quadrature.theta_points
-    e = lane
-    while e < columns:
-        cell = first + e / model.quadrature.theta_points
-        g = e % model.quadrature.theta_points
-        x = real(geometry.center[w, pair, 0] + cell - model.window.half - 1) + model.quadrature.theta_abscissa[g]
-        # stations differ little: sines and the angle on B follow from those of the first by series
-        x_0 = geometry.station[w, pair, 0, 1]
-        xi = (x - x_0) * model.surfaces.pitch[A]
-        sine = wp.sin(xi)
-        cosine = wp.cos(xi)
-        R_B0 = radius_at(model.surfaces.radius[B], crown_b, geometry.station[w, pair, 0, 3])
-        y_0 = R_A * sine
-        h_0 = wp.sqrt(wp.max(R_B0 * R_B0 - y_0 * y_0, real(0.0)))
-        angle_0 = wp.atan2(y_0, h_0)
-        s = int(0)
-        while s < stations:
-            d = (x_0 - geometry.station[w, pair, s, 1]) * model.surfaces.pitch[A]
-            si = sine
-            co = cosine
-            if wp.abs(d) > SERIES:
-                si = wp.sin(xi + d)
-                co = wp.cos(xi + d)
-            elif d != real(0.0):
-                si = sine + d * (cosine - real(0.5) * d * sine)
-                co = cosine - d * (sine + real(0.5) * d * cosine)
-            R = R_A
-            if crown_a != real(0.0):
-                zc = s / model.quadrature.z_points
-                low = model.surfaces.z[z0 + zc]
-                z = low + model.quadrature.z_abscissa[s - zc * model.quadrature.z_points] * (
-                    model.surfaces.z[z0 + zc + 1] - low
-                )
-                R = radius_at(R_A, crown_a, z)
-            y = R * si
-            R_B = radius_at(model.surfaces.radius[B], crown_b, geometry.station[w, pair, s, 3])
-            h = wp.sqrt(wp.max(R_B * R_B - y * y, real(0.0)))
-            axial = (
-                geometry.station[w, pair, s, 3]
-                + y * geometry.station[w, pair, s, 4]
-                - h * geometry.station[w, pair, s, 5]
-            )
-            if crown_b != real(0.0):
-                R_B = radius_at(model.surfaces.radius[B], crown_b, axial)
-                h = wp.sqrt(wp.max(R_B * R_B - y * y, real(0.0)))
-            turned = (y * h_0 - h * y_0) / (R_B * R_B0)  # sine of the angle from the first station's point
-            angle = angle_0 + turned
-            if wp.abs(turned) > SERIES:
-                angle = wp.atan2(y, h)
-            i = cell * per_cell + g * stations + s
-            geometry.point_gap[w, pair, i] = geometry.station[w, pair, s, 0] - h - R * co
-            geometry.point_place[w, pair, i, 0] = (
-                geometry.station[w, pair, s, 2] + geometry.station[w, pair, s, 7] * angle / model.surfaces.pitch[B]
-            )
-            row = row_below(model, B, axial)
-            low = model.surfaces.z[zb0 + row]
-            place = real(row) + (axial - low) / (model.surfaces.z[zb0 + row + 1] - low)
-            geometry.point_place[w, pair, i, 1] = wp.clamp(place, real(0.0), real(model.surfaces.rows[B] - 1))
-            s += 1
-        e += wp.block_dim()

@@ -159,7 +159,6 @@ NAMES = {
     "film_body": "bodies, in scenes with films",
     "table_interface": "flexible interfaces, at least one",
     "layer_number": "numbers of a law",
-    "theta_point": "Gauss points across a cell",
     "z_point": "Gauss points along a cell",
     **dict.fromkeys(
         (
@@ -248,7 +247,6 @@ NAMES = {
     "line_pair": "pairs with gaps along the line of centres",
     "point_pair": "pairs with gaps at points",
     "grid_rubbing": "pairs with friction whose cells are those of the first surface's grid",
-    "few_pair": "pairs of the line of centres with a list of points",
     "node_pair": "pairs with pressures at nodes of the first grid",
     "patch_beside": "active cells, if several patches are on a body",
     "pair_beside": "pairs, if several load a body and some have pressures at nodes",
@@ -269,7 +267,7 @@ def sizes_of(
         m.retained.count,
     )
     grid_node, node = m.window.grid_nodes, m.window.nodes
-    families, counts = m.pairs.family.numpy()[:P], m.points.count.numpy()[:P]
+    families = m.pairs.family.numpy()[:P]
     matrices = bool(((families == PATCH) & (m.pairs.matrix.numpy()[:P] > 0)).any())
     rubs = m.pairs.friction.numpy()[:P] > 0.0
     stations = (m.window.rows - 1) * m.quadrature.z_points
@@ -292,7 +290,7 @@ def sizes_of(
         "held_body": B if P or compiled.matched.count else 0,
         "contact_mode": Q if P else 0, "contact_retained": retained if P else 0, "pair_mode": m.pairs.most_modes,
         "coupled": m.pairs.coupled_capacity, "node": grid_node, "second_node": node, "slot": S, "station": stations,
-        "window_point": (m.window.columns + 1) * m.quadrature.theta_points * max(stations, 1),
+        "window_point": (m.window.columns + 1) * m.points.most,
         "column_point": m.points.most,
         "point_number": (m.window.columns + 1) * m.points.most * LINE,
         "held_node": grid_node if m.points.most or patched else 0,
@@ -348,7 +346,6 @@ def sizes_of(
         "friction_retained": retained if rubbing else 0, "adaptive_world": worlds if adaptive else 0,
         "line_pair": int((families == LINE_OF_CENTRES).sum()), "point_pair": int((families == AT_POINTS).sum()),
         "node_pair": int((families != PATCH).sum()), "grid_rubbing": int(((families != PATCH) & rubs).sum()),
-        "few_pair": int(((families == LINE_OF_CENTRES) & (counts > 0)).sum()),
         "pair_beside": P if beside and (families != PATCH).any() else 0,
     }  # fmt: skip
 

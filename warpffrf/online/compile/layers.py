@@ -8,7 +8,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.laws.curves import Curve
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.points import PointRule
-from warpffrf.online.compile.sampling_rules import layer_rule
+from warpffrf.online.compile.sampling_rules import rule_of
 from warpffrf_kernels.core.model import CONSTANT
 from warpffrf_kernels.layers import layer_laws as device
 
@@ -41,7 +41,7 @@ def fill_layers(collector: Collector) -> None:
         elif plan is not None:
             rules.append((_middles(len(plan.z)), len(plan.z)))
         else:
-            rules.append((layer_rule(contact, around, along), contact.a.surface.grid.rows))
+            rules.append((rule_of(contact, around, along), contact.a.surface.grid.rows))
         if contact.law.remark:
             collector.notes.append(f"contact {contact.name!r}: {contact.law.remark}")
     collector.fill(

@@ -109,9 +109,7 @@ def fill_pairs(collector: Collector, m: Model) -> None:
         coupled=[c + [0] * (most_coupled - len(c)) for c in coupled],
     )  # fmt: skip
     rules = [
-        None
-        if family == PATCH
-        else rule_of(pair.contact, family == AT_POINTS, collector.settings.theta_points, collector.settings.z_points)
+        None if family == PATCH else rule_of(pair.contact, collector.settings.theta_points, collector.settings.z_points)
         for pair, family in zip(pairs, families, strict=True)
     ]
     fill_points(collector, m, [pair.a for pair in pairs], rules)
@@ -130,7 +128,7 @@ def family_of(collector: Collector, pair: Pair, turned: float) -> int:
     asked = collector.settings.force_points or pair.contact.kinematics == "closest_point"
     if asked or isinstance(pair.b, RigidSurface) or turned > SKEW:
         return AT_POINTS
-    if not on_stations(pair.contact, collector.settings.theta_points, collector.settings.z_points):
+    if not on_stations(pair.contact, collector.settings.z_points):
         return AT_POINTS
     for profile in (pair.a.shape.profile(), pair.b.shape.profile()):
         plain = not profile.planar and profile.side > 0.0 and profile.tangent == 0.0 and not len(profile.coefficients)
@@ -156,11 +154,9 @@ def _require_common_width(collector: Collector, contact: Contact, a: ContactSurf
 
 
 def _fill_quadrature(collector: Collector, m: Model) -> None:
-    settings = collector.settings
-    for name, count in (("theta", settings.theta_points), ("z", settings.z_points)):
-        x, weight = np.polynomial.legendre.leggauss(count)
-        found = {"points": count, "abscissa": 0.5 * (x + 1.0), "weight": 0.5 * weight}
-        collector.fill(m.quadrature, **{f"{name}_{what}": value for what, value in found.items()})
+    count = collector.settings.z_points
+    x, weight = np.polynomial.legendre.leggauss(count)
+    collector.fill(m.quadrature, z_points=count, z_abscissa=0.5 * (x + 1.0), z_weight=0.5 * weight)
 
 
 def _moving(*bodies: Body | Ground) -> list[Body]:

@@ -1,7 +1,7 @@
 """Points at which a pair is evaluated: all Gauss points of its first grid, or those that were chosen offline.
 
 Points chosen among the axial Gauss points of the line of centres, where a pair of cylinders is evaluated anyway, keep
-this kinematics with fewer circumferential points (`warpffrf_kernels.kinematics.line_of_centres_sampled`). Other choices
+this kinematics with fewer circumferential points (`warpffrf_kernels.kinematics.line_of_centres_points`). Other choices
 use the general one, `warpffrf_kernels.kinematics.at_points`.
 """
 
@@ -21,29 +21,17 @@ def is_hyper(contact: Contact) -> bool:
     return contact.quadrature == "reduced"
 
 
-def on_stations(contact: Contact, theta_points: int, z_points: int) -> bool:
-    """False where the chosen points of `contact` cannot be evaluated on the line of centres, because their positions
-    differ, or because the capacity is too small.
-    """
+def on_stations(contact: Contact, z_points: int) -> bool:
+    """False where the chosen points of `contact` are not on the stations of the line of centres."""
     if not is_hyper(contact):
         return True
-    surface = contact.a.surface
-    zeta = surface.sampling.zeta
-    if len(zeta) > theta_points * z_points * (surface.grid.rows - 1):
-        return False
+    zeta = contact.a.surface.sampling.zeta
     places = 0.5 * (np.polynomial.legendre.leggauss(z_points)[0] + 1.0)
     return bool(np.abs(zeta[:, None] - places).min(axis=1).max() <= ON_STATION)
 
 
-def rule_of(contact: Contact, at_points: bool, theta_points: int, z_points: int) -> PointRule | None:
-    """The points of `contact`; None for a pair on the line of centres that uses all of them."""
-    if is_hyper(contact):
-        return chosen_rule(contact.a.surface.sampling)
-    return gauss_rule(contact.a.surface, theta_points, z_points) if at_points else None
-
-
-def layer_rule(contact: Contact, theta_points: int, z_points: int) -> PointRule:
-    """The points at which the layer of `contact` is evaluated: those of its gaps, with either kinematics."""
+def rule_of(contact: Contact, theta_points: int, z_points: int) -> PointRule:
+    """The points at which gaps and layer of `contact` are evaluated, with either kinematics."""
     if is_hyper(contact):
         return chosen_rule(contact.a.surface.sampling)
     return gauss_rule(contact.a.surface, theta_points, z_points)

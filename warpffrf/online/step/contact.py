@@ -10,8 +10,7 @@ from warpffrf_kernels.kinematics import (
     closest_point,
     contact_wrench,
     line_of_centres,
-    line_of_centres_sampled,
-    line_of_centres_weights,
+    line_of_centres_points,
     windows,
 )
 from warpffrf_kernels.normal import (
@@ -28,7 +27,7 @@ from warpffrf_kernels.patch import between, cells, fields, modal_rows, place, sp
 from warpffrf_kernels.step import missed_contact
 
 NODES_BESIDE = "pair_beside"  # bodies that are loaded by several pairs, some of which have nodes
-LINE, POINT, FEW = "line_pair", "point_pair", "few_pair"  # families of kinematics
+LINE, POINT = "line_pair", "point_pair"  # families of kinematics
 TOUCHING = "patch_beside"  # several of these on one body
 MATRIX = "matrix_patch"  # small patches, with a matrix
 MATRIX_FREE = "matrix_free_slot"  # large ones, without
@@ -45,8 +44,8 @@ CONTACT = Participant(
         threads(closest_point.locate_points, "pair", when=POINT),
         threads(place.locate_patches, "pair", when=PATCH),
         threads(windows.open_window, "pair", when=GRID_NODES),
-        blocks(line_of_centres.sample, "pair", when=LINE),
-        blocks(line_of_centres_weights.weigh, "pair", when=LINE),
+        blocks(line_of_centres_points.sample, "pair", when=LINE),
+        blocks(line_of_centres_points.weigh, "pair", when=LINE),
         blocks(contact_wrench.hold_contact_frame, "pair", when=POINT),
         blocks(at_points.sample_points, "pair", when=POINT),
         blocks(at_points.weigh_points, "pair", when=POINT),
@@ -57,13 +56,8 @@ CONTACT = Participant(
         blocks(between.lay_between, "pair", when=TOUCHING),
         blocks(spline_tables.lay_splines, "pair", when=PATCH),
     ],
-    few=[
-        blocks(line_of_centres_sampled.sample_few, "pair", when=FEW),
-        blocks(line_of_centres_sampled.weigh_few, "pair", when=FEW),
-        blocks(line_of_centres_sampled.shift_few, "pair", when=FEW),
-    ],
     shift=[
-        blocks(line_of_centres_weights.shift, "pair", when=GRID_NODES),
+        blocks(line_of_centres_points.shift, "pair", when=LINE),
         threads(contact_fields.set_second_window, "pair"),
         blocks(contact_fields.modal_fields, "pair", when=GRID_NODES, amplitude="q1", of_state=1),
         blocks(fields.modal_cells, "pair", when=PATCH, amplitude="q1", of_state=1),

@@ -19,7 +19,7 @@ from warpffrf.online.step.launches import Launch
 
 ATTEMPT = ("begin", "predict", "remember")
 MOVE_AND_LOAD = ("move", "load")
-CONTACT = ("locate", "few", "shift", "cells", "displace", "close", "slide", "sum", "push")
+CONTACT = ("locate", "shift", "cells", "displace", "close", "slide", "sum", "push")
 EVALUATION = (*MOVE_AND_LOAD, *CONTACT)
 JUDGEMENT = ("balance", "store", "mean", "unbalanced")
 SOLUTION = (

@@ -1,15 +1,18 @@
-"""Reduced quadrature with parallel-axes kinematics: weak gaps of `line_of_centres` at few points.
+"""Weak gaps along the line of centres: at points of A's cells, located station by station.
 
-A pair with few points is located and measured as with all points, station by station along the line of centres; only
-the points in the circumferential direction differ. Point p of the pair's list is at the fraction x_p of a column on one
-of the stations s(p), with its own weight w_p [m^2]: a list chosen by `warpffrf.offline.contact.cubature`, of which a
-third of the points replaces all of them. A point contributes to the strips on both sides of a node,
+Point p of the pair's list lies in every strip between two columns, at the fraction x_p of a column, on one of the
+stations s(p), with its weight w_p [m^2]: all Gauss points, or a third of them that was chosen offline
+(`warpffrf.offline.contact.cubature`). With psi_i the shape functions of A, x_p or 1 - x_p in the two strips on both
+sides of a node, times psi(zeta_p), and psi^B those of B at the opposite point (column, row),
 
-    g_i = sum over the two strips, sum_p w_p psi_i(x_p) g(x_p),       psi_i = x_p or 1 - x_p, times psi(zeta_p).
+    g_i = sum_p w_p psi_i g(x_p),                  area_i = sum_p w_p psi_i,
+    f_i = sum_p w_p psi_i (wrench of its station), l_i[node] = sum_p w_p psi_i psi^B_node(x_p),
+
+weak gap, area, gradient, and the stencil: the load of B's nodes due to a unit nodal pressure of A.
 
 The nodes of a row share its points' weights, as the sum of x_p and 1 - x_p over both strips is one: at frozen phases,
-where only the distance d of the axes changes, a weak gap changes by sum_p psi(zeta_p) w_p (d_s - d_s as sampled), as
-there.
+where only the distance d of the axes changes, a weak gap changes by sum_p psi(zeta_p) w_p (d_s - d_s as sampled), and
+the gradient is that of the row.
 
 The angle on B's side is computed from that of the strip's column by the series of the arc sine, since the angle between
 neighbouring points is less than a column: SMALL keeps its remainder below round-off.
@@ -17,23 +20,17 @@ neighbouring points is less than a column: SMALL keeps its remainder below round
 
 import warp as wp
 
+from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.contact_scratch import ContactGeometry
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import LINE_OF_CENTRES, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.kinematics.line_of_centres import SERIES
-from warpffrf_kernels.kinematics.line_of_centres_weights import keep_node
 
 wp.set_module_options(MODULE_OPTIONS)
 
 SMALL = wp.constant(wp.float64(0.02))  # sine of an angle: its ninth power times 0.03 is 1e-17
-
-
-@wp.func
-def looks_at_few(model: Model, pair: int) -> bool:
-    """Whether the pair is evaluated along the line of centres at a list of points."""
-    return model.pairs.family[pair] == LINE_OF_CENTRES and model.points.count[pair] != 0
 
 
 # Gaps and opposite positions of the points of one strip, whose column is rotated by xi from the first station's line of
@@ -41,7 +38,7 @@ def looks_at_few(model: Model, pair: int) -> bool:
 @wp.func_native("""
     const int start = model.points.start.data[pair], count = model.points.count.data[pair];
     const int most = (model.window.rows - 1) * model.quadrature.z_points;
-    const size_t room = (size_t)(model.window.columns + 1) * model.quadrature.theta_points * most;
+    const size_t room = (size_t)(model.window.columns + 1) * model.points.most;
     const size_t p0 = (size_t)(w * model.pairs.count + pair);
     const double* st = station.data + p0 * most * 11;
     double* gap = point_gap.data + p0 * room + (size_t)strip * count;
@@ -104,14 +101,14 @@ def sample_strip(
 
 
 @kernel
-def sample_few(run: Run, geometry: ContactGeometry):
-    """Per (world, pair of few points), lanes over strips of the window: gap, column and row of the opposite point."""
+def sample(run: Run, geometry: ContactGeometry):
+    """Per (world, pair), lanes over strips of the window: gap, column and row of the opposite point."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if (
         run.ctl[w].run == 0
         or run.ctl[w].moved == 0
-        or not looks_at_few(model, pair)
+        or model.pairs.family[pair] != LINE_OF_CENTRES
         or geometry.center[w, pair, 2] != 0
     ):
         return
@@ -129,12 +126,11 @@ def sample_few(run: Run, geometry: ContactGeometry):
         strip += wp.block_dim()
 
 
-# Weak gap, area, gradient and stencil of one node, as `line_of_centres_weights.sum_node`: the sum over the points of
-# its cells.
+# Weak gap, area, gradient and stencil of one node: the sum over the points of its (up to) four cells.
 @wp.func_native("""
     const int start = model.points.start.data[pair], count = model.points.count.data[pair];
     const int most = (model.window.rows - 1) * model.quadrature.z_points;
-    const int room = (model.window.columns + 1) * model.quadrature.theta_points * most;
+    const int room = (model.window.columns + 1) * model.points.most;
     const int SC = model.window.stencil_columns, SR = model.window.stencil_rows;
     const size_t p0 = (size_t)(w * model.pairs.count + pair);
     const size_t grid_node = p0 * model.window.grid_nodes + m;
@@ -144,11 +140,8 @@ def sample_few(run: Run, geometry: ContactGeometry):
     const double* g = point_gap.data + p0 * room;
     const double* place = point_place.data + p0 * room * 2;
     const double* st = station.data + p0 * most * 11;
-    const double* sw = station_wrench.data + p0 * most * 6;
     double* l = stencil.data + grid_node * SC * SR;
-    double* f = wrench.data + grid_node * 6;
     for (int e = 0; e < SC * SR; ++e) l[e] = 0.0;
-    for (int c = 0; c < 6; ++c) f[c] = 0.0;
     double total = 0.0, size = 0.0, lowest_c = 1e300, lowest_r = 1e300;
     for (int t = 0; t < 2; ++t) for (int p = from; p < to; ++p) {
         const double* q = place + (size_t)((column + t) * count + p) * 2;
@@ -164,7 +157,6 @@ def sample_few(run: Run, geometry: ContactGeometry):
         const double x = model.points.x.data[at], zeta = model.points.zeta.data[at];
         const double wz = model.points.weight.data[at] * (model.points.row.data[at] == row ? 1.0 - zeta : zeta);
         size += wz;
-        for (int c = 0; c < 6; ++c) f[c] += wz * sw[s * 6 + c];
         for (int t = 0; t < 2; ++t) {
             const size_t i = (size_t)((column + t) * count + p);
             const double q = wz * (t ? 1.0 - x : x);
@@ -182,7 +174,7 @@ def sample_few(run: Run, geometry: ContactGeometry):
     stencil_at.data[2 * grid_node] = oc - origin; stencil_at.data[2 * grid_node + 1] = orow;
     return beyond;
 """)
-def sum_few(
+def sum_node(
     model: Model,
     w: int,
     pair: int,
@@ -191,27 +183,45 @@ def sum_few(
     rows_b: int,
     origin: int,
     station: wp.array4d(dtype=real),
-    station_wrench: wp.array4d(dtype=real),
     point_gap: wp.array3d(dtype=real),
     point_place: wp.array4d(dtype=real),
     weak_gap: wp.array3d(dtype=real),
     area: wp.array3d(dtype=real),
-    wrench: wp.array4d(dtype=real),
     stencil: wp.array4d(dtype=real),
     stencil_at: wp.array4d(dtype=int),
 ) -> int: ...
 
 
+@wp.func
+def keep_node(
+    model: Model, w: int, pair: int, m: int, rows: int, beyond: int, weak_gap: real, geometry: ContactGeometry, run: Run
+):
+    """Area 0 for a node beyond the end of an arc, or so far around the bodies that no part of the second window is
+    opposite, or whose opposite points spread beyond its stencil (`beyond`). One that overlaps there may be needed: the
+    attempt fails."""
+    A = model.pairs.first[pair]
+    absolute = geometry.center[w, pair, 0] + m / rows - model.window.half
+    if model.surfaces.periodic[A] == 0 and (absolute < 0 or absolute >= model.surfaces.columns[A]):
+        geometry.area[w, pair, m] = real(0.0)
+    reached = geometry.stencil_at[w, pair, m, 0]
+    if reached < 0 or reached + model.window.stencil_columns > model.window.second_columns or beyond != 0:
+        if geometry.area[w, pair, m] > real(0.0) and weak_gap <= real(0.0):
+            run.ctl[w].failure = run.ctl[w].failure | k.STENCIL
+        geometry.area[w, pair, m] = real(0.0)
+
+
 @kernel
-def weigh_few(run: Run, geometry: ContactGeometry):
-    """Per (world, pair of few points), lanes over nodes of the window: as `line_of_centres_weights.weigh` with all
-    points."""
+def weigh(run: Run, geometry: ContactGeometry):
+    """Per (world, pair), lanes over nodes of the window: weak undeformed gap, area, gradient, and stencil on B.
+
+    Area 0 marks a node that does not exist (beyond the end of an arc) or has no opposite surface.
+    """
     w, pair, lane = wp.tid()
     model = run.models[w]
     if (
         run.ctl[w].run == 0
         or run.ctl[w].moved == 0
-        or not looks_at_few(model, pair)
+        or model.pairs.family[pair] != LINE_OF_CENTRES
         or geometry.center[w, pair, 2] != 0
     ):
         return
@@ -222,49 +232,70 @@ def weigh_few(run: Run, geometry: ContactGeometry):
     m = (geometry.window[w, pair, 0] + H) * rows + lane
     end = (geometry.window[w, pair, 1] + H + 1) * rows
     while m < end:
-        beyond = sum_few(
+        beyond = sum_node(
             model, w, pair, m, rows, rows_b, geometry.center[w, pair, 1] - model.window.second_half, geometry.station,
-            geometry.station_wrench, geometry.point_gap, geometry.point_place, geometry.weak_gap, geometry.area,
-            geometry.wrench, geometry.stencil, geometry.stencil_at,
+            geometry.point_gap, geometry.point_place, geometry.weak_gap, geometry.area, geometry.stencil,
+            geometry.stencil_at,
         )  # fmt: skip
-        keep_node(model, w, pair, m, rows, beyond, geometry, run)
+        keep_node(model, w, pair, m, rows, beyond, geometry.weak_gap[w, pair, m], geometry, run)
         m += wp.block_dim()
+
+
+# Weak gaps of a row of nodes, moved from the sampled distance of the axes to the present one, and the wrench of all of
+# them. Lanes over the columns from `first` to `last`.
+@wp.func_native("""
+    const int start = model.points.start.data[pair], most = (model.window.rows - 1) * model.quadrature.z_points;
+    const size_t p0 = (size_t)(w * model.pairs.count + pair), nodes = p0 * model.window.grid_nodes;
+    const int* begin = model.points.row_at.data + model.points.row_start.data[pair];
+    const int from = begin[row > 0 ? row - 1 : 0], to = begin[row + 1 < rows ? row + 1 : rows - 1];
+    const double *st = station.data + p0 * most * 11, *sw = station_wrench.data + p0 * most * 6;
+    double moved = 0.0, f[6] = {0.0};
+    for (int p = from; p < to; ++p) {
+        const int at = start + p, s = model.points.station.data[at];
+        if (st[s * 11 + 6] == 0.0) continue;
+        const double zeta = model.points.zeta.data[at];
+        const double q = model.points.weight.data[at] * (model.points.row.data[at] == row ? 1.0 - zeta : zeta);
+        moved += q * (st[s * 11] - st[s * 11 + 8]);
+        for (int c = 0; c < 6; ++c) f[c] += q * sw[s * 6 + c];
+    }
+    for (int column = first + WP_TILE_THREAD_IDX; column <= last; column += WP_TILE_BLOCK_DIM) {
+        const size_t m = nodes + (size_t)column * rows + row;
+        double* out = wrench.data + m * 6;
+        for (int c = 0; c < 6; ++c) out[c] = f[c];
+        shifted_gap.data[m] = weak_gap.data[m] + moved;
+    }
+""")
+def shift_row(
+    model: Model,
+    w: int,
+    pair: int,
+    row: int,
+    rows: int,
+    first: int,
+    last: int,
+    station: wp.array4d(dtype=real),
+    station_wrench: wp.array4d(dtype=real),
+    weak_gap: wp.array3d(dtype=real),
+    shifted_gap: wp.array3d(dtype=real),
+    wrench: wp.array4d(dtype=real),
+): ...
 
 
 @kernel
-def shift_few(run: Run, geometry: ContactGeometry):
-    """Per (world, pair of few points), lanes over nodes: weak gaps at the current distance of the axes, and their
-    gradient."""
+def shift(run: Run, geometry: ContactGeometry):
+    """Per (world, pair), lanes over the columns of the window: weak gaps at the current distance of the axes, and their
+    gradient, which the nodes of a row share."""
     w, pair, lane = wp.tid()
     model = run.models[w]
-    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not looks_at_few(model, pair):
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != LINE_OF_CENTRES:
         return
-    A = model.pairs.first[pair]
-    rows = model.surfaces.rows[A]
-    start = model.points.start[pair]
-    begin = model.points.row_start[pair]
-    frozen = geometry.center[w, pair, 2]
-    m = (geometry.window[w, pair, 0] + model.window.half) * rows + lane
-    while m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
-        value = geometry.weak_gap[w, pair, m]
-        if frozen != 0 and geometry.area[w, pair, m] > real(0.0):
-            row = m % rows
-            for i in range(6):
-                geometry.wrench[w, pair, m, i] = real(0.0)
-            p = start + model.points.row_at[begin + wp.max(row - 1, 0)]
-            end = start + model.points.row_at[begin + wp.min(row + 1, rows - 1)]
-            while p < end:
-                s = model.points.station[p]
-                if geometry.station[w, pair, s, 6] != real(0.0):
-                    psi = model.points.zeta[p]
-                    if model.points.row[p] == row:
-                        psi = real(1.0) - psi
-                    q = psi * model.points.weight[p]
-                    value += q * (geometry.station[w, pair, s, 0] - geometry.station[w, pair, s, 8])
-                    for i in range(6):
-                        geometry.wrench[w, pair, m, i] = (
-                            geometry.wrench[w, pair, m, i] + q * geometry.station_wrench[w, pair, s, i]
-                        )
-                p += 1
-        geometry.shifted_gap[w, pair, m] = value
-        m += wp.block_dim()
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    first = geometry.window[w, pair, 0] + model.window.half
+    last = geometry.window[w, pair, 1] + model.window.half
+    row = int(0)
+    while row < rows:
+        shift_row(
+            model, w, pair, row, rows, first, last, geometry.station, geometry.station_wrench, geometry.weak_gap,
+            geometry.shifted_gap, geometry.wrench,
+        )  # fmt: skip
+        row += 1
