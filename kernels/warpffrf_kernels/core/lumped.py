@@ -31,6 +31,7 @@ class Lumped:
     z: DeviceArray = reals("lumped_place", unit="m", note="of a lamina, on the first surface")
     drop: DeviceArray = reals("lumped_place", unit="m", note="of a lamina's profile, added to its gap")
     share: DeviceArray = reals("lumped_place", note="of the law's force")
+    moment: DeviceArray = integers("lumped_place", note="its number among points with resistance to rolling, -1")
     form_start: DeviceArray = integers("surface", note="into form_piece")
     form_count: DeviceArray = integers("surface", note="pieces of the form deviation around it, 0 without, see `form`")
     form_begin: DeviceArray = reals("surface", unit="rad", note="angle at which the first piece begins")

@@ -41,15 +41,15 @@ In static steps there is no slip, and f is zero. dF and df for a small motion fo
 import warp as wp
 
 from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.cone import at_bound, change_at_bound
 from warpffrf_kernels.core.contact_scratch import LumpedContacts
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.lookup import piece_at
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.ring import SavedLumped
 from warpffrf_kernels.core.rotation import matrix
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
-from warpffrf_kernels.core.scratch import Residuals, RetainedSystem, Trial
+from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.core.state import LumpedState, MotionState
 from warpffrf_kernels.lumped.approach_laws import push_of
 from warpffrf_kernels.lumped.bounces import bounce_of
@@ -237,7 +237,7 @@ def find_forces(
                 bounded = False
             if bounded and size > mu * out.force:
                 out.regime = SLIPS
-                out.friction = (mu * out.force / size) * out.trial
+                out.friction = at_bound(out.trial, mu * out.force)
                 mean = real(0.5) * (wp.dot(out.turned, out.trial) / size + mu * out.force)
                 rubbed = wp.max(mean, real(0.0)) * (size - mu * out.force) / out.shear
             held = real(0.5) * wp.dot(out.friction, out.friction) / out.shear
@@ -282,33 +282,6 @@ def find_forces(
     if out.force > real(0.0):
         lumped.lumped_shear[w, 1, place] = out.shear
     lumped_load[w, place] = out
-
-
-@kernel
-def push_lumped(run: Run, trial: Trial, residuals: Residuals, lumped_load: wp.array2d(dtype=Load)):
-    """Per world: subtract the forces of all points from the residuals of their bodies."""
-    w = wp.tid()
-    model = run.models[w]
-    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
-        return
-    place = int(0)
-    while place < model.elements[0].lumped.places:
-        load = lumped_load[w, place]
-        if load.force > real(0.0):
-            contact = model.elements[0].lumped.contact[place]
-            f = load.force * load.touch.n + load.friction
-            for side in range(2):
-                s = model.elements[0].lumped.first[contact]
-                if side == 1:
-                    s = model.elements[0].lumped.second[contact]
-                    f = -f
-                b = model.surfaces.body[s]
-                if b >= 0:
-                    moment = wp.transpose(trial.axes[w, b]) * wp.cross(load.touch.x - trial.r1[w, b], f)
-                    for c in range(3):
-                        residuals.residual[w, 6 * b + c] = residuals.residual[w, 6 * b + c] - f[c]
-                        residuals.residual[w, 6 * b + 3 + c] = residuals.residual[w, 6 * b + 3 + c] - moment[c]
-        place += 1
 
 
 @wp.struct
@@ -405,9 +378,7 @@ def answer_to(
         if load.regime == STICKS:
             out.f += dtrial
         else:
-            size = wp.length(load.trial)
-            e = load.trial / size
-            out.f += mu * dF * e + (mu * load.force / size) * tangential(e, dtrial)
+            out.f += change_at_bound(load.trial, mu * load.force, dtrial, mu * dF)
     # regularised friction
     if load.regime == CREEPS or load.regime == RUBS:
         creep = model.elements[0].lumped.slip_velocity[contact]
@@ -417,124 +388,7 @@ def answer_to(
             out.f -= (mu / creep) * (dF * v + load.force * dtang)
         else:
             speed = wp.length(v)
-            e = v / speed
             bound = beyond_creep(model, contact, speed)
-            out.f -= bound[0] * (dF * e + (load.force / speed) * tangential(e, dtang))
-            out.f -= (bound[1] * load.force * wp.dot(e, dtang)) * e
+            change = bound[0] * dF + bound[1] * load.force * wp.dot(v, dtang) / speed
+            out.f -= change_at_bound(v, bound[0] * load.force, dtang, change)
     return out
-
-
-@wp.func
-def add_column(
-    w: int, body: int, column: int, A: mat33, dr: vec3, phi: vec3, d: vec3, dx: vec3, f: vec3, df: vec3,
-    tangent: wp.array3d(dtype=real),
-):  # fmt: skip
-    """Adds the change of the residual of a body to a column: -f at d from its centre of mass, which moves by dr while
-    the point moves by dx and the body rotates by phi."""
-    dM = wp.cross(dx - dr, f) + wp.cross(d, df)
-    moment = wp.transpose(A) * (dM + wp.cross(wp.cross(d, f), phi))
-    row = 6 * body
-    for i in range(3):
-        tangent[w, row + i, column] = tangent[w, row + i, column] - df[i]
-        tangent[w, row + 3 + i, column] = tangent[w, row + 3 + i, column] - moment[i]
-
-
-@kernel
-def stiffen_lumped(
-    run: Run, state: MotionState, trial: Trial, lumped: LumpedState, system: RetainedSystem,
-    lumped_load: wp.array2d(dtype=Load),
-):  # fmt: skip
-    """Per world: add the tangent of the forces of all points in contact to the retained matrix."""
-    w = wp.tid()
-    model = run.models[w]
-    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
-        return
-    vel = run.clk[w].retained.vel
-    place = int(0)
-    while place < model.elements[0].lumped.places:
-        load = lumped_load[w, place]
-        if load.force > real(0.0):
-            contact = model.elements[0].lumped.contact[place]
-            first = side_in_world(model, w, model.elements[0].lumped.first[contact], trial)
-            second = side_in_world(model, w, model.elements[0].lumped.second[contact], trial)
-            known = int(0)
-            if lumped.lumped_force[w, 0, place] > real(0.0):
-                known = int(1)
-            x = load.touch.x
-            before = lumped.lumped_at[w, 0, place]
-            one = motion_of(first, w, x, before, known, state, trial)
-            two = motion_of(second, w, x, before, known, state, trial)
-            f = load.force * load.touch.n + load.friction
-            old_normal = lumped.lumped_normal[w, 0, place]
-            moved = int(0)
-            while moved < 12:
-                coordinate = moved % 6
-                moves = moved / 6
-                side = first
-                if moves == 1:
-                    side = second
-                if side.body >= 0:
-                    by = answer_to(model, contact, old_normal, load, first, second, one, two, moves, coordinate, vel)
-                    dr = vec3(real(0.0))
-                    phi = vec3(real(0.0))
-                    if coordinate < 3:
-                        dr[coordinate] = real(1.0)
-                    else:
-                        phi = vec3(side.A[0, coordinate - 3], side.A[1, coordinate - 3], side.A[2, coordinate - 3])
-                    column = 6 * side.body + coordinate
-                    still = vec3(real(0.0))
-                    for other in range(2):
-                        body = first
-                        sign = real(1.0)
-                        if other == 1:
-                            body = second
-                            sign = real(-1.0)
-                        own_dr = still
-                        own_phi = still
-                        if other == moves:
-                            own_dr = dr
-                            own_phi = phi
-                        if body.body >= 0:
-                            add_column(
-                                w, body.body, column, body.A, own_dr, own_phi, x - body.r, by.x, sign * f, sign * by.f,
-                                system.tangent,
-                            )  # fmt: skip
-                moved += 1
-        place += 1
-
-
-@kernel
-def keep_lumped(run: Run, lumped: LumpedState):
-    """Per (world, point): the trial state becomes the accepted one; the tiny step of PROJECT is not stored."""
-    w, place = wp.tid()
-    if run.ctl[w].accept == 0 or run.ctl[w].mode == k.PROJECT:
-        return
-    lumped.lumped_force[w, 0, place] = lumped.lumped_force[w, 1, place]
-    lumped.lumped_friction[w, 0, place] = lumped.lumped_friction[w, 1, place]
-    lumped.lumped_normal[w, 0, place] = lumped.lumped_normal[w, 1, place]
-    lumped.lumped_at[w, 0, place] = lumped.lumped_at[w, 1, place]
-    lumped.lumped_shear[w, 0, place] = lumped.lumped_shear[w, 1, place]
-    lumped.lumped_energy[w, 0, place] = lumped.lumped_energy[w, 1, place]
-    lumped.lumped_approach[w, 0, place] = lumped.lumped_approach[w, 1, place]
-    lumped.lumped_gained[w, 0, place] = lumped.lumped_gained[w, 1, place]
-    for i in range(2):
-        lumped.lumped_power[w, 0, place, i] = lumped.lumped_power[w, 1, place, i]
-
-
-@kernel
-def record_lumped(run: Run, saved: SavedLumped, lumped_load: wp.array2d(dtype=Load)):
-    """Per (world, point): NUMBERS of the accepted state."""
-    w, place = wp.tid()
-    if run.ctl[w].record == 0:
-        return
-    at = run.ctl[w].saved % saved.saved_lumped.shape[1]
-    load = lumped_load[w, place]
-    f = load.force * load.touch.n + load.friction
-    v = tangential(load.touch.n, load.velocity)
-    for i in range(3):
-        saved.saved_lumped[w, at, place, i] = load.touch.x[i]
-        saved.saved_lumped[w, at, place, 3 + i] = f[i]
-        saved.saved_lumped[w, at, place, 6 + i] = load.friction[i]
-        saved.saved_lumped[w, at, place, 9 + i] = v[i]
-    saved.saved_lumped[w, at, place, 12] = -load.touch.gap
-    saved.saved_lumped[w, at, place, 13] = load.force

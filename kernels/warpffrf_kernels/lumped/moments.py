@@ -31,16 +31,15 @@ F^(p-1) dF e + F^p/w (1 - e e^T) d(omega_x)).
 import warp as wp
 
 from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.cone import change_at_bound
 from warpffrf_kernels.core.contact_scratch import LumpedContacts
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.ring import SavedLumped
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
-from warpffrf_kernels.core.scratch import Residuals, RetainedSystem, Trial
-from warpffrf_kernels.core.state import LumpedState, MotionState
-from warpffrf_kernels.lumped.forces import RUBBED, Load, answer_to, motion_of, tangential
-from warpffrf_kernels.lumped.places import side_in_world
+from warpffrf_kernels.core.scratch import Trial
+from warpffrf_kernels.core.state import LumpedState
+from warpffrf_kernels.lumped.forces import RUBBED, Load, tangential
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -126,30 +125,6 @@ def find_moments(
     lumped_moment[w, i] = out
 
 
-@kernel
-def push_moments(run: Run, trial: Trial, residuals: Residuals, lumped_moment: wp.array2d(dtype=Moment)):
-    """Per world: subtract the moments of all points from the residuals of their bodies."""
-    w = wp.tid()
-    model = run.models[w]
-    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
-        return
-    i = int(0)
-    while i < model.elements[0].moments.count:
-        contact = model.elements[0].lumped.contact[model.elements[0].moments.place[i]]
-        moment = lumped_moment[w, i].total
-        for side in range(2):
-            s = model.elements[0].lumped.first[contact]
-            if side == 1:
-                s = model.elements[0].lumped.second[contact]
-                moment = -moment
-            b = model.surfaces.body[s]
-            if b >= 0:
-                own = wp.transpose(trial.axes[w, b]) * moment
-                for c in range(3):
-                    residuals.residual[w, 6 * b + 3 + c] = residuals.residual[w, 6 * b + 3 + c] - own[c]
-        i += 1
-
-
 @wp.func
 def change_of(model: Model, i: int, load: Load, moment: Moment, force: real, n: vec3, turning: vec3) -> vec3:
     """dM on the first body due to dF, dn and d(omega)."""
@@ -170,79 +145,5 @@ def change_of(model: Model, i: int, load: Load, moment: Moment, force: real, n: 
         else:
             bound = bound_of(model, i, kind, load.force)
             power = model.elements[0].moments.bound_power[i, kind]
-            speed = wp.length(part)
-            e = part / speed
-            total -= bound * (tangential(e, change) / speed + (power * force / load.force) * e)
+            total -= change_at_bound(part, bound, change, bound * power * force / load.force)
     return total
-
-
-@kernel
-def stiffen_moments(
-    run: Run, state: MotionState, trial: Trial, lumped: LumpedState, system: RetainedSystem,
-    lumped_load: wp.array2d(dtype=Load), lumped_moment: wp.array2d(dtype=Moment),
-):  # fmt: skip
-    """Per world: add the tangent of the moments of all points in contact to the retained matrix."""
-    w = wp.tid()
-    model = run.models[w]
-    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0 or run.ctl[w].mode == k.STATIC:
-        return
-    vel = run.clk[w].retained.vel
-    i = int(0)
-    while i < model.elements[0].moments.count:
-        place = model.elements[0].moments.place[i]
-        load = lumped_load[w, place]
-        moment = lumped_moment[w, i]
-        if load.force > real(0.0):
-            contact = model.elements[0].lumped.contact[place]
-            first = side_in_world(model, w, model.elements[0].lumped.first[contact], trial)
-            second = side_in_world(model, w, model.elements[0].lumped.second[contact], trial)
-            known = int(0)
-            if lumped.lumped_force[w, 0, place] > real(0.0):
-                known = int(1)
-            x = load.touch.x
-            before = lumped.lumped_at[w, 0, place]
-            one = motion_of(first, w, x, before, known, state, trial)
-            two = motion_of(second, w, x, before, known, state, trial)
-            old_normal = lumped.lumped_normal[w, 0, place]
-            moved = int(0)
-            while moved < 12:
-                coordinate = moved % 6
-                moves = moved / 6
-                side = first
-                if moves == 1:
-                    side = second
-                if side.body >= 0:
-                    by = answer_to(model, contact, old_normal, load, first, second, one, two, moves, coordinate, vel)
-                    dM = change_of(model, i, load, moment, by.force, by.n, by.turning)
-                    column = 6 * side.body + coordinate
-                    for other in range(2):
-                        body = first
-                        M = moment.total
-                        if other == 1:
-                            body = second
-                            M = -moment.total
-                            dM = -dM
-                        if body.body >= 0:
-                            turn = dM
-                            if other == moves and coordinate >= 3:  # in the body's axes, which rotate
-                                turn += wp.cross(
-                                    M,
-                                    vec3(
-                                        side.A[0, coordinate - 3], side.A[1, coordinate - 3], side.A[2, coordinate - 3]
-                                    ),
-                                )
-                            own = wp.transpose(body.A) * turn
-                            row = 6 * body.body + 3
-                            for c in range(3):
-                                system.tangent[w, row + c, column] = system.tangent[w, row + c, column] - own[c]
-                moved += 1
-        i += 1
-
-
-@kernel
-def record_moments(run: Run, saved: SavedLumped, lumped_moment: wp.array2d(dtype=Moment)):
-    """Per (world, point with moments): the moment on the first body of the accepted state."""
-    w, i = wp.tid()
-    if run.ctl[w].record == 0:
-        return
-    saved.saved_lumped_moment[w, run.ctl[w].saved % saved.saved_lumped_moment.shape[1], i] = lumped_moment[w, i].total

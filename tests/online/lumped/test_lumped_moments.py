@@ -121,7 +121,7 @@ def test_a_scene_without_moments_pays_nothing() -> None:
     plain, turning = Engine(on_floor(HERTZ, friction=CREEP)), Engine(on_floor(HERTZ, friction=CREEP, spin=True))
     names = [[launch.label for launch in e.graph.program.launches()] for e in (plain, turning)]
     assert [e.graph.program.sizes["lumped_moment"] for e in (plain, turning)] == [0, 1]
-    assert not [name for name in names[0] if "moments" in name] and len(names[1]) == len(names[0]) + 4
+    assert not [name for name in names[0] if "moments" in name] and len(names[1]) == len(names[0]) + 2
 
 
 def test_a_run_with_moments_goes_on_bit_for_bit() -> None:

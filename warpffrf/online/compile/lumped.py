@@ -48,6 +48,9 @@ def _fill_moments(collector: Collector, start: np.ndarray) -> None:
         if (moments := contact.moments()) is not None:
             places += range(start[i], start[i + 1])
             found += [moments] * int(start[i + 1] - start[i])
+    number = np.full(start[-1], -1)
+    number[places] = np.arange(len(places))
+    collector.fill(collector.elements.lumped, moment=number)
     names = ("bound", "bound_power", "slope", "slope_power")
     numbers = {name: np.array([[getattr(m, name) for m in both] for both in found]).reshape(-1, 2) for name in names}
     collector.fill(collector.elements.moments, count=len(places), place=places, **numbers)

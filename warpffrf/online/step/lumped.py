@@ -5,23 +5,21 @@ from __future__ import annotations
 
 from warpffrf.online.step.launches import threads
 from warpffrf.online.step.phases import Participant
-from warpffrf_kernels.lumped import forces, moments
+from warpffrf_kernels.lumped import balance, forces, moments
 from warpffrf_kernels.step import missed_contact
+
+RESISTING = "lumped_moment"  # points with rolling or pivoting resistance
 
 LUMPED = Participant(
     "lumped contacts",
     when="lumped",
-    load=[threads(forces.find_forces, "lumped_place"), threads(forces.push_lumped)],
-    assemble=[threads(forces.stiffen_lumped)],
+    load=[
+        threads(forces.find_forces, "lumped_place"),
+        threads(moments.find_moments, RESISTING, when=RESISTING),
+        threads(balance.push_lumped),
+    ],
+    assemble=[threads(balance.stiffen_lumped)],
     judge=[threads(missed_contact.refuse_leaps_of_places)],
-    keep=[threads(forces.keep_lumped, "lumped_place")],
-    record=[threads(forces.record_lumped, "lumped_place")],
-)
-
-MOMENTS = Participant(
-    "moments of lumped contacts",
-    when="lumped_moment",
-    load=[threads(moments.find_moments, "lumped_moment"), threads(moments.push_moments)],
-    assemble=[threads(moments.stiffen_moments)],
-    record=[threads(moments.record_moments, "lumped_moment")],
+    keep=[threads(balance.keep_lumped, "lumped_place")],
+    record=[threads(balance.record_lumped, "lumped_place"), threads(balance.record_moments, RESISTING, when=RESISTING)],
 )

@@ -17,7 +17,7 @@ from warpffrf.online.step.joint_friction import JOINT_FRICTION
 from warpffrf.online.step.launches import Launch
 from warpffrf.online.step.layers import LAYERS
 from warpffrf.online.step.ledger import LEDGER
-from warpffrf.online.step.lumped import LUMPED, MOMENTS
+from warpffrf.online.step.lumped import LUMPED
 from warpffrf.online.step.matched import MATCHED
 from warpffrf.online.step.motion import MOTION
 from warpffrf.online.step.pretension import PRETENSION
@@ -25,7 +25,7 @@ from warpffrf.online.step.retained import OUTER
 from warpffrf.online.step.snapshot import SNAPSHOT
 
 PARTICIPANTS = (
-    MOTION, OUTER, JOINT_FRICTION, PRETENSION, LUMPED, MOMENTS, SECOND, FILM, MATCHED, CONTACT, FRICTION, LAYERS,
+    MOTION, OUTER, JOINT_FRICTION, PRETENSION, LUMPED, SECOND, FILM, MATCHED, CONTACT, FRICTION, LAYERS,
     SNAPSHOT, LEDGER,
 )  # fmt: skip
 WHOLE = (*phases.ATTEMPT, *phases.ITERATION, *phases.DECISION)

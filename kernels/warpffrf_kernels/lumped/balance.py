@@ -1,0 +1,187 @@
+"""What lumped contacts add to the system of retained coordinates, and what a step stores of them.
+
+Forces at their points (`forces`) and moments that resist rolling and pivoting (`moments`) act on both bodies, equal and
+opposite; the matrix has their changes with a unit of each rigid coordinate of both.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.ring import SavedLumped
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.scratch import Residuals, RetainedSystem, Trial
+from warpffrf_kernels.core.state import LumpedState, MotionState
+from warpffrf_kernels.lumped.forces import Load, answer_to, motion_of, tangential
+from warpffrf_kernels.lumped.moments import Moment, change_of
+from warpffrf_kernels.lumped.places import side_in_world
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+@kernel
+def push_lumped(
+    run: Run, trial: Trial, residuals: Residuals, lumped_load: wp.array2d(dtype=Load),
+    lumped_moment: wp.array2d(dtype=Moment),
+):  # fmt: skip
+    """Per world: subtract the forces and moments of all points from the residuals of their bodies."""
+    w = wp.tid()
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
+        return
+    place = int(0)
+    while place < model.elements[0].lumped.places:
+        load = lumped_load[w, place]
+        if load.force > real(0.0):
+            contact = model.elements[0].lumped.contact[place]
+            f = load.force * load.touch.n + load.friction
+            resisting = model.elements[0].lumped.moment[place]
+            M = vec3(real(0.0))
+            if resisting >= 0:
+                M = lumped_moment[w, resisting].total
+            for side in range(2):
+                s = model.elements[0].lumped.first[contact]
+                if side == 1:
+                    s = model.elements[0].lumped.second[contact]
+                    f = -f
+                    M = -M
+                b = model.surfaces.body[s]
+                if b >= 0:
+                    moment = wp.transpose(trial.axes[w, b]) * (wp.cross(load.touch.x - trial.r1[w, b], f) + M)
+                    for c in range(3):
+                        residuals.residual[w, 6 * b + c] = residuals.residual[w, 6 * b + c] - f[c]
+                        residuals.residual[w, 6 * b + 3 + c] = residuals.residual[w, 6 * b + 3 + c] - moment[c]
+        place += 1
+
+
+@wp.func
+def add_column(
+    w: int, body: int, column: int, A: mat33, dr: vec3, phi: vec3, d: vec3, dx: vec3, f: vec3, df: vec3, M: vec3,
+    dM: vec3, tangent: wp.array3d(dtype=real),
+):  # fmt: skip
+    """Adds the change of the residual of a body to a column: -f at d from its centre of mass, which moves by dr while
+    the point moves by dx and the body rotates by phi, and the moment -M."""
+    change = wp.cross(dx - dr, f) + wp.cross(d, df) + dM
+    moment = wp.transpose(A) * (change + wp.cross(wp.cross(d, f) + M, phi))
+    row = 6 * body
+    for i in range(3):
+        tangent[w, row + i, column] = tangent[w, row + i, column] - df[i]
+        tangent[w, row + 3 + i, column] = tangent[w, row + 3 + i, column] - moment[i]
+
+
+@kernel
+def stiffen_lumped(
+    run: Run, state: MotionState, trial: Trial, lumped: LumpedState, system: RetainedSystem,
+    lumped_load: wp.array2d(dtype=Load), lumped_moment: wp.array2d(dtype=Moment),
+):  # fmt: skip
+    """Per world: add the tangent of the forces and moments of all points in contact to the retained matrix."""
+    w = wp.tid()
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
+        return
+    vel = run.clk[w].retained.vel
+    place = int(0)
+    while place < model.elements[0].lumped.places:
+        load = lumped_load[w, place]
+        if load.force > real(0.0):
+            contact = model.elements[0].lumped.contact[place]
+            first = side_in_world(model, w, model.elements[0].lumped.first[contact], trial)
+            second = side_in_world(model, w, model.elements[0].lumped.second[contact], trial)
+            known = int(0)
+            if lumped.lumped_force[w, 0, place] > real(0.0):
+                known = int(1)
+            x = load.touch.x
+            before = lumped.lumped_at[w, 0, place]
+            one = motion_of(first, w, x, before, known, state, trial)
+            two = motion_of(second, w, x, before, known, state, trial)
+            f = load.force * load.touch.n + load.friction
+            old_normal = lumped.lumped_normal[w, 0, place]
+            resisting = model.elements[0].lumped.moment[place]
+            resistance = Moment()
+            if resisting >= 0:
+                resistance = lumped_moment[w, resisting]
+            moved = int(0)
+            while moved < 12:
+                coordinate = moved % 6
+                moves = moved / 6
+                side = first
+                if moves == 1:
+                    side = second
+                if side.body >= 0:
+                    by = answer_to(model, contact, old_normal, load, first, second, one, two, moves, coordinate, vel)
+                    dM = vec3(real(0.0))
+                    if resisting >= 0 and run.ctl[w].mode != k.STATIC:
+                        dM = change_of(model, resisting, load, resistance, by.force, by.n, by.turning)
+                    dr = vec3(real(0.0))
+                    phi = vec3(real(0.0))
+                    if coordinate < 3:
+                        dr[coordinate] = real(1.0)
+                    else:
+                        phi = vec3(side.A[0, coordinate - 3], side.A[1, coordinate - 3], side.A[2, coordinate - 3])
+                    column = 6 * side.body + coordinate
+                    still = vec3(real(0.0))
+                    for other in range(2):
+                        body = first
+                        sign = real(1.0)
+                        if other == 1:
+                            body = second
+                            sign = real(-1.0)
+                        own_dr = still
+                        own_phi = still
+                        if other == moves:
+                            own_dr = dr
+                            own_phi = phi
+                        if body.body >= 0:
+                            add_column(
+                                w, body.body, column, body.A, own_dr, own_phi, x - body.r, by.x, sign * f, sign * by.f,
+                                sign * resistance.total, sign * dM, system.tangent,
+                            )  # fmt: skip
+                moved += 1
+        place += 1
+
+
+@kernel
+def keep_lumped(run: Run, lumped: LumpedState):
+    """Per (world, point): the trial state becomes the accepted one; the tiny step of PROJECT is not stored."""
+    w, place = wp.tid()
+    if run.ctl[w].accept == 0 or run.ctl[w].mode == k.PROJECT:
+        return
+    lumped.lumped_force[w, 0, place] = lumped.lumped_force[w, 1, place]
+    lumped.lumped_friction[w, 0, place] = lumped.lumped_friction[w, 1, place]
+    lumped.lumped_normal[w, 0, place] = lumped.lumped_normal[w, 1, place]
+    lumped.lumped_at[w, 0, place] = lumped.lumped_at[w, 1, place]
+    lumped.lumped_shear[w, 0, place] = lumped.lumped_shear[w, 1, place]
+    lumped.lumped_energy[w, 0, place] = lumped.lumped_energy[w, 1, place]
+    lumped.lumped_approach[w, 0, place] = lumped.lumped_approach[w, 1, place]
+    lumped.lumped_gained[w, 0, place] = lumped.lumped_gained[w, 1, place]
+    for i in range(2):
+        lumped.lumped_power[w, 0, place, i] = lumped.lumped_power[w, 1, place, i]
+
+
+@kernel
+def record_lumped(run: Run, saved: SavedLumped, lumped_load: wp.array2d(dtype=Load)):
+    """Per (world, point): NUMBERS of the accepted state."""
+    w, place = wp.tid()
+    if run.ctl[w].record == 0:
+        return
+    at = run.ctl[w].saved % saved.saved_lumped.shape[1]
+    load = lumped_load[w, place]
+    f = load.force * load.touch.n + load.friction
+    v = tangential(load.touch.n, load.velocity)
+    for i in range(3):
+        saved.saved_lumped[w, at, place, i] = load.touch.x[i]
+        saved.saved_lumped[w, at, place, 3 + i] = f[i]
+        saved.saved_lumped[w, at, place, 6 + i] = load.friction[i]
+        saved.saved_lumped[w, at, place, 9 + i] = v[i]
+    saved.saved_lumped[w, at, place, 12] = -load.touch.gap
+    saved.saved_lumped[w, at, place, 13] = load.force
+
+
+@kernel
+def record_moments(run: Run, saved: SavedLumped, lumped_moment: wp.array2d(dtype=Moment)):
+    """Per (world, point with moments): the moment on the first body of the accepted state."""
+    w, i = wp.tid()
+    if run.ctl[w].record == 0:
+        return
+    saved.saved_lumped_moment[w, run.ctl[w].saved % saved.saved_lumped_moment.shape[1], i] = lumped_moment[w, i].total
