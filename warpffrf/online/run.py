@@ -82,13 +82,20 @@ STATIC_CURE = "; constrain free rotation or sliding (a weak spring is sufficient
 COARSEN = "coarsen the contact grid, ContactGrid(spacing=)"
 UPHILL = "every step from here increases the energy; begin from another pose, or with a smaller load"
 NO_LOAD_PATH = "a mechanism with no load path; add a joint, a spring, a drive or a contact that carries the load"
-UNSOLVED = int(k.NOT_CONVERGED | k.CAPACITY | k.CYCLING | k.STENCIL)  # failure bits of deeply wedged contact
+UNSOLVED = int(
+    k.NOT_CONVERGED | k.CAPACITY | k.CYCLING | k.TRACTIONS | k.STENCIL
+)  # failure bits of deeply wedged contact
 RUNS_AWAY = int(
     k.NOT_CONVERGED | k.SINGULAR | k.NOT_FINITE | k.ENERGY | k.NOT_AT_REST | k.UNDERFLOW
 )  # failure bits of an unconstrained body
 MESSAGES = {
     k.NOT_CONVERGED: (Status.NOT_CONVERGED, "the Newton iteration did not converge; reduce step"),
     k.CYCLING: (Status.CYCLING, "the active set of contact cycles; reduce step, or {coarsen}"),
+    k.TRACTIONS: (
+        Status.CYCLING,
+        "stick and slip of the cells of a contact do not settle, neither by Newton's method with its guard nor by the "
+        "interior-point method; reduce step, or {coarsen}",
+    ),
     k.CAPACITY: (Status.CAPACITY, "window overflow, raise capacity of the contact to >= {capacity}"),
     k.ROOM: (
         Status.MEMORY,

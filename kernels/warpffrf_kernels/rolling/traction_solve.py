@@ -513,4 +513,4 @@ def solve_tractions(
         if bad != 0:
             run.ctl[w].failure = run.ctl[w].failure | k.INDEFINITE
         elif not (defect <= settled):  # or not a number
-            run.ctl[w].failure = run.ctl[w].failure | k.CYCLING
+            run.ctl[w].failure = run.ctl[w].failure | k.TRACTIONS

@@ -8,13 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from scenes.rollers import PAIR, guided_pair
+from scenes.rollers import PAIR, guided_pair, roller_body
 from warpffrf.model import forces, joints, signals
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.diagnosis.failure_report import _fullest, failure_owner, row_owners
+from warpffrf.online.run import describe
 from warpffrf.online.start.consistent import start_consistently
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf_kernels.core import control as k
 
 
@@ -125,3 +127,23 @@ def test_the_fullest_pair_is_named() -> None:
     )
     assert _fullest(engine([narrow, narrow, narrow]), 0) == "at contact 'second', which has 3 active nodes"
     assert _fullest(engine([wide, wide, wide]), 0) == "at contact 'second', which has 3 active nodes"
+
+
+def test_tractions_that_do_not_settle_name_contact_and_cell() -> None:
+    """The state of a step in which the traction of one cell is twice its bound."""
+    body = roller_body(120, layers=4, axial=2, modes=0, tangential=True)
+    engine = Engine(guided_pair(body, body, load=200e3, speed=20.0, friction=0.3))
+    assert settle(engine)
+    engine.enter(int(k.DYNAMIC), 1e-4)
+    engine.control(every=1)
+    engine.replay(1)
+    traction, bound = engine.state.traction.numpy(), engine.scratch.bound.numpy()[0, 0]
+    rows = engine.scene.contacts[0].a.surface.grid.rows
+    column, row = divmod(int(bound.argmax()), rows)
+    traction[0, 0, column * 2 * rows + row] = 2.0 * bound.max()
+    engine.state.traction.assign(traction)
+    said = failure_owner(engine, int(k.TRACTIONS))
+    assert (
+        f"tractions of contact {PAIR!r}" in said and f"at column {column}, row {row}; of 9 loaded cells 1 slide" in said
+    )
+    assert "interior-point" in describe(int(k.TRACTIONS), 0, "take fewer cells")[1]

@@ -14,7 +14,7 @@ class Status(StrEnum):
     UNFINISHED = "unfinished"  # still running, or stopped from outside; read from its folder
     NO_EQUILIBRIUM = "no_equilibrium"
     NOT_CONVERGED = "not_converged"  # Newton iteration
-    CYCLING = "cycling"  # active set of contact
+    CYCLING = "cycling"  # active set of contact, or stick and slip of its cells
     CAPACITY = "capacity"  # of the window of a contact
     MEMORY = "memory"
     NOT_FINITE = "not_finite"

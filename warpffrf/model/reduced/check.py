@@ -6,7 +6,7 @@ complete with wrong results.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.contact_surface import FUNCTIONS, ContactSurface, CrossCompliance
 from warpffrf.model.reduced.data import ReducedBodyData
 
-SYMMETRIC_COMPLIANCE = 1e-12  # of the matched faces, of its largest entry: written symmetric
+SYMMETRIC_COMPLIANCE = 1e-12  # of its largest entry: written symmetric
 UNIT = 1e-9  # of axes: precision of a stored unit vector
 SYMMETRIC = 1e-9  # of the inertia
 
@@ -46,6 +46,15 @@ def check_body(body: ReducedBodyData, arrays: Mapping[str, np.ndarray]) -> None:
     for name, s in body.contact_surfaces.items():
         if s.far is not None and s.far.quarter is not None and min(s.far.quarter.coefficients.shape) < 4:
             raise InputError(f"contact_surfaces/{name}/far/quarter has too few numbers for a spline")
+        rows, both = s.grid.rows, s.grid.columns_per_sector * s.grid.rows
+        root = f"contact_surfaces/{name}"
+        _check_compliance(f"{root}/lags", s.lags, lambda i, r=rows: f"column {i // r}, row {i % r}")
+        if s.tangential is not None:
+            tangential = s.tangential.lags_tt
+            _check_compliance(
+                f"{root}/tangential/lags_tt", tangential,
+                lambda i, r=rows, n=both: f"direction {i // n}, column {i % n // r}, row {i % r}",
+            )  # fmt: skip
         _check_axes(f"contact_surfaces/{name}/grid/e_0", s.grid.e_0[:, None])
         _check_axes(f"contact_surfaces/{name}/recovery/axes", s.recovery.axes)
 
@@ -60,9 +69,27 @@ def _check_matched(body: ReducedBodyData) -> None:
             raise InputError(f"matched/{name}/frames are not unit vectors at right angles")
         if face.cell.size and (face.cell.min() < 0 or face.cell.max() >= face.cells):
             raise InputError(f"matched/{name}/cell names a cell that is none of the {face.cells}")
-    C = body.matched_compliance
-    if C is not None and np.abs(C - C.T).max(initial=0.0) > SYMMETRIC_COMPLIANCE * np.abs(C).max(initial=0.0):
-        raise InputError("matched_compliance is not symmetric")
+    if body.matched_compliance is not None:
+        C = body.matched_compliance
+        _check_compliance("matched_compliance", C[None], lambda i: f"cell {i // 3}, force {i % 3}")
+
+
+def _check_compliance(name: str, lags: np.ndarray, place: Callable[[int], str]) -> None:
+    """Raise `InputError` for a block-circulant compliance (sectors, n, n) that is not symmetric, or has an entry that
+    no positive definite one has: D_ii <= 0, or D_ij^2 > D_ii D_jj. `place`: names a line."""
+    if not lags.size:
+        return
+    off = np.abs(lags - np.swapaxes(lags[-np.arange(len(lags))], 1, 2))
+    if off.max() > SYMMETRIC_COMPLIANCE * np.abs(lags).max():
+        _, i, j = np.unravel_index(off.argmax(), off.shape)
+        raise InputError(f"{name} is not symmetric: {place(int(i))} and {place(int(j))} displace each other unequally")
+    own = np.diagonal(lags[0])
+    if own.min() <= 0.0:
+        raise InputError(f"{name} is not positive definite: {place(int(own.argmin()))} moves against its own force")
+    excess = np.abs(lags) / np.sqrt(own[:, None] * own)
+    if excess.max() > 1.0 + UNIT:
+        _, i, j = np.unravel_index(excess.argmax(), excess.shape)
+        raise InputError(f"{name} is not positive definite: {place(int(i))} moves more by {place(int(j))} than itself")
 
 
 def _matched_shapes(body: ReducedBodyData) -> Iterator[tuple[str, Wanted]]:

@@ -19,6 +19,7 @@ from warpffrf_kernels.friction.cell_forces import TRACTION_SLACK
 
 TOLD = 1e-8  # smaller shares are converged
 MOST_LOST = 4  # names with values not finite: these spread through joints within an iteration
+AT_BOUND = 1e-9  # of the bound of a cell: tractions this near slide
 NO_FORCE = 1e-30  # N: keeps fractions finite where nothing acts
 CONTACT_BITS = int(k.CYCLING) | int(k.CAPACITY) | int(k.INDEFINITE) | int(k.STENCIL) | int(k.PASSED)
 LARGEST_SYSTEM = 1500  # unknowns: a singular value decomposition of them takes some seconds
@@ -40,6 +41,8 @@ def failure_owner(engine: Engine, bits: int, world: int = 0) -> str:
     lost = [residual.text for kind in kinds for residual in kind if not np.isfinite(residual.share)]
     if lost:
         return ", ".join(lost[:MOST_LOST])
+    if bits & int(k.TRACTIONS):
+        return "the largest residual: " + max(_tractions(engine, world), key=lambda residual: residual.share).text
     if bits & int(k.SINGULAR):
         return _undetermined(engine, world)
     if bits & CONTACT_BITS:
@@ -156,7 +159,7 @@ def _tractions(engine: Engine, world: int) -> list[Residual]:
         return []
     bound, own, late, slip = (_array(engine.scratch, name, world) for name in ("bound", "cell_own", "late", "slip"))
     traction, h = _array(engine.state, "traction", world), float(engine.state.clk.numpy()[world]["h"])
-    defect = {}
+    defect, texts = {}, {}
     for i in rubbing:
         lines = int(rows[pairs.first.numpy()[i]])
         cells = np.flatnonzero(bound[i] > 0.0)
@@ -165,15 +168,15 @@ def _tractions(engine: Engine, world: int) -> list[Residual]:
         soft = h * pairs.slip_velocity.numpy()[i] / b + late[i][cells]
         aim = t - (slip[i][at] + soft * t) / (own[i][cells] + soft)
         aim *= np.minimum(1.0, b / np.maximum(np.linalg.norm(aim, axis=0), b))
-        defect[i] = float(np.abs(aim - t).max(initial=0.0))
-    largest = max(float(bound[i].max(initial=0.0)) for i in rubbing) * float(TRACTION_SLACK) + NO_FORCE
-    return [
-        Residual(
-            defect[i] / largest,
-            f"tractions of contact {engine.scene.finite_sliding[i].name!r}, {defect[i]:.3g} Pa off those of their slip",
+        off = np.abs(aim - t).max(axis=0, initial=0.0)
+        defect[i], worst = float(off.max(initial=0.0)), cells[np.argmax(off)] if len(cells) else 0
+        sliding = int(np.sum(np.linalg.norm(t, axis=0) >= b * (1.0 - AT_BOUND)))
+        texts[i] = (
+            f"tractions of contact {engine.scene.finite_sliding[i].name!r}, {defect[i]:.3g} Pa off those of their slip "
+            f"at column {worst // lines}, row {worst % lines}; of {len(cells)} loaded cells {sliding} slide"
         )
-        for i in rubbing
-    ]
+    largest = max(float(bound[i].max(initial=0.0)) for i in rubbing) * float(TRACTION_SLACK) + NO_FORCE
+    return [Residual(defect[i] / largest, texts[i]) for i in rubbing]
 
 
 def _at_pair(engine: Engine, bits: int, world: int) -> str:
