@@ -10,34 +10,15 @@ from __future__ import annotations
 
 import argparse
 import json
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import warpffrf as wf
+from studies.rolling.driven_pair import FRICTION, Rollers, body, scene
 from warpffrf.online.compile import strips
 from warpffrf.study.machine import machine, unit_seconds
 
-RADIUS, BORE = 0.05, 0.015  # m
-STEEL = wf.Material(210e9, 0.3, 7850.0, name="steel")
-FRICTION = 0.3
-SPEED = 10.0  # rad/s
 ROUNDS = 3
-# creepage over that of the limit of gross sliding, mu a/R': Q/(mu P) = 1 - (1 - x)^2
 CASES = {"frictionless": (0.0, 0.5), "stick and slip": (FRICTION, 0.5), "sliding": (FRICTION, 3.0)}
-
-
-@dataclass(frozen=True)
-class Rollers:
-    """A pair: `width` and half-width of the contact [m], mesh, cells of a patch or None for the grid of the material;
-    `steps` a crossing of the patch."""
-
-    name: str
-    width: float
-    half_width: float
-    mesh: dict[str, Any]
-    cells: tuple[int, int] | None
-    steps: int
 
 
 ROLLERS = (
@@ -49,42 +30,16 @@ ROLLERS = (
 LARGE = Rollers("patch", 0.02, 0.4e-3, {"sectors": 78, "layers": 8, "axial": 5, "order": 1}, (40, 30), 20)
 
 
-def body(pair: Rollers) -> wf.ReducedBody:
-    """A roller with tangential modes."""
-    mesh = wf.mesh.roller(RADIUS, BORE, pair.width, **pair.mesh)
-    return wf.reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0,
-        grid=wf.ContactGrid(tangential=True, contact_fixed=pair.cells is not None), progress=False,
-    )  # fmt: skip
-
-
-def scene(pair: Rollers, roller: wf.ReducedBody, friction: float, saturation: float) -> wf.Scene:
-    """The pair, both bores driven, the upper one on a guide under the load that gives the half-width."""
-    modulus = STEEL.youngs_modulus / (2.0 * (1.0 - STEEL.poisson_ratio**2))
-    load = 3.141592653589793 * modulus * pair.half_width**2 / (4.0 * 0.5 * RADIUS) * pair.width
-    creepage = saturation * FRICTION * pair.half_width / (0.5 * RADIUS)
-    found, slower, at = wf.Scene(gravity=(0, 0, 0)), -SPEED * (1.0 - creepage), (0.0, 0.0, 2.0 * RADIUS)
-    lower = found.add_body(roller, name="lower", angular_velocity=(0, SPEED, 0))
-    upper = found.add_body(roller, name="upper", position=at, angular_velocity=(0, slower, 0))
-    carriage = found.add_rigid_body(1.0, (1e-3, 1e-3, 1e-3), name="carriage", position=at)
-    first = found.add(wf.joints.Revolute(found.ground, lower["bore"], axis=(0, 1, 0), name="first"))
-    second = found.add(wf.joints.Revolute(carriage.at((0, 0, 0)), upper["bore"], axis=(0, 1, 0), name="second"))
-    found.add(wf.joints.Prismatic(found.ground, carriage.at((0, 0, 0)), axis=(0, 0, 1), name="guide"))
-    found.add(wf.forces.PointForce(carriage.at((0, 0, 0)), (0.0, 0.0, -load)))
-    found.add(wf.joints.Drive(first, SPEED, quantity="velocity"))
-    found.add(wf.joints.Drive(second, slower, quantity="velocity"))
-    grid = "body_fixed" if pair.cells is None else "contact_fixed"
-    found.add(wf.Contact(lower["rim"], upper["rim"], friction=friction, name="pair", grid=grid, cells=pair.cells))
-    return found
-
-
 def measure(pair: Rollers, roller: wf.ReducedBody, friction: float, saturation: float, steps: int) -> dict:
     """The fastest of a few runs: other work on the machine only slows down."""
-    step = 2.0 * pair.half_width / pair.steps / (SPEED * RADIUS)
     best: dict = {"seconds_per_step": float("inf")}
     for _ in range(ROUNDS):
         result = wf.simulate(
-            scene(pair, roller, friction, saturation), steps * step, step=step, start="equilibrium", progress=False
+            scene(pair, roller, friction, saturation),
+            steps * pair.step,
+            step=pair.step,
+            start="equilibrium",
+            progress=False,
         )
         seconds = result.history.counters["seconds_in_graph"] / steps
         contact = result.history.contacts["pair"]

@@ -25,6 +25,7 @@ MODULES = {
     "coarse_rollers": "studies.contact.coarse_rollers",
     "colliding_bars": "studies.contact.colliding_bars",
     "contact_grid": "studies.contact.contact_grid",
+    "contact_problem": "studies.rolling.contact_problem",
     "error_budget": "studies.accuracy.budget_check",
     "film_acceptance": "studies.films.film_acceptance",
     "flexible_bearings": "studies.bodies.flexible_bearings",
