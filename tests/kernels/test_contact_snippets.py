@@ -7,7 +7,6 @@ put back into the whole system."""
 from __future__ import annotations
 
 import numpy as np
-from reference_contact import gauss
 
 from warpffrf.online import Engine
 from warpffrf.online.step.launches import blocks
@@ -44,7 +43,8 @@ def nodes_of_points(engine: Engine) -> dict[str, np.ndarray]:
     gap = by_station(x.point_gap.numpy()[0, 0], cells, rows - 1, NT, NZ)
     place = by_station(x.point_place.numpy()[0, 0], cells, rows - 1, NT, NZ)
     weight, wrench = x.station.numpy()[0, 0, :, 6], x.station_wrench.numpy()[0, 0]
-    (xt, wt), xz = gauss(NT), m.quadrature.z_abscissa.numpy()
+    x_gauss, w_gauss = np.polynomial.legendre.leggauss(NT)
+    xt, wt, xz = 0.5 * (x_gauss + 1.0), 0.5 * w_gauss, m.quadrature.z_abscissa.numpy()
     origin = int(x.center.numpy()[0, 0, 1]) - m.window.second_half
     low, high = x.window.numpy()[0, 0] + m.window.half
     found = {

@@ -128,7 +128,7 @@ The algorithm is in [section 19 of the method](../method/19_contact_problem.md).
 ## Convergence
 
 Largest residual of a step after each iteration, as a fraction of its scale (forces of the largest force, gaps of the
-penetration, tractions of the largest bound), median of {LAST} steps; the step ends below 1e-9. *systems*: linear systems
+penetration, tractions of the largest bound), median of {LAST} steps; the step ends below 1e-9. *systems*: linear ones
 for tractions of a step, or for pressures where there are none.
 
 {table(head, rows)}

@@ -25,6 +25,10 @@ Modes of kind 1 (HHT) have coefficients of their own in a dynamic step, those of
 (`exact_step`), in which the load at the end corresponds to the residual and D to the receptance. An impulsive contact
 load has no history: `impulsive_contact`.
 
+**Prediction.** An attempt starts from the increment of constant acceleration, or from that of the last step, whichever
+was nearer to the last one found, for each coordinate by itself: the accelerations of stiff coordinates, which follow
+their loads, oscillate from step to step; their increments do not.
+
 Balance of a body in the floating frame with origin in its centre of mass and constant inertia (linear momentum in world
 axes, angular in body axes): `m rddot = F`, `J wdot + w x J w = M`; a mode of unit mass: `qddot + 2 zeta omega qdot +
 omega^2 q = f`. Additional terms of a deforming body: `inertia`.
@@ -179,6 +183,7 @@ def driven_step(run: Run, trial: Trial, w: int, m: int, q0: real, v0: real, f0: 
 
 @kernel
 def predict_bodies(run: Run, state: MotionState, impulses: ImpulsiveContact, trial: Trial):
+    """Lanes over bodies: increments from which the attempt starts."""
     w, lane = wp.tid()
     if run.ctl[w].run == 0 or run.ctl[w].again != 0:  # a repeated attempt starts from the result of the previous one
         return
@@ -188,6 +193,10 @@ def predict_bodies(run: Run, state: MotionState, impulses: ImpulsiveContact, tri
     while b < state.v.shape[1]:
         trial.dx[w, b] = predicted(h, rule, state.v[w, b], impulses.v_rate0[w, b], impulses.v_alg0[w, b])
         trial.psi[w, b] = predicted(h, rule, state.omega[w, b], impulses.omega_rate0[w, b], impulses.omega_alg0[w, b])
+        if run.ctl[w].mode == k.DYNAMIC and state.steady[w, b, 0] != 0:
+            trial.dx[w, b] = h * state.v_mean[w, b]
+        if run.ctl[w].mode == k.DYNAMIC and state.steady[w, b, 1] != 0:
+            trial.psi[w, b] = h * state.omega_mean[w, b]
         b += wp.block_dim()
 
 
@@ -205,6 +214,8 @@ def predict_modes(run: Run, state: MotionState, impulses: ImpulsiveContact, load
                 run.clk[w].h, rule, vec3(state.qd[w, m]), vec3(impulses.qd_rate0[w, m]), vec3(impulses.qd_alg0[w, m])
             )
             trial.dq[w, m] = p[0]
+            if run.ctl[w].mode == k.DYNAMIC and state.steady_mode[w, m] != 0:
+                trial.dq[w, m] = run.clk[w].h * state.qd_mean[w, m]
         if rule_of(model, run, w, m) == EXACT:  # the previous load, held constant
             f0 = loads.modal_load[w, 0, m]
             if trial.exact[w, m, 0] != run.clk[w].h:

@@ -94,6 +94,10 @@ class RollingScratch:
     """Friction on contact-fixed cells, see the kernels of `rolling`; [A, B] are the sides, [1, 2] the directions of
     each."""
 
+    traction_change: DeviceArray = reals(
+        "world", "rolling_pair", "2*rolling_cell", unit="Pa", note="as patch_change", carried=True
+    )
+    traction_steady: DeviceArray = integers("world", "rolling_pair", note="as patch_steady", carried=True)
     shear_laid: DeviceArray = reals("world", "rolling_pair", 1, unit="m", note="W of the next", carried=True)
     shear_near: DeviceArray = reals("world", "rolling_pair", "shear_number", unit="m3/Pa", carried=True, flat=True)
     place_traction: DeviceArray = reals(

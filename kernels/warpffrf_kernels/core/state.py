@@ -21,6 +21,11 @@ class MotionState:
     qd: DeviceArray = reals("world", "mode", unit="m kg^1/2/s")
     qd_rate: DeviceArray = reals("world", "mode", unit="m kg^1/2/s2")
     qd_alg: DeviceArray = reals("world", "mode", unit="m kg^1/2/s2")
+    v_mean: DeviceArray = vectors("world", "body", unit="m/s", note="increment over the last step, see `motion`")
+    omega_mean: DeviceArray = vectors("world", "body", unit="rad/s")
+    qd_mean: DeviceArray = reals("world", "mode", unit="m kg^1/2/s")
+    steady: DeviceArray = integers("world", "body", 2, note="1: v_mean, omega_mean predicted the last step better")
+    steady_mode: DeviceArray = integers("world", "mode", note="1: qd_mean did")
 
 
 @topic

@@ -24,16 +24,18 @@ trailing edge, where material slips.
 
 import warp as wp
 
-from warpffrf_kernels.core.contact_scratch import PatchScratch, RollingScratch
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.contact_scratch import ContactSolve, PatchScratch, RollingScratch
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.friction_scratch import FrictionCells
 from warpffrf_kernels.core.integration import is_whole
 from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
-from warpffrf_kernels.core.state import FrictionState
+from warpffrf_kernels.core.state import ContactState, FrictionState
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_patch
 from warpffrf_kernels.patch.cells import row_place
+from warpffrf_kernels.patch.place import ALIKE, goes_on
 from warpffrf_kernels.rolling.entering import advance_of
 from warpffrf_kernels.rolling.places import strip_columns
 from warpffrf_kernels.rolling.shear import STRIPS_AROUND, near_along, shear_line
@@ -308,3 +310,59 @@ def keep_rings(
             rubbing.friction_record[w, pair, 1] = creep
             rubbing.friction_record[w, pair, 2] = lateral
             rubbing.friction_record[w, pair, 3] = way[0] / h - real(0.5) * creep
+
+
+@kernel
+def extrapolate_tractions(
+    run: Run, normal: ContactSolve, contact: ContactState, friction: FrictionState, rolling: RollingScratch,
+    patch_width_before: wp.array2d(dtype=real),
+):  # fmt: skip
+    """Per (world, pair), lanes over cells, before the first iteration: adds the last change to the tractions of cells
+    under pressure, as `place.extrapolate` to their pressures."""
+    w, pair, lane = wp.tid()
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].iteration != 0 or not rubs_on_patch(model, pair):
+        return
+    if rolling.traction_steady[w, pair] == 0:
+        return
+    factor = goes_on(run, normal, w, patch_width_before[w, pair], contact.patch_width[w, pair])
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    m = lane
+    while m < model.elements[0].patches.columns[pair] * rows:
+        if contact.active[w, pair, m] != 0:
+            for d in range(2):
+                i = cell_at(rows, m, d)
+                friction.traction[w, pair, i] = (
+                    friction.traction[w, pair, i] + factor * rolling.traction_change[w, pair, i]
+                )
+        m += wp.block_dim()
+
+
+@kernel
+def keep_traction_change(
+    run: Run, contact: ContactState, friction: FrictionState, rolling: RollingScratch,
+    active_before: wp.array3d(dtype=int), traction_before: wp.array3d(dtype=real),
+    patch_width_before: wp.array2d(dtype=real),
+):  # fmt: skip
+    """Per (world, pair), of an accepted attempt: the change of the tractions of each cell, and whether it does not
+    reverse the previous change, as `place.keep_change`."""
+    w, pair = wp.tid()
+    model = run.models[w]
+    if run.ctl[w].accept == 0 or not rubs_on_patch(model, pair):
+        return
+    rows = model.surfaces.rows[model.pairs.first[pair]]
+    width = contact.patch_width[w, pair]
+    alike = run.ctl[w].mode == k.DYNAMIC and wp.abs(width - patch_width_before[w, pair]) <= ALIKE * width
+    both = real(0.0)
+    m = int(0)
+    while m < model.elements[0].patches.columns[pair] * rows:
+        kept = alike and contact.active[w, pair, m] != 0 and active_before[w, pair, m] != 0
+        for d in range(2):
+            i = cell_at(rows, m, d)
+            change = real(0.0)
+            if kept:
+                change = friction.traction[w, pair, i] - traction_before[w, pair, i]
+            both += change * rolling.traction_change[w, pair, i]
+            rolling.traction_change[w, pair, i] = change
+        m += 1
+    rolling.traction_steady[w, pair] = int(both >= real(0.0))

@@ -4,13 +4,19 @@ import warp as wp
 
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import kernel
-from warpffrf_kernels.core.integration import EXACT, algorithmic, coefficients_of, rule_of
+from warpffrf_kernels.core.integration import EXACT, OUTER, algorithmic, coefficients_of, predicted, rule_of
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, Trial
 from warpffrf_kernels.core.state import LoadState, MotionState
 
 wp.set_module_options(MODULE_OPTIONS)
+
+
+@wp.func
+def is_nearer(mean: vec3, predicted: vec3, found: vec3) -> int:
+    """Whether the increment found is nearer to that of the mean velocity of the step before than to the predicted."""
+    return int(wp.length(mean - found) < wp.length(predicted - found))
 
 
 @kernel
@@ -28,6 +34,16 @@ def keep_bodies(run: Run, trial: Trial, impulses: ImpulsiveContact, state: Motio
             state.r[w, b] = trial.r1[w, b]
             state.p[w, b] = trial.p1[w, b]
         h = run.clk[w].h
+        state.steady[w, b, 0] = 0
+        state.steady[w, b, 1] = 0
+        if mode == k.DYNAMIC:
+            rule = run.clk[w].retained
+            p = predicted(h, rule, state.v[w, b], impulses.v_rate0[w, b], impulses.v_alg0[w, b])
+            state.steady[w, b, 0] = is_nearer(h * state.v_mean[w, b], p, trial.dx[w, b])
+            p = predicted(h, rule, state.omega[w, b], impulses.omega_rate0[w, b], impulses.omega_alg0[w, b])
+            state.steady[w, b, 1] = is_nearer(h * state.omega_mean[w, b], p, trial.psi[w, b])
+            state.v_mean[w, b] = trial.dx[w, b] / h
+            state.omega_mean[w, b] = trial.psi[w, b] / h
         a_t = algorithmic(h, run.clk[w].retained, trial.dx[w, b], state.v[w, b], impulses.v_alg0[w, b])
         a_r = algorithmic(h, run.clk[w].retained, trial.psi[w, b], state.omega[w, b], impulses.omega_alg0[w, b])
         if mode == k.DYNAMIC and model.pairs.count > 0:
@@ -68,6 +84,14 @@ def keep_modes(
             state.q[w, n] = q1[w, n]
         h = run.clk[w].h
         rule = rule_of(model, run, w, n)
+        state.steady_mode[w, n] = 0
+        if mode == k.DYNAMIC and rule == OUTER:
+            p = predicted(
+                h, coefficients_of(run.clk, w, rule), vec3(state.qd[w, n]), vec3(impulses.qd_rate0[w, n]),
+                vec3(impulses.qd_alg0[w, n]),
+            )  # fmt: skip
+            state.steady_mode[w, n] = is_nearer(vec3(h * state.qd_mean[w, n]), p, vec3(trial.dq[w, n]))
+            state.qd_mean[w, n] = trial.dq[w, n] / h
         a = algorithmic(
             h,
             coefficients_of(run.clk, w, rule),

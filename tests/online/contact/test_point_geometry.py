@@ -172,12 +172,12 @@ def test_fields_of_a_pose(name: str) -> None:
     place = work.nearest.numpy()[0, 0]
     problem = point_problem(first, second, poses[0], poses[1], columns, place, theta_points=3, z_points=2)
     at = slice((window[0] + m.window.half) * rows_a, (window[1] + m.window.half + 1) * rows_a)
-    found = {key: getattr(work, key).numpy()[0, 0, at] for key in ("weak_gap", "area", "wrench", "stencil")}
+    found = {key: getattr(work, key).numpy()[0, 0, at] for key in ("shifted_gap", "area", "wrench", "stencil")}
     used = found["area"] > 0.0
     assert np.array_equal(used, problem.area > 0.0) and used.sum() >= 6
     scale = problem.area.max()
     assert np.abs(found["area"] - problem.area).max() < AGREE * scale
-    assert np.abs(found["weak_gap"] - problem.gap)[used].max() < AGREE * scale * 1e-3  # of gaps of a millimetre
+    assert np.abs(found["shifted_gap"] - problem.gap)[used].max() < AGREE * scale * 1e-3  # of gaps of a millimetre
     wrench = found["wrench"] + work.more_wrench.numpy()[0, 0, at]
     # moments about the user origin
     arm = poses[0].rotation @ A.center_of_mass

@@ -76,8 +76,9 @@ def _check_matched(body: ReducedBodyData) -> None:
 
 def _check_compliance(name: str, lags: np.ndarray, place: Callable[[int], str]) -> None:
     """Raise `InputError` for a block-circulant compliance (sectors, n, n) that is not symmetric, or has an entry that
-    no positive definite one has: D_ii <= 0, or D_ij^2 > D_ii D_jj. `place`: names a line."""
-    if not lags.size:
+    no positive definite one has: D_ii <= 0, or D_ij^2 > D_ii D_jj; zero is that of a rigid surface. `place`: names a
+    line."""
+    if not lags.any():
         return
     off = np.abs(lags - np.swapaxes(lags[-np.arange(len(lags))], 1, 2))
     if off.max() > SYMMETRIC_COMPLIANCE * np.abs(lags).max():

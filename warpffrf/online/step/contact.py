@@ -38,7 +38,7 @@ STEP = {"amplitude": "modal_step", "of_state": 0, "first_field": "first_step", "
 CONTACT = Participant(
     "contact",
     when="pair",
-    begin=[blocks(impulsive_contact.begin_contact), threads(compliance_reuse.begin_rows, when=MATRIX)],
+    begin=[blocks(impulsive_contact.begin_contact), threads(compliance_reuse.begin_rows, when=PATCH)],
     locate=[
         threads(line_of_centres.locate, "pair", when=LINE),
         threads(closest_point.locate_points, "pair", when=POINT),

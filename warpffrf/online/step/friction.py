@@ -82,6 +82,7 @@ FRICTION = Participant(
     predict=[threads(slip_speed.open_attempt, "pair", when=SPEED)],
     cells=[
         threads(cells.open_cells, "pair", when=GRID),
+        blocks(rolling_history.extrapolate_tractions, "pair", when=ROLLING),
         threads(places.open_patch_cells, "pair", when=ROLLING),
         blocks(shear.lay_shear, "pair", when=ROLLING),
         blocks(places.place_patch_cells, "pair", when=ROLLING),
@@ -142,6 +143,7 @@ FRICTION = Participant(
         blocks(history.keep_slips, "pair", when=GRID),
         blocks(entering_cells.keep_pressed, "pair", when=GRID),
         blocks(rolling_history.keep_rings, "pair", when=ROLLING),
+        threads(rolling_history.keep_traction_change, "pair", when=ROLLING),
         threads(slip_speed.mark, "pair", when=SPEED),
     ],
     measure=[threads(history.add_friction_second, "pair")],
