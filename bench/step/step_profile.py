@@ -59,7 +59,7 @@ PHASES = {  # of `online.step.phases`, as a reader of docs/method.md knows them
     "assemble eliminate": "retained matrix",
     "assemble_compliance condense": "compliance G, gradients L",
     "solve_normal": "factor, pressures, retained increments",
-    "increase back_substitute correct increase_again recover advance": "increments, active set",
+    "increase back_substitute correct recover advance": "increments, active set",
     "solve_tangential": "tractions",
 }  # all others: what ends an attempt
 AFTER = "ledger, state, record"
