@@ -1,6 +1,6 @@
 """The contact problem: convergence of the iterations of a step, and the time of a step by the number of cells.
 
-Two rollers roll on each other (`driven_pair`) on 8 mm hexahedra and more and more cells. *Convergence*: after some
+Two rollers roll on each other (`driven_pair`) on 4 mm hexahedra and more and more cells. *Convergence*: after some
 crossings of the patch, the largest residual after each iteration of a step, of its scale (`step.balance`), median of
 LAST steps. *Time*: one run of STEPS steps, in U of the same run.
 """
@@ -118,7 +118,9 @@ def page(figures: dict[str, Any]) -> str:
             [str(t.cells), str(t.active), f"{1e3 * t.seconds:.3g}", f"{t.units:.3g}", f"{t.iterations:.1f}",
              f"{t.systems:.1f}"] for t in times
         ]  # fmt: skip
-        title = "Without friction" if mu == 0.0 else f"With friction, mu = {mu:g}, half of the patch sticks"
+        title = "Without friction"
+        if mu > 0.0:
+            title = f"With friction, mu = {mu:g}, at half of the creepage of gross sliding"
         columns = ["cells", "active", "ms", "U", "iterations", "systems"]
         parts.append(f"{title}: exponent {exponent(times):.2f}.\n\n{table(columns, lines)}")
     return f"""# The contact problem: convergence, and step time by the number of cells
@@ -134,7 +136,7 @@ for tractions of a step, or for pressures where there are none.
 {table(head, rows)}
 ![Residuals](contact_problem.png)
 
-An iteration leaves what its matrices omit: the change of bounds with the slip speed of the material, terms of unlike
+An iteration leaves what its matrices omit: bounds that follow the pressures once, terms of unlike
 bodies, and what its systems were not solved for (a thousandth of the defect).
 
 ## Step time

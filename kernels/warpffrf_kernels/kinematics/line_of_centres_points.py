@@ -196,18 +196,23 @@ def sum_node(
 def keep_node(
     model: Model, w: int, pair: int, m: int, rows: int, beyond: int, weak_gap: real, geometry: ContactGeometry, run: Run
 ):
-    """Area 0 for a node beyond the end of an arc, or so far around the bodies that no part of the second window is
-    opposite, or whose opposite points spread beyond its stencil (`beyond`). One that overlaps there may be needed: the
-    attempt fails."""
+    """Area 0, and no load on B, for a node beyond the end of an arc, or so far around the bodies that no part of the
+    second window is opposite, or whose opposite points spread beyond its stencil (`beyond`). One that overlaps there
+    may be needed: the attempt fails."""
     A = model.pairs.first[pair]
     absolute = geometry.center[w, pair, 0] + m / rows - model.window.half
-    if model.surfaces.periodic[A] == 0 and (absolute < 0 or absolute >= model.surfaces.columns[A]):
-        geometry.area[w, pair, m] = real(0.0)
+    off_end = model.surfaces.periodic[A] == 0 and (absolute < 0 or absolute >= model.surfaces.columns[A])
     reached = geometry.stencil_at[w, pair, m, 0]
-    if reached < 0 or reached + model.window.stencil_columns > model.window.second_columns or beyond != 0:
-        if geometry.area[w, pair, m] > real(0.0) and weak_gap <= real(0.0):
-            run.ctl[w].failure = run.ctl[w].failure | k.STENCIL
-        geometry.area[w, pair, m] = real(0.0)
+    lost = reached < 0 or reached + model.window.stencil_columns > model.window.second_columns or beyond != 0
+    if not (off_end or lost):
+        return
+    if not off_end and geometry.area[w, pair, m] > real(0.0) and weak_gap <= real(0.0):
+        run.ctl[w].failure = run.ctl[w].failure | k.STENCIL
+    geometry.area[w, pair, m] = real(0.0)
+    geometry.stencil_at[w, pair, m, 0] = model.window.second_half
+    geometry.stencil_at[w, pair, m, 1] = 0
+    for e in range(model.window.stencil_columns * model.window.stencil_rows):
+        geometry.stencil[w, pair, m, e] = real(0.0)
 
 
 @kernel
