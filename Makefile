@@ -5,13 +5,13 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
 BIN := .venv/bin
 STAMP := .venv/.installed
 VERIFY := .venv/.installed_verify
-CHECKED := warpffrf kernels tests demos bench
+CHECKED := warpffrf kernels tests demos bench docs
 
 # Test workers share the cores, the unit of time is defined on one thread, and on many small matrices the threads of a
 # BLAS wait for each other: one BLAS thread each.
-demo demos test test-floor verify bench bench-store bench-compare wheel-test study: export OPENBLAS_NUM_THREADS ?= 1
+demo demos test test-floor verify bench bench-store bench-compare wheel-test study docs: export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: .venv demo demos test test-floor verify bench bench-store bench-compare lint format types wheel-test clean study
+.PHONY: .venv demo demos docs test test-floor verify bench bench-store bench-compare lint format types wheel-test clean study
 
 .venv: $(STAMP)
 
@@ -40,6 +40,15 @@ test-floor:
 	$(FLOOR)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints-floor.txt \
 		-e . hypothesis psutil pytest pytest-xdist
 	$(FLOOR)/bin/python -m pytest $(FLOOR_TESTS)
+
+# The site, out/site/index.html: notebooks run where their code has changed, warnings are errors.
+DOCS := .venv/.installed_docs
+$(DOCS): $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
+	touch $@
+
+docs: $(DOCS)
+	$(BIN)/sphinx-build -q -W --keep-going -c docs -d out/doctrees . out/site
 
 # EXUDYN, which some of the slow tests compare with, is installed for them.
 $(VERIFY): $(STAMP)
