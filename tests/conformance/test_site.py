@@ -5,12 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import public_names
-import pytest
-
-pytest.importorskip("typer")
-
-from site_pages.api import place, write_commands, write_names, write_quantities  # noqa: E402
-from site_pages.docstrings import converted  # noqa: E402
+from site_pages.api import place, write_commands, write_names, write_quantities
+from site_pages.docstrings import converted
 
 DEMOS = Path(__file__).parents[2] / "demos"
 PICTURES = Path(__file__).parents[2] / "docs"
