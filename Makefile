@@ -41,7 +41,9 @@ test-floor:
 		-e . hypothesis psutil pytest pytest-xdist
 	$(FLOOR)/bin/python -m pytest $(FLOOR_TESTS)
 
-# The site, out/site/index.html: notebooks run where their code has changed, warnings are errors.
+# The site, out/site/index.html: notebooks run where their code has changed, with the kernels that tests have compiled;
+# warnings are errors.
+docs: export WARP_CACHE_PATH ?= $(CURDIR)/.warp_cache/tests
 DOCS := .venv/.installed_docs
 $(DOCS): $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"

@@ -46,7 +46,8 @@ nb_execution_in_temp = True
 
 html_theme = "pydata_sphinx_theme"
 html_title = f"warpffrf {release}"
-html_static_path: list[str] = []
+html_extra_path = ["site_pages/root"]  # the first page of the folder leads to that of the site
+html_copy_source = False
 html_show_sourcelink = False
 html_theme_options = {
     "navigation_with_keys": False,
