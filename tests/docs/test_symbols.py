@@ -79,7 +79,7 @@ def operators_removed(text: str) -> str:
     text = re.sub(r"\b[aAI](?= [a-z]{4,})", " ", text)
     text = re.sub(r"\bd(\w)/d(\w)\b", r"\1 \2", text)
     text = re.sub(r"\bint (.*?) d\w\b", r"\1", text)
-    return re.sub(r"(?<=\w) x (?=[\w(])|\[\w+\^\d\]|\bO\(\w\)|\bN \d+|\bsum_\w+|\b(?:div|grad)\b", " ", text)
+    return re.sub(r"(?<=\w) x (?=[\w(])|\[\w+\^\d\]|\bO\(\w\)|\bN \d+|-alpha\b|\bsum_\w+|\b(?:div|grad)\b", " ", text)
 
 
 def symbols_of(chapter: str) -> set[str]:
