@@ -149,11 +149,3 @@ def test_links_and_pictures_exist() -> None:
         for target in re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8")):
             if "://" not in target:
                 assert (page.parent / target).exists(), f"{page.name} points to {target}, which does not exist"
-
-
-def test_files_named_by_the_method_page_exist() -> None:
-    text = "\n".join(page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs" / "method").glob("*.md")))
-    rooms = [ROOT, ROOT / "warpffrf", ROOT / "warpffrf" / "offline", ROOT / "kernels" / "warpffrf_kernels"]
-    for name in set(re.findall(r"`([\w/]+\.py)`", text)):
-        short = name.removeprefix("kernels/")
-        assert any((room / short).is_file() for room in rooms), f"method.md names {name}, which does not exist"
