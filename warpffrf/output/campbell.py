@@ -212,7 +212,7 @@ class Campbell(reprs.Shown):
         axes.set_title(f"Campbell diagram, {seen}; circles: {met}", fontsize=10)
         if self.notes:
             said = f"caution: {self.notes[0].split(';')[0]}"
-            axes.text(0.01, 0.99, said, transform=axes.transAxes, fontsize=8, color=BACKWARD, va="top")
+            axes.text(0.99, 0.01, said, transform=axes.transAxes, fontsize=8, color=BACKWARD, ha="right", va="bottom")
         axes.grid(alpha=0.25)
         axes.legend(frameon=False, fontsize=8, loc="upper left", title="whirl", title_fontsize=8)
         return axes
