@@ -27,6 +27,7 @@ extensions = [
     "site_pages.api",
     "site_pages.gallery",
     "site_pages.docstrings",
+    "site_pages.mathml",
 ]
 
 default_role = "py:obj"
@@ -36,13 +37,16 @@ autodoc_preserve_defaults = True
 add_module_names = False
 toc_object_entries_show_parents = "hide"
 
-myst_enable_extensions = ["colon_fence", "deflist"]
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
+myst_dmath_double_inline = True
+html_math_renderer = "mathml"
 myst_heading_anchors = 4
 nb_execution_mode = "cache"  # a notebook runs again where its code has changed
 nb_execution_cache_path = str(ROOT / "out" / "notebooks")
 nb_execution_raise_on_error = True
 nb_execution_timeout = 600
 nb_execution_in_temp = True
+nb_merge_streams = True  # prints of a cell in one block
 
 html_theme = "pydata_sphinx_theme"
 html_title = f"warpffrf {release}"
