@@ -1,4 +1,4 @@
-"""The spaces of the global modes of a reduced body: one file each, and one orthonormalisation (`build`).
+"""The spaces of the global modes of a reduced body: one class each, and one orthonormalisation (`build`).
 
 A basis is given to `reduce` by name, `basis="krylov"`, or with options, `basis=bases.Krylov(moments=3)`.
 For every basis the attachment modes of the interfaces come first, so that the static response to interface loads is
