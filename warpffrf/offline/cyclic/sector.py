@@ -7,7 +7,7 @@ own nodes (0) and those of the next (1),
     A = K_00 + K_11,     B = K_01,     f_s = A u_s + B u_{s+1} + B^T u_{s-1},
 
 and likewise for M. A travelling wave `u_s = Re(u e^{i k s phi})` has `K_k = A + e^{i k phi} B + e^{-i k phi} B^T`
-(Thomas 1979, J. Sound Vib. 66, 585).
+(D. L. Thomas 1979, Int. J. Numer. Meth. Eng. 14, 81).
 """
 
 from __future__ import annotations
