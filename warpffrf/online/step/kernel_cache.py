@@ -27,6 +27,7 @@ import warp as wp
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.files.paths import lives
+from warpffrf.online.warp_start import kernels_not_kept
 
 try:
     import fcntl
@@ -41,20 +42,6 @@ UNFINISHED_FOR = 600.0  # seconds without a change; its process may belong to an
 
 _known: set[Path] = set()  # folders that this process has verified or sealed
 _in_hand = threading.local()  # names of the modules that a thread handles: their locks are not acquired again
-
-
-def check_place() -> None:
-    """Raise `InputError` if the folder named by `WARP_CACHE_PATH` cannot be written to."""
-    place = os.environ.get("WARP_CACHE_PATH")
-    if not place or wp.config.kernel_cache_dir is not None:
-        return
-    try:
-        os.makedirs(place, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            f"WARP_CACHE_PATH: kernels cannot be kept in '{place}' ({error.strerror or error}); set it to a folder "
-            "that can be written, or leave it out"
-        ) from None
 
 
 def remove_unfinished() -> None:
@@ -73,7 +60,7 @@ def remove_unfinished() -> None:
 def sound(module: Any) -> Iterator[None]:
     """Load the Warp `module` within this block: its cached folders are verified before and sealed afterwards.
 
-    Raises `InputError` if a damaged folder cannot be removed.
+    Raises `InputError` if a damaged folder cannot be removed, and if kernels that are compiled cannot be written.
     """
     root, name = Path(wp.config.kernel_cache_dir or "."), f"wp_{module.name}"
     names: set[str] = vars(_in_hand).setdefault("names", set())
@@ -86,7 +73,10 @@ def sound(module: Any) -> Iterator[None]:
             for folder in _folders(root, name):
                 if not _is_sealed(folder):
                     _remove(folder)
-            yield
+            try:
+                yield
+            except OSError as error:
+                raise kernels_not_kept(error) from None
             for folder in _folders(root, name):
                 _seal(folder)
         finally:
