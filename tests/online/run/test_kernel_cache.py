@@ -24,7 +24,7 @@ ENDED = 2**22 - 1  # no process has this number where the largest is the usual 2
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(wp.config, "kernel_cache_dir", str(tmp_path))
-    monkeypatch.setattr(kernel_cache, "_known", set())
+    monkeypatch.setattr(kernel_cache, "_known", {})
     return tmp_path
 
 
@@ -105,6 +105,17 @@ def test_what_killed_compilations_left_is_removed(cache: Path) -> None:
     kernel_cache.remove_unfinished()
     left = {number for number, folder in folders.items() if folder.is_dir()}
     assert left == {ENDED - 1, os.getpid()}  # too new, and of a process that lives
+
+
+def test_processors_of_two_kinds_share_a_folder(cache: Path) -> None:
+    """Warp compiles for the processor and keeps its objects side by side in the folder of the module."""
+    assert compiled(cache)
+    for name in ("k.other.o", "k.third.o"):  # the second by a process that has verified the folder before
+        with kernel_cache.sound(MODULE):
+            (cache / "wp_some.kernels_0123abc" / name).write_bytes(b"object")
+    kernel_cache._known.clear()  # as another process
+    assert not compiled(cache)
+    assert (cache / "wp_some.kernels_0123abc" / "k.other.o").is_file()
 
 
 START = """
