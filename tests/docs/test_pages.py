@@ -13,6 +13,7 @@ from warpffrf.output.report.report import TOLD, WHERE_THERE
 
 ROOT = Path(__file__).resolve().parents[2]
 HOW = (ROOT / "docs" / "how_do_i.md").read_text(encoding="utf-8")
+INSTALL = (ROOT / "docs" / "install.md").read_text(encoding="utf-8")
 WORDS = (ROOT / "docs" / "words.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"```py\n(.*?)```", re.DOTALL)
 LONGEST = 15  # lines of a block that one still reads at a glance
@@ -44,13 +45,43 @@ def test_blocks_run_and_do_what_they_say(ran: dict[str, Any]) -> None:
     assert len(ran["diagram"].critical_speeds()) == 1 and "negative damping" in ran["diagram"].notes[-1]
     turns = [body.rotation for body in ran["tilted"].bodies]
     assert np.allclose(turns, turns[0], atol=1e-12)
+    assert ran["again"].time[-1] == result.time[-1] == pytest.approx(ran["longer"].time[0] - 1e-4)  # its first step
+    table, wide = ran["frame"]["contact_force_z[pair]"], ran["data"]["contact_force"]
+    assert np.array_equal(table, wide.sel(pair="pair", axis="z")) and np.allclose(-table, force)
     assert all(len(block.splitlines()) <= LONGEST for block in BLOCK.findall(HOW))
 
 
-def test_every_question_of_a_first_user_is_answered() -> None:
-    asked = ("mesh size", "step", "load softly", "cage", "halved", "CAD", "how long", "quaternion")
-    headings = re.findall(r"^## (.*)$", HOW, re.M)
-    assert all(any(question in heading for heading in headings) for question in asked)
+@pytest.mark.slow
+def test_blocks_with_machines_of_their_own(ran: dict[str, Any]) -> None:
+    """A sled under a measured sine, the mass of a body of matrices, a bolt as a bar in a stiffer block, a run-up."""
+    force, mass, rate = 500.0, 5.0, 20 * np.pi  # N, kg, rad/s; over a whole period, from rest
+    assert ran["moved"].body("sled").position[-1, 0] == pytest.approx(force / (mass * rate) * 0.1, rel=2e-3)
+    assert ran["rod"].mass == pytest.approx(7850 * 0.02**2 * 0.2, rel=1e-9)
+    bar = 20e3 * 0.04 / (210e9 * 6e-3**2)  # m, shank of 40 mm by 6 mm; the block gives way too
+    assert bar < -ran["bolted_gap"] < 1.5 * bar
+    critical = ran["diagram"].critical_speeds()[0].speed
+    at = ran["disc"].angular_velocity[ran["orbit"].argmax(), 0]
+    assert ran["orbit"].max() > 5e-4 and critical < at < 1.5 * critical  # five eccentricities, late as run-ups are
+
+
+def test_every_question_is_answered() -> None:
+    """Those of first users, and the topics of the manual."""
+    asked = {
+        "Units",
+        "Mesh size",
+        "CAD",
+        "Matrices",
+        "cage",
+        "quaternion",
+        "Load softly",
+        "CSV",
+        "Preload",
+        "Unbalance",
+    }
+    asked |= {"Damping, rotating or not", "Step", "halves its steps", "How long", "Restart", "GPU", "clusters"}
+    asked |= {"two runs compared", "pandas", "xarray", "Pictures and films", "ParaView"}
+    headings = re.findall(r"^### (.*)$", HOW, re.M)
+    assert [question for question in asked if not any(question in heading for heading in headings)] == []
 
 
 def test_words_of_reports_are_explained() -> None:
@@ -69,6 +100,6 @@ def test_the_readme_leads_there() -> None:
 
 
 def test_links_lead_somewhere() -> None:
-    for page in (HOW, WORDS):
+    for page in (HOW, WORDS, INSTALL):
         for target in re.findall(r"\]\(([^)#]+)", page):
             assert (ROOT / "docs" / target).exists(), target

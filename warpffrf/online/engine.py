@@ -42,7 +42,6 @@ KEPT_MARK = "kept_"  # prefix of arrays in a checkpoint that are not part of the
 
 def ready_device(named: str | None) -> str:
     """The device of that name, with Warp initialised and remains of an interrupted compilation removed."""
-    kernel_cache.check_place()
     if start_warp():
         kernel_cache.remove_unfinished()
     return chosen_device(named)

@@ -9,6 +9,8 @@ from contextlib import contextmanager
 
 import warp as wp
 
+from warpffrf.model.errors import InputError
+
 TESTED_WARP = "1.19.0"  # the newest version tested
 STDERR = 2
 
@@ -31,15 +33,30 @@ def start_warp() -> bool:
     """Initialise Warp; False where it is already. On a machine without a GPU its native part prints that there is
     no CUDA driver, so standard error is discarded meanwhile, for a fraction of a second.
 
-    A requested device that does not exist is reported by `Engine`.
+    A requested device that does not exist is reported by `Engine`. Raises `InputError` if the folder of the compiled
+    kernels cannot be made.
     """
     global _started
     if _started:
         return False
-    with quiet(), _native_errors_away():
-        wp.init()
+    asked = wp.config.kernel_cache_dir
+    try:
+        with quiet(), _native_errors_away():
+            wp.init()
+    except OSError as error:
+        refused = kernels_not_kept(error)
+        wp.config.kernel_cache_dir = asked  # so that a session may choose another folder and try again
+        raise refused from None
     _started = True
     return True
+
+
+def kernels_not_kept(error: OSError) -> InputError:
+    """The error for a folder of compiled kernels that cannot be written to, with the cure."""
+    return InputError(
+        f"kernels: they cannot be kept in '{wp.config.kernel_cache_dir}' ({error.strerror or error}); set the "
+        "environment variable WARP_CACHE_PATH to a folder that can be written"
+    )
 
 
 @contextmanager

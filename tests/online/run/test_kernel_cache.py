@@ -24,7 +24,7 @@ ENDED = 2**22 - 1  # no process has this number where the largest is the usual 2
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(wp.config, "kernel_cache_dir", str(tmp_path))
-    monkeypatch.setattr(kernel_cache, "_known", set())
+    monkeypatch.setattr(kernel_cache, "_known", {})
     return tmp_path
 
 
@@ -107,13 +107,41 @@ def test_what_killed_compilations_left_is_removed(cache: Path) -> None:
     assert left == {ENDED - 1, os.getpid()}  # too new, and of a process that lives
 
 
-def test_a_cache_that_is_no_folder_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_processors_of_two_kinds_share_a_folder(cache: Path) -> None:
+    """Warp compiles for the processor and keeps its objects side by side in the folder of the module."""
+    assert compiled(cache)
+    for name in ("k.other.o", "k.third.o"):  # the second by a process that has verified the folder before
+        with kernel_cache.sound(MODULE):
+            (cache / "wp_some.kernels_0123abc" / name).write_bytes(b"object")
+    kernel_cache._known.clear()  # as another process
+    assert not compiled(cache)
+    assert (cache / "wp_some.kernels_0123abc" / "k.other.o").is_file()
+
+
+START = """
+from warpffrf.model.errors import InputError
+from warpffrf.online.warp_start import start_warp
+try:
+    start_warp()
+except InputError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize("variable", ["WARP_CACHE_PATH", "HOME"])
+def test_a_folder_that_cannot_be_made_is_said(tmp_path: Path, variable: str) -> None:
+    """That of the variable, or Warp's own in a home directory that is missing or read-only."""
     (tmp_path / "file").write_text("")
-    monkeypatch.setattr(wp.config, "kernel_cache_dir", None)
-    for place in (tmp_path / "file", tmp_path / "file" / "below"):
-        monkeypatch.setenv("WARP_CACHE_PATH", str(place))
-        with pytest.raises(InputError, match="WARP_CACHE_PATH: kernels cannot be kept in '.*file"):
-            kernel_cache.check_place()
+    env = {name: value for name, value in os.environ.items() if name not in ("WARP_CACHE_PATH", "XDG_CACHE_HOME")}
+    env[variable] = str(tmp_path / "file" / "below")
+    done = subprocess.run([sys.executable, "-c", START], env=env, capture_output=True, text=True)
+    assert "kernels: they cannot be kept in" in done.stdout and "WARP_CACHE_PATH" in done.stdout, done.stderr
+
+
+def test_kernels_that_cannot_be_written_are_said(cache: Path) -> None:
+    with pytest.raises(InputError, match="cannot be kept in .*Read-only.*WARP_CACHE_PATH"):
+        with kernel_cache.sound(MODULE):
+            raise OSError(30, "Read-only file system")
 
 
 RUN = """

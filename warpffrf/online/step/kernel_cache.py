@@ -2,8 +2,9 @@
 
 Warp loads an object file without a check; a damaged file crashes the process or stops every run until the folder is
 deleted. Each module's folder therefore gets a seal, the sha256 of its files, once it has been compiled and loaded. A
-folder without a seal, or with different content, is removed and recompiled. While one process handles a module, others
-wait at a lock file (where file locks are available), and then find it compiled.
+folder without a seal, or with different content, is removed and recompiled. What Warp compiles for another kind of
+processor is kept in the same folder and sealed with it. While one process handles a module, others wait at a lock file
+(where file locks are available), and then find it compiled.
 
 Killed compilations leave folders `*_pPID_tTHREAD`; those of processes that have ended are removed.
 """
@@ -27,6 +28,7 @@ import warp as wp
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.files.paths import lives
+from warpffrf.online.warp_start import kernels_not_kept
 
 try:
     import fcntl
@@ -39,22 +41,8 @@ SOURCES = (".cpp", ".cu")
 UNFINISHED = re.compile(r"wp_.*_p([0-9]+)_t[0-9]+")
 UNFINISHED_FOR = 600.0  # seconds without a change; its process may belong to another machine or container
 
-_known: set[Path] = set()  # folders that this process has verified or sealed
+_known: dict[Path, list[Path]] = {}  # folders that this process has verified or sealed, with what they held then
 _in_hand = threading.local()  # names of the modules that a thread handles: their locks are not acquired again
-
-
-def check_place() -> None:
-    """Raise `InputError` if the folder named by `WARP_CACHE_PATH` cannot be written to."""
-    place = os.environ.get("WARP_CACHE_PATH")
-    if not place or wp.config.kernel_cache_dir is not None:
-        return
-    try:
-        os.makedirs(place, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            f"WARP_CACHE_PATH: kernels cannot be kept in '{place}' ({error.strerror or error}); set it to a folder "
-            "that can be written, or leave it out"
-        ) from None
 
 
 def remove_unfinished() -> None:
@@ -73,7 +61,7 @@ def remove_unfinished() -> None:
 def sound(module: Any) -> Iterator[None]:
     """Load the Warp `module` within this block: its cached folders are verified before and sealed afterwards.
 
-    Raises `InputError` if a damaged folder cannot be removed.
+    Raises `InputError` if a damaged folder cannot be removed, and if kernels that are compiled cannot be written.
     """
     root, name = Path(wp.config.kernel_cache_dir or "."), f"wp_{module.name}"
     names: set[str] = vars(_in_hand).setdefault("names", set())
@@ -86,7 +74,10 @@ def sound(module: Any) -> Iterator[None]:
             for folder in _folders(root, name):
                 if not _is_sealed(folder):
                     _remove(folder)
-            yield
+            try:
+                yield
+            except OSError as error:
+                raise kernels_not_kept(error) from None
             for folder in _folders(root, name):
                 _seal(folder)
         finally:
@@ -94,10 +85,10 @@ def sound(module: Any) -> Iterator[None]:
 
 
 def _folders(root: Path, name: str) -> list[Path]:
-    """The folders of a module, one per content and block size, that this process has not yet checked."""
+    """The folders of a module, one per content and block size, that this process has not checked as they are now."""
     pattern = re.compile(re.escape(name) + "_[0-9a-f]{7}")
     found = [root / entry for entry in os.listdir(root) if pattern.fullmatch(entry)]
-    return [folder for folder in found if folder not in _known]
+    return [folder for folder in found if _known.get(folder) != _files(folder)]
 
 
 def _remove(folder: Path) -> None:
@@ -117,13 +108,18 @@ def _remove(folder: Path) -> None:
         ) from None
 
 
-def _digests(folder: Path) -> dict[str, str]:
-    """sha256 of each file that is loaded; source files are excluded."""
-    return {
-        path.name: hashlib.sha256(path.read_bytes()).hexdigest()
+def _files(folder: Path) -> list[Path]:
+    """The files that are loaded; source files are excluded."""
+    return [
+        path
         for path in sorted(folder.iterdir())
         if not path.name.startswith(SEAL) and path.suffix not in SOURCES and path.is_file()
-    }
+    ]
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    """sha256 of each file that is loaded."""
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in _files(folder)}
 
 
 def _is_sealed(folder: Path) -> bool:
@@ -132,7 +128,7 @@ def _is_sealed(folder: Path) -> bool:
     except (OSError, ValueError, RecursionError):
         found = False
     if found:
-        _known.add(folder)
+        _known[folder] = _files(folder)
     return found
 
 
@@ -143,7 +139,7 @@ def _seal(folder: Path) -> None:
         text = json.dumps(_digests(folder))
         part.write_text(text)
         part.replace(folder / SEAL)
-        _known.add(folder)
+        _known[folder] = _files(folder)
     except OSError as error:
         logger.info("kernel cache: %s cannot be sealed (%s)", folder, error)
 
