@@ -402,6 +402,7 @@ class Result(reprs.Shown):
     def plot(
         self, kind: str, ax: Axes | None = None, contact: str | None = None, film: str | None = None,
         row: int | None = None, channel: str | None = None, speed: str | None = None, bearing: str | None = None,
+        theme: str = "light", width: float | None = None,
     ) -> Axes:  # fmt: skip
         """Draw one kind of plot on the matplotlib axes `ax` (new ones if None) and return them.
 
@@ -409,24 +410,28 @@ class Result(reprs.Shown):
         bearing: likewise the oil film and bearing; row: saved step of their maps and loads, and of maps of
         contacts with small sliding, the last one if None. channel: history of "spectrum" and "waterfall", as of
         `spectrum`; speed: body whose rotation is the reference, for orders or speed instead of frequency or time
-        (None). Kinds: docs/plots.md, `warpffrf plot --list`. Raises InputError for an unknown kind, contact, film,
+        (None). theme, width: "dark" and the width [m] of a printed column, as of `wf.restyle`; of new axes. Kinds:
+        docs/plots.md, `warpffrf plot --list`. Raises InputError for an unknown kind, contact, film,
         bearing, history or body, and for data that the run does not have.
 
         >>> axes = result.plot("ripple", contact="lower-upper")
         """
         from warpffrf.output.plots import figure
 
-        return figure.plot(self, kind, ax, contact, film, row, channel, speed, bearing)
+        return figure.plot(self, kind, ax, contact, film, row, channel, speed, bearing, theme, width)
 
-    def summary(self, *, contact: str | None = None, film: str | None = None, row: int | None = None) -> Figure:
-        """A matplotlib Figure with every plot for which the run has data; contact, film, row: as of `plot`. Raises
-        InputError as `plot`.
+    def summary(
+        self, *, contact: str | None = None, film: str | None = None, row: int | None = None, theme: str = "light",
+        width: float | None = None,
+    ) -> Figure:  # fmt: skip
+        """A matplotlib Figure with every plot for which the run has data; contact, film, row, theme, width: as of
+        `plot`. Raises InputError as `plot`.
 
-        >>> result.summary().savefig("summary.png")
+        >>> result.summary(theme="dark").savefig("summary.png")
         """
         from warpffrf.output.plots import figure
 
-        return figure.summary(self, contact, film, row)
+        return figure.summary(self, contact, film, row, theme=theme, width=width)
 
     def picture(
         self, path: str | os.PathLike[str], field: str = "displacement", *, time: float | None = None,

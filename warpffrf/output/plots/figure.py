@@ -13,19 +13,22 @@ from warpffrf.model.errors import InputError, nearest
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.hertz import HertzLine, HertzPoint, hertz
 from warpffrf.output.plots.bearing import BEARING_PLOTS, POLAR, the_bearing
-from warpffrf.output.plots.colors import LEAST, ROUND_OFF, about_zero, from_zero
+from warpffrf.output.plots.colors import LEAST, about_zero, from_zero, instant, side_bar
 from warpffrf.output.plots.films import FILM_PLOTS, has_orbit
 from warpffrf.output.plots.friction import FRICTION_PLOTS, draw_depth, has_material, rubbing
-from warpffrf.output.plots.panels import HISTORY_PLOTS, draw_bars, draw_numbers, numbers_of, the_channel
+from warpffrf.output.plots.panels import HISTORY_PLOTS, draw_bars, draw_numbers, numbers_of, page, the_channel
 from warpffrf.output.plots.picture import write_drawing, write_picture
+from warpffrf.output.plots.restyle import THEMES, columns_in, require_theme, restyle
 from warpffrf.output.plots.small_sliding import SMALL_SLIDING_PLOTS, the_small_sliding
 
+RIPPLE = 1e-3  # %: smaller deviations are round-off or iteration tolerance
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
 MOST_INSIDE = 8  # curves named in a legend inside the axes; with more the legend is at the right
 COLORS, STYLES = 10, ("-", "--", ":", "-.")  # another line style after so many colours, so that none is used twice
 LEGEND_ROWS = 16  # rows of a legend at the right
 PAGE_COLUMNS = 6  # columns of a legend below a page
+PAGE_PANELS, PAGE_PANEL = 3, (5.2, 4.1)  # most side by side, and inches
 SECTIONS = {"point": "Across the patch through its centre"}  # other kinds: at mid-width
 PROFILE, REFERENCE, FORCE = "#1b6ca8", "#d1495b", "#2a9d6f"
 
@@ -68,7 +71,7 @@ def hertz_of(contact: Any, i: int) -> HertzLine | HertzPoint | None:
 
 
 def _at(result: Any, i: int) -> str:
-    return f"t = {result.time[i] * 1e3:.4g} ms"
+    return f"t = {instant(result.time[i])}"
 
 
 def _marker(rows: np.ndarray) -> str:
@@ -184,7 +187,7 @@ def patch(result: Any, ax: Any) -> None:
     arc, z = contact.cell_lines(i) if on_cells else (field.arc, field.z)
     shading = "flat" if on_cells else "gouraud"
     image = ax.pcolormesh(arc * 1e3, z * 1e3, field.pressure.T * 1e-6, shading=shading, cmap="magma_r", vmin=0.0)
-    ax.figure.colorbar(image, ax=ax, label="pressure [MPa]")
+    side_bar(ax, image, label="pressure [MPa]")
     reach = contact.half_width[i] * SHOWN_WIDTHS * 1e3
     if reach > 0.0:
         middle = contact.center[i] * 1e3
@@ -209,12 +212,13 @@ def energy(result: Any, ax: Any) -> None:
     scale = result.energy_scale
     ax.plot(result.time * 1e3, result.energy_residual, color=PROFILE, label="energy residual (numerical)", zorder=3)
     defect = result.energy.get("contact_grid")
-    if defect is not None and np.any(defect) and scale > 0.0:
+    if defect is not None and np.max(np.abs(defect), initial=0.0) > LEAST * scale > 0.0:
         ax.plot(
             result.time * 1e3, np.asarray(defect) / scale, color=REFERENCE, lw=1.0, label="grid defect of the contact"
         )
     ax.axhline(0.0, color="0.7", lw=0.6)
     about_zero(ax, LEAST)
+    ax.ticklabel_format(axis="y", scilimits=(-2, 3))
     ax.set(xlabel="time [ms]", ylabel="over the energy scale [-]")
     ax.set_title(f"Energy residual; energy scale {scale:.3g} J", fontsize=10)
     ax.legend(frameon=False, fontsize=8)
@@ -262,7 +266,7 @@ def ripple(result: Any, ax: Any) -> None:
         ax.plot(result.time[rows] * 1e3, about, lw=1.1, color=color, label=label)
     ax.axhline(0.0, color="0.7", lw=0.6)
     ax.margins(y=0.25)
-    about_zero(ax, 100.0 * ROUND_OFF)
+    about_zero(ax, RIPPLE)
     ax.set(xlabel="time [ms]", ylabel="about the mean [%]")
     ax.set_title("Ripple in the second half of the run", fontsize=10)
     ax.legend(frameon=False, fontsize=7, loc="upper left")
@@ -272,7 +276,8 @@ SUMMARY = "summary"  # command-line word for the page with all plots
 Draw = Callable[[Any, Any], None]
 # Histories: for a run of one row a page shows their numbers instead.
 OVER_TIME = {
-    "widths", "ripple", "energy", "creepage", "spin", "t_gamma", "power", "film_thickness", "slip_area"
+    "widths", "ripple", "energy", "creepage", "spin", "t_gamma", "power", "film_thickness", "slip_area",
+    "element_loads",
 }  # fmt: skip
 PLOTS: dict[str, Draw] = {
     "force": force,
@@ -295,8 +300,11 @@ def _film(result: Any, name: str | None) -> Any:
 def plot(
     result: Any, kind: str, ax: Any = None, contact: str | None = None, film: str | None = None,
     row: int | None = None, channel: str | None = None, speed: str | None = None, bearing: str | None = None,
+    theme: str = "light", width: float | None = None,
 ) -> Any:  # fmt: skip
     """Draw `kind` on `ax` (a new one if None) and return the axes.
+
+    theme, width: of new axes, as of `restyle`.
 
     contact, film, bearing: names of the contact, film and bearing to draw, the first ones if None; kinds that contacts
     with finite and with small sliding have in common are of the first with finite sliding, where there is one. row:
@@ -318,11 +326,17 @@ def plot(
     known |= {name: _of_bearing(draw, bearing, row) for name, draw in BEARING_PLOTS.items()}
     if kind in HISTORY_PLOTS:
         known[kind] = _of_history(HISTORY_PLOTS[kind], the_channel(kind, channel), speed)
-    if ax is None:
-        import matplotlib.pyplot as plt
+    require_theme(theme)
+    if ax is not None:
+        if theme != THEMES[0] or width is not None:
+            raise InputError("plot: theme and width are of new axes; leave ax out, or change its figure by wf.restyle")
+        known[kind](result, ax)
+        return ax
+    import matplotlib.pyplot as plt
 
-        ax = plt.subplots(subplot_kw={"projection": "polar"} if kind in POLAR else None)[1]
+    ax = plt.subplots(layout="constrained", subplot_kw={"projection": "polar"} if kind in POLAR else None)[1]
     known[kind](result, ax)
+    restyle(ax.figure, theme, width)
     return ax
 
 
@@ -378,6 +392,8 @@ def drawable(result: Any, film: str | None = None, row: int = -1) -> dict[str, D
         frictionless = the_small_sliding(result).friction == 0.0
         kinds = [kind for kind in SMALL_SLIDING_PLOTS if kind != "friction_loss" or not frictionless]
         drawn |= {kind: _of_small_sliding(SMALL_SLIDING_PLOTS[kind], row) for kind in kinds if kind not in drawn}
+    if result.bearing_names:
+        drawn |= {kind: _of_bearing(BEARING_PLOTS[kind], None, row) for kind in BEARING_PLOTS}
     return drawn if len(result.time) > 1 else {kind: draw for kind, draw in drawn.items() if kind not in OVER_TIME}
 
 
@@ -390,30 +406,29 @@ def about_kinds() -> dict[str, str]:
     return said | {SUMMARY: "Everything that the run has data for, on one page."}
 
 
-def summary(result: Any, contact: str | None = None, film: str | None = None, row: int | None = None) -> Any:
+def summary(
+    result: Any, contact: str | None = None, film: str | None = None, row: int | None = None, *, theme: str = "light",
+    width: float | None = None,
+) -> Any:  # fmt: skip
     """A matplotlib Figure with every plot for which the run has data; contact, film, row and errors raised: as of
-    `plot`."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
+    `plot`; theme, width: as of `restyle`."""
+    require_theme(theme)
     result, row = _shown(result, contact, row)
     drawn = drawable(result, film, row)
     if result.small_sliding_names:  # what a contact with finite sliding has in common with them is drawn of both
         both = [kind for kind in SMALL_SLIDING_PLOTS if kind in _kinds_of_finite_sliding(result)]
         drawn |= {f"{kind}, small sliding": _of_small_sliding(SMALL_SLIDING_PLOTS[kind], row) for kind in both}
+    if set(drawn) >= {*BEARING_PLOTS} and _only_bearings(result):
+        del drawn["force"]  # as many curves as elements, rings and pockets; the loads of elements say the same
     if len(result.time) == 1:
         numbers: dict[str, Draw] = {"numbers": lambda result, ax: _numbers(result, ax, film)}
         drawn = {"force": drawn.pop("force")} | numbers | drawn if "force" in drawn else numbers | drawn
-    kinds = list(drawn)
-    columns = min(3, len(kinds))
-    rows = -(-len(kinds) // columns)
-    figure = Figure(figsize=(5.2 * columns, 4.1 * rows), layout="constrained")
-    FigureCanvasAgg(figure)
-    for n, kind in enumerate(kinds):
-        drawn[kind](result, figure.add_subplot(rows, columns, n + 1))
+    figure, places = page(len(drawn), columns_in(width, PAGE_PANELS), PAGE_PANEL)
+    for place, (kind, draw) in zip(places, drawn.items(), strict=True):
+        draw(result, figure.add_subplot(place, projection="polar" if kind in POLAR else None))
     _crowd_below(figure)
     saved = "1 saved row" if len(result.time) == 1 else f"{len(result.time)} saved rows"
-    end = f"{result.time[-1] * 1e3:.4g} ms, {saved}, status: {result.status}"
+    end = f"{instant(result.time[-1])}, {saved}, status: {result.status}"
     if isinstance(result, OfPair):
         end += f"; contact {[*result.finite_sliding_names, *result.small_sliding_names][0]!r}"
     finite = result.finite_sliding_names
@@ -426,7 +441,13 @@ def summary(result: Any, contact: str | None = None, film: str | None = None, ro
     if len(small := result.small_sliding_names) > 1:
         end += f"; of {len(small)} contacts with small sliding {small[0]!r}"
     figure.suptitle(end, fontsize=11)
-    return figure
+    return restyle(figure, theme, width)
+
+
+def _only_bearings(result: Any) -> bool:
+    """True if every contact and film is one of the bearings."""
+    names = (*result.contact_names, *result.lumped_contact_names, *result.film_names)
+    return all(any(name.startswith(f"{bearing} ") for bearing in result.bearing_names) for name in names)
 
 
 def _numbers(result: Any, ax: Any, film: str | None) -> None:
@@ -443,8 +464,8 @@ def _numbers(result: Any, ax: Any, film: str | None) -> None:
 
 def write_plot(
     result: Any, kind: str, path: str | os.PathLike[str], *, contact: str | None = None, film: str | None = None,
-    row: int | None = None, channel: str | None = None, speed: str | None = None, dpi: int = 130,
-    overwrite: bool = False,
+    row: int | None = None, channel: str | None = None, speed: str | None = None, theme: str = "light",
+    width: float | None = None, dpi: int = 130, overwrite: bool = False,
 ) -> Path:  # fmt: skip
     """Write `plot(result, kind, ...)` as a picture; the file ending selects the format (.png, .pdf, .svg). Raises
     InputError as `plot`, for a path that cannot be written, and for an existing file, unless `overwrite` is set."""
@@ -453,8 +474,12 @@ def write_plot(
         plot(result, kind, ax, contact, film, row, channel, speed)
 
     if kind != SUMMARY:
-        return write_drawing(draw, path, "figure", overwrite=overwrite, dpi=dpi)
-    return write_picture(summary(result, contact, film, row), path, "figure", overwrite=overwrite, dpi=dpi)
+        return write_drawing(
+            draw, path, "figure", theme=theme, width=width, overwrite=overwrite, dpi=dpi,
+            projection="polar" if kind in POLAR else None,
+        )  # fmt: skip
+    figure = summary(result, contact, film, row, theme=theme, width=width)
+    return write_picture(figure, path, "figure", overwrite=overwrite, dpi=dpi)
 
 
 def write_figure(result: Any, path: str | os.PathLike[str], *, dpi: int = 130, overwrite: bool = False) -> Path:

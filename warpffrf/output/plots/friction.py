@@ -18,7 +18,7 @@ from warpffrf.output.bodies.stress_below import poisson_ratios, stress_below
 from warpffrf.output.contact.friction import OPEN, SLIP, STATES, STICK
 from warpffrf.output.contact.hertz import HertzLine, HertzPoint, largest_below, largest_of
 from warpffrf.output.contact.hertz import hertz as hertz_contact
-from warpffrf.output.plots.colors import HEADROOM, LEAST, STATE_COLORS, about_zero, from_zero, largest
+from warpffrf.output.plots.colors import HEADROOM, LEAST, STATE_COLORS, about_zero, from_zero, instant, largest
 from warpffrf.output.plots.panels import load_ratio
 
 SHOWN_WIDTHS = 1.6  # half-widths to either side of the middle of the patch
@@ -43,7 +43,7 @@ def _last_touching(contact: Any) -> int:
 
 
 def _at(result: Any, i: int) -> str:
-    return f"t = {result.time[i] * 1e3:.4g} ms"
+    return f"t = {instant(result.time[i])}"
 
 
 def _coefficient(contact: Any) -> float | None:

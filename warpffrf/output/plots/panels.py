@@ -10,6 +10,7 @@ rotation of a body.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,8 +21,9 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact.hertz import hertz
-from warpffrf.output.plots.colors import LEAST, largest, no_finer
+from warpffrf.output.plots.colors import FINEST, LEAST, largest, no_finer
 from warpffrf.output.plots.picture import write_picture
+from warpffrf.output.plots.restyle import columns_in, restyle
 
 PANEL_SIZE = (5.2, 3.9)  # inches
 COLUMNS = 3  # maximum side by side
@@ -68,7 +70,7 @@ class Panel:
             axes.set_ylim(*self.limits)
         else:
             drawn = [y for of in (self.curves, self.reference or {}, self.points or {}) for _, y in of.values()]
-            no_finer(axes, LEAST * largest([np.abs(np.asarray(y, dtype=float)) for y in drawn]))
+            no_finer(axes, FINEST * largest([np.abs(np.asarray(y, dtype=float)) for y in drawn]))
         axes.set(xlabel=self.x_label, ylabel=self.y_label)
         axes.set_title(self.title, fontsize=10)
         axes.grid(alpha=0.25, lw=0.5)
@@ -93,31 +95,44 @@ class Polar(Panel):
         axes.legend(frameon=False, fontsize=8, loc="upper right", bbox_to_anchor=(1.25, 1.1))
 
 
-def save_panels(panels: Sequence[Drawn], path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+def save_panels(
+    panels: Sequence[Drawn], path: str | os.PathLike[str], *, theme: str = "light", width: float | None = None,
+    overwrite: bool = False,
+) -> Path:  # fmt: skip
     """Draw the panels into one picture; the ending of `path` selects the format (.png, .pdf, .svg); returns its path.
 
-    Raises `InputError` for no panels, a path that cannot be written, an unknown ending, and an existing file, unless
-    `overwrite` is set.
+    theme, width: as of `restyle`. Raises `InputError` for no panels, a path that cannot be written, an unknown ending,
+    and an existing file, unless `overwrite` is set.
     """
-    return write_picture(panels_figure(panels), path, "panels", overwrite=overwrite)
+    return write_picture(panels_figure(panels, theme=theme, width=width), path, "panels", overwrite=overwrite)
 
 
-def panels_figure(panels: Sequence[Drawn], title: str = "") -> Any:
-    """A matplotlib Figure with the panels, `COLUMNS` side by side. Raises `InputError` if there are none."""
+def panels_figure(panels: Sequence[Drawn], title: str = "", *, theme: str = "light", width: float | None = None) -> Any:
+    """A matplotlib Figure with the panels, at most `COLUMNS` side by side; theme, width: as of `restyle`. Raises
+    `InputError` if there are none."""
+    if not panels:
+        raise InputError("panels: there is nothing to draw")
+    figure, places = page(len(panels), columns_in(width, COLUMNS), PANEL_SIZE, dpi=DPI)
+    if title:
+        figure.suptitle(title, fontsize=11)
+    for place, panel in zip(places, panels, strict=True):
+        panel.draw(figure.add_subplot(place, projection=getattr(panel, "projection", None)))
+    return restyle(figure, theme, width)
+
+
+def page(count: int, most: int, size: tuple[float, float], **options: Any) -> tuple[Any, list[Any]]:
+    """An empty matplotlib Figure and the places of `count` panels of about `size` [inch], at most `most` side by side:
+    rows that are filled from edge to edge, so that no place stays empty."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    if not panels:
-        raise InputError("panels: there is nothing to draw")
-    rows = -(-len(panels) // COLUMNS)
-    columns = -(-len(panels) // rows)
-    figure = Figure(figsize=(PANEL_SIZE[0] * columns, PANEL_SIZE[1] * rows), dpi=DPI, layout="constrained")
+    rows = -(-count // most)
+    lengths = [(count + rows - 1 - row) // rows for row in range(rows)]
+    figure = Figure(figsize=(size[0] * lengths[0], size[1] * rows), layout="constrained", **options)
     FigureCanvasAgg(figure)
-    if title:
-        figure.suptitle(title, fontsize=11)
-    for n, panel in enumerate(panels):
-        panel.draw(figure.add_subplot(rows, columns, n + 1, projection=getattr(panel, "projection", None)))
-    return figure
+    cells = math.lcm(*lengths)
+    grid = figure.add_gridspec(rows, cells)
+    return figure, [grid[row, cells // n * k : cells // n * (k + 1)] for row, n in enumerate(lengths) for k in range(n)]
 
 
 OVERLAY_COLUMNS = 2
@@ -167,19 +182,15 @@ class Overlaid:
         ax.grid(alpha=0.3)
 
 
-def overlay_figure(panels: Sequence[Overlaid], names: tuple[str, str]) -> Any:
-    """A matplotlib Figure with one panel per quantity and one legend below."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    columns = min(OVERLAY_COLUMNS, len(panels))
-    rows = -(-len(panels) // columns)
-    figure = Figure(figsize=(PANEL[0] * columns, PANEL[1] * rows + 0.4), layout="constrained")
-    FigureCanvasAgg(figure)
-    for n, panel in enumerate(panels):
-        panel.draw(figure.add_subplot(rows, columns, n + 1), names)
+def overlay_figure(
+    panels: Sequence[Overlaid], names: tuple[str, str], *, theme: str = "light", width: float | None = None
+) -> Any:
+    """A matplotlib Figure with one panel per quantity and one legend below; theme, width: as of `restyle`."""
+    figure, places = page(len(panels), columns_in(width, OVERLAY_COLUMNS), PANEL)
+    for place, panel in zip(places, panels, strict=True):
+        panel.draw(figure.add_subplot(place), names)
     figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)
-    return figure
+    return restyle(figure, theme, width)
 
 
 BAR, TALL, FONT = "#1b6ca8", 12, 8  # more bars than `TALL` have smaller names
