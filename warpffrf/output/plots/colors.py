@@ -210,19 +210,19 @@ def from_zero(ax: Any, values: Any, *beside: Any, least: float = 0.0) -> None:
     """Scale the y axis of `ax`, which has its label, from zero to slightly above the largest of `values` (n,) and of
     the other values drawn, `beside`, at least to `least`: smaller values are round-off.
 
-    If all of them vary by less than `SMALL` of their mean, but by more than `FLAT`, the axis is cut to their range
-    instead, and its label states the variation of `values`. Non-finite values are ignored.
+    If all of them vary by less than `SMALL` of their mean, and `values` by more than `FLAT`, the axis is cut to their
+    range instead, and its label states the variation of `values`. Non-finite values are ignored.
     """
     own = _finite(values)
     drawn = np.concatenate([own, *(_finite(v) for v in beside)])
     low, high = float(drawn.min(initial=np.inf)), float(drawn.max(initial=0.0))
     mean, spread = 0.5 * (low + high), high - low
-    if low > 0.0 and high > least and np.isfinite(mean) and FLAT * mean < spread < SMALL * mean:
+    if low > 0.0 and high > least and np.isfinite(mean) and spread < SMALL * mean and np.ptp(own) > FLAT * mean:
         ax.set_ylim(low - ROOM * spread, high + ROOM * spread)
         ax.ticklabel_format(axis="y", useOffset=False, style="plain")
-        vary = f"varies by {100.0 * np.ptp(own) / np.mean(own):.2g} %" if np.ptp(own) > FLAT * mean else "constant"
         label = ax.yaxis.label
-        ax.set_ylabel(f"{label.get_text()}\naxis cut, {vary}", color=label.get_color())
+        vary = 100.0 * np.ptp(own) / np.mean(own)
+        ax.set_ylabel(f"{label.get_text()}\naxis cut, varies by {vary:.2g} %", color=label.get_color())
     else:
         ax.set_ylim(0.0, HEADROOM * max(high, least) or 1.0)
 

@@ -10,6 +10,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact.result import FilmResult
 from warpffrf.output.plots.colors import LEAST, from_zero, instant, largest, side_bar
+from warpffrf.output.plots.restyle import BELOW
 
 FULL = 1.0 - 1e-3  # film fraction below which the gap is cavitated
 GAP, PEAK, CIRCLE = "#1b6ca8", "#d1495b", "0.55"
@@ -54,7 +55,7 @@ def orbit(film: FilmResult, ax: Any, row: int) -> None:
     ax.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
     ax.set(xlabel="along e_0, over the clearance [-]", ylabel="along e_1, over the clearance [-]")
     ax.set_title(f"Film '{film.name}': inner axis against the outer one", fontsize=10)
-    ax.legend(frameon=False, fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.16))
+    ax.legend(frameon=False, fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=(0.5, BELOW))
 
 
 def thickness(film: FilmResult, ax: Any, row: int) -> None:

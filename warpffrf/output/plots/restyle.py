@@ -6,8 +6,8 @@ l' = (1 - w) (1 - l) + w max(l, 1 - l) of the lightness l, with w from 0 of a gr
 a colour, from `COLORED` on; both then lie between the colours of paper and ink. In maps that begin with a light grey
 only greys change, with w l in place of w max(l, 1 - l); maps of matplotlib that begin light are reversed.
 
-Afterwards titles and labels longer than their axes are broken into lines, and a legend that covers a curve moves to
-another corner, or gets room above the curves.
+Afterwards titles and labels longer than their axes are broken into lines, and a legend that covers a curve, or is wider
+than its axes, moves to another corner or below the axes.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ BRIGHT = 0.7  # lightness of the first colour of a map that is changed
 INCH = 0.0254  # m
 PANEL = 0.088  # m: narrowest panel with legible text
 FONTS, SHRUNK = (6.5, 8.5), 0.75  # points in print, and of the size on a screen
-BROADER = 1.25  # than its axes may a title be: it reaches over the labels of the axis
+BROADER = 1.15  # than its axes may a title be: it reaches over the labels of the axis
 FEWEST = 12  # letters in a line
-ROOM, MOST_ROOM = 0.12, 4  # share of the range of y added above for a legend, and how often
+BELOW = -0.2  # of the height of axes: legends under their labels
 CORNERS = ("upper right", "upper left", "lower right", "lower left")
 _dark: WeakSet[Any] = WeakSet()
 
@@ -50,8 +50,8 @@ def restyle(figure: Any, theme: str = "light", width: float | None = None) -> An
     _lay_out(figure)
     if _break_lines(figure):
         _lay_out(figure)
-    for ax in _axes_of(figure):
-        _clear_legend(ax)
+    if any([_clear_legend(ax) for ax in figure.axes]):
+        _lay_out(figure)
     return figure
 
 
@@ -132,12 +132,15 @@ def _axes_of(figure: Any) -> list[Any]:
 
 
 def _resize(figure: Any, width: float) -> None:
+    from matplotlib.lines import Line2D
     from matplotlib.text import Text
 
     high = figure.get_figheight() * width / figure.get_figwidth()
     figure.set_size_inches(width, high)
     for text in figure.findobj(Text):
         text.set_fontsize(np.clip(SHRUNK * text.get_fontsize(), *FONTS))
+    for line in figure.findobj(Line2D):
+        line.set(linewidth=SHRUNK * line.get_linewidth(), markersize=SHRUNK * line.get_markersize())
     for ax in _axes_of(figure):
         for axis in (ax.xaxis, ax.yaxis):
             sizes = [text.get_fontsize() for text in axis.get_ticklabels()]
@@ -174,23 +177,23 @@ def _break(text: Any, length: float, room: float) -> bool:
     return len(broken) > len(lines)
 
 
-def _clear_legend(ax: Any) -> None:
-    """Move the legend of `ax` to a corner where it covers no curve; if there is none, add room above the curves."""
+def _clear_legend(ax: Any) -> bool:
+    """Move the legend of `ax` to a corner where it covers no curve; if there is none, below the axes. True if there."""
     legend = ax.get_legend()
     if legend is None or ax.name != "rectilinear" or not ax.bbox.overlaps(legend.get_window_extent()):
-        return
+        return False
     axes = [one for one in ax.figure.axes if one.bbox.bounds == ax.bbox.bounds]  # with its twin
-    linear = ax.get_yscale() == "linear"
-    for _ in range(MOST_ROOM):
-        if not any(_covers(legend, one) for one in axes):
-            return
-        for corner in CORNERS:
-            legend.set_loc(corner)
+    if legend.get_window_extent().width > ax.bbox.width:
+        legend.set_ncols(1)
+    if legend.get_window_extent().width < ax.bbox.width:
+        for corner in (None, *CORNERS):
+            if corner is not None:
+                legend.set_loc(corner)
             if not any(_covers(legend, one) for one in axes):
-                return
-        for one in axes if linear else ():
-            low, high = one.get_ylim()
-            one.set_ylim(low, high + ROOM * (high - low))
+                return False
+    legend.set_loc("upper center")
+    legend.set_bbox_to_anchor((0.5, BELOW), ax.transAxes)
+    return True
 
 
 def _covers(legend: Any, ax: Any) -> bool:
