@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.output.contact.friction import STATES
+from warpffrf.output.plots.restyle import BODIES
 
 LEVELS = 256
 MOST_BARS = 3  # of a legend in one column
@@ -144,7 +145,7 @@ def draw_bar(axes: Any, scale: ColorScale | ColorClasses) -> None:
     from matplotlib.colorbar import ColorbarBase
     from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize
 
-    colors = ListedColormap(scale.table() / 255.0)
+    colors = ListedColormap(scale.table() / 255.0, BODIES)
     if isinstance(scale, ColorClasses):
         edges = np.arange(len(scale.names) + 1) - 0.5
         bar = ColorbarBase(

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import textwrap
 from typing import Any
-from weakref import WeakSet
 
 import numpy as np
 
@@ -24,6 +23,7 @@ THEMES = ("light", "dark")
 PAPER, INK = np.array([0.082, 0.094, 0.114]), np.array([0.93, 0.94, 0.95])  # of the dark theme
 GREY, COLORED = 0.1, 0.4  # saturations
 BRIGHT = 0.7  # lightness of the first colour of a map that is changed
+BODIES = "bodies"  # name of colour maps of bodies, which have the same colours in both themes
 INCH = 0.0254  # m
 PANEL = 0.088  # m: narrowest panel with legible text
 FONTS, SHRUNK = (6.5, 8.5), 0.75  # points in print, and of the size on a screen
@@ -31,7 +31,6 @@ BROADER = 1.15  # than its axes may a title be: it reaches over the labels of th
 FEWEST = 12  # letters in a line
 BELOW = -0.2  # of the height of axes: legends under their labels
 CORNERS = ("upper right", "upper left", "lower right", "lower left")
-_dark: WeakSet[Any] = WeakSet()
 
 
 def restyle(figure: Any, theme: str = "light", width: float | None = None) -> Any:
@@ -44,9 +43,8 @@ def restyle(figure: Any, theme: str = "light", width: float | None = None) -> An
     require_theme(theme)
     if width is not None:
         _resize(figure, require_number(width, "restyle: width", positive=True) / INCH)
-    if theme == "dark" and figure not in _dark:
-        _dark.add(figure)
-        _darken(figure)
+    if theme == "dark":
+        darken(figure)
     _lay_out(figure)
     if _break_lines(figure):
         _lay_out(figure)
@@ -81,13 +79,17 @@ def darkened(colors: Any, *, of_map: bool = False) -> np.ndarray:
     return np.concatenate([PAPER + (INK - PAPER) * np.clip(rgb, 0.0, 1.0), rgba[:, 3:]], axis=1)
 
 
-def _darken(figure: Any) -> None:
+def darken(figure: Any) -> None:
+    """Change the colours of a matplotlib figure to the dark theme, unless its paper is dark."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.collections import LineCollection
     from matplotlib.contour import ContourSet
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
     from matplotlib.text import Text
+
+    if np.allclose(figure.get_facecolor()[:3], PAPER):
+        return
 
     def other(color: Any) -> Any:
         return color if isinstance(color, str) and color in ("none", "auto") else darkened(color)[0]
@@ -121,6 +123,8 @@ def _dark_map(cmap: Any) -> Any:
     from matplotlib.colors import ListedColormap
 
     table = cmap(np.arange(cmap.N))
+    if cmap.name == BODIES:
+        return cmap
     if table[0, :3].min() + table[0, :3].max() < 2.0 * BRIGHT:
         return cmap
     return cmap.reversed() if cmap.name.endswith("_r") else ListedColormap(darkened(table, of_map=True), cmap.name)
