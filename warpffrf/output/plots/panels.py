@@ -137,13 +137,13 @@ def page(count: int, most: int, size: tuple[float, float], **options: Any) -> tu
 
 OVERLAY_COLUMNS = 2
 PANEL = (5.6, 3.2)  # inches
-FIRST, SECOND = "#1b6ca8", "#d1495b"
+FIRST, SECOND, APART = "#1b6ca8", "#d1495b", "#2a9d6f"
 
 
 @dataclass(frozen=True, eq=False)
 class Overlaid:
     """One quantity of both runs, each at its own times [s]: `first` and `second` are (times (T,), values (T,)); its
-    axis shows a range of at least `least`."""
+    axis shows a range of at least `least`. apart: their difference likewise, drawn instead of them."""
 
     label: str
     units: str
@@ -151,9 +151,17 @@ class Overlaid:
     first: tuple[np.ndarray, np.ndarray]
     second: tuple[np.ndarray, np.ndarray]
     least: float
+    apart: tuple[np.ndarray, np.ndarray] | None = None
 
     def draw(self, ax: Any, names: tuple[str, str]) -> None:
         """Draw on matplotlib axes, the runs called `names`."""
+        ax.ticklabel_format(axis="y", scilimits=(-2, 5))
+        if self.apart is not None:
+            ax.plot(self.apart[0] * 1e3, self.apart[1], lw=1.2, color=APART, label="B - A, where A and B coincide")
+            ax.axhline(0.0, color="0.7", lw=0.6)
+            ax.set_xlabel("time [ms]")
+            self._dress(ax)
+            return
         if len(self.first[0]) == len(self.second[0]) == 1:
             self._bars(ax, names)
             return
@@ -168,16 +176,19 @@ class Overlaid:
 
     def _bars(self, ax: Any, names: tuple[str, str]) -> None:
         """Draw the numbers of two runs of one row, such as equilibria."""
-        values = [float(self.first[1][0]), float(self.second[1][0])]
+        values = np.array([float(self.first[1][0]), float(self.second[1][0])])
+        values[np.abs(values) < LEAST * np.max(np.abs(values))] = 0.0
         bars = ax.bar(range(2), values, width=0.5, color=(FIRST, SECOND), label=names)
         ax.bar_label(bars, fmt="%.6g", padding=2, fontsize=9)
         ax.axhline(0.0, color="0.7", lw=0.6)
         ax.set_xticks([])
-        ax.margins(x=0.5, y=0.15)
+        ax.use_sticky_edges = False  # room for the numbers, beyond zero as well
+        ax.margins(x=0.5, y=0.2)
         self._dress(ax)
 
     def _dress(self, ax: Any) -> None:
-        ax.set_ylabel(f"{self.label.partition('[')[0].replace('_', ' ')} [{self.units}]")
+        name = self.label.partition("[")[0].replace("_", " ")
+        ax.set_ylabel(f"{name}{'' if self.apart is None else ', B - A'} [{self.units}]")
         ax.set_title(self.title, fontsize=9, loc="right")  # a power of ten is on the left
         ax.grid(alpha=0.3)
 
@@ -189,7 +200,8 @@ def overlay_figure(
     figure, places = page(len(panels), columns_in(width, OVERLAY_COLUMNS), PANEL)
     for place, panel in zip(places, panels, strict=True):
         panel.draw(figure.add_subplot(place), names)
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)
+    named = {label: handle for ax in figure.axes for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)}
+    figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=3, frameon=False)
     return restyle(figure, theme, width)
 
 

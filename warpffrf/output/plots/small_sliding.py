@@ -115,7 +115,7 @@ def _map(contact: SmallSlidingResult, ax: Any, values: np.ndarray, stops: tuple[
     corners = chart.triangles * 1e3
     polygons = PolyCollection(
         list(corners), array=np.asarray(values, dtype=float)[chart.cell],
-        cmap=LinearSegmentedColormap.from_list("cells", stops), linewidths=0.0, antialiaseds=False,
+        cmap=LinearSegmentedColormap.from_list("cells", stops), linewidths=0.0, antialiaseds=False, rasterized=True,
     )  # fmt: skip
     polygons.set_clim(0.0, top if top > 0.0 else 1.0)
     ax.add_collection(polygons)
