@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, nearest
+from warpffrf.model.errors import InputError, nearest, unknown_name
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.hertz import HertzLine, HertzPoint, hertz
 from warpffrf.output.plots.bearing import BEARING_PLOTS, POLAR, the_bearing
-from warpffrf.output.plots.colors import LEAST, about_zero, from_zero, instant, side_bar
+from warpffrf.output.plots.colors import FINEST, LEAST, about_zero, from_zero, instant, largest, no_finer, side_bar
 from warpffrf.output.plots.films import FILM_PLOTS, has_orbit
 from warpffrf.output.plots.friction import FRICTION_PLOTS, draw_depth, has_material, rubbing
 from warpffrf.output.plots.panels import HISTORY_PLOTS, draw_bars, draw_numbers, numbers_of, page, the_channel
@@ -110,15 +110,63 @@ def force(result: Any, ax: Any) -> None:
     forces |= {name: result.film(name).force_magnitude for name in result.film_names if name not in forces}
     what = " and ".join(["contact"] * pressed + ["film"] * bool(result.film_names))
     ax.set_title(f"{what.capitalize()} force", fontsize=10)
+    _curves(result, ax, {name: size * 1e-3 for name, size in forces.items()}, f"{what} force [kN]")
+
+
+def _curves(result: Any, ax: Any, curves: dict[str, np.ndarray], label: str) -> None:
+    """Sizes (T,) by name against time, from zero; bars for a run of one row."""
     if len(result.time) == 1:
-        draw_bars(ax, {name: size * 1e-3 for name, size in forces.items()}, f"{what} force [kN]")
+        draw_bars(ax, curves, label)
         return
-    for n, (name, size) in enumerate(forces.items()):
-        style = STYLES[n // COLORS % len(STYLES)]
-        ax.plot(result.time * 1e3, size * 1e-3, style, label=name)
-    ax.set(xlabel="time [ms]", ylabel=f"{what} force [kN]")
-    from_zero(ax, np.concatenate([size * 1e-3 for size in forces.values()]))
-    _legend(ax, len(forces))
+    _lines(result, ax, curves, label)
+    from_zero(ax, np.concatenate(list(curves.values())))
+
+
+def _lines(result: Any, ax: Any, curves: dict[str, np.ndarray], label: str) -> None:
+    for n, (name, values) in enumerate(curves.items()):
+        ax.plot(result.time * 1e3, values, STYLES[n // COLORS % len(STYLES)], label=name)
+    ax.set(xlabel="time [ms]", ylabel=label)
+    _legend(ax, len(curves))
+
+
+def _reactions(result: Any) -> dict[str, np.ndarray]:
+    """(T,) N, force of each joint that is no part of a bearing and carries one."""
+    inside = tuple(f"{name} " for name in result.bearing_names)
+    forces = {
+        name: np.linalg.norm(joint.force, axis=1)
+        for name, joint in result.history.joints.items()
+        if not name.startswith(inside or ("\0",))
+    }
+    least = LEAST * largest(list(forces.values()))
+    return {name: force for name, force in forces.items() if largest([force]) > least}
+
+
+def joints(result: Any, ax: Any) -> None:
+    """Reaction force of every joint against time; bars for a run of one row."""
+    forces = _reactions(result)
+    if not forces:
+        raise InputError("plot: no joint of the run carries a force")
+    _curves(result, ax, {name: force * 1e-3 for name, force in forces.items()}, "joint force [kN]")
+    ax.set_title("Joint forces", fontsize=10)
+
+
+def sensors(result: Any, ax: Any, channel: str | None = None) -> None:
+    """Sensors against time, all that have the unit of the sensor `channel`, or of the first one."""
+    known = result.history.sensors
+    if not known:
+        raise InputError("plot: the scene has no sensor; give it one with scene.add(sensors.Position(...)), run again")
+    if channel is not None and channel not in known:
+        raise unknown_name("plot: sensor", channel, tuple(known))
+    unit = known[channel or next(iter(known))].unit
+    alike = {name: sensor for name, sensor in known.items() if sensor.unit == unit}
+    curves = {
+        f"{name} {part}".strip(): values
+        for name, sensor in alike.items()
+        for part, values in zip(sensor.components, sensor.values.T, strict=True)
+    }
+    _lines(result, ax, curves, f"sensors [{unit}]")
+    no_finer(ax, FINEST * largest([np.abs(values) for values in curves.values()]))
+    ax.set_title("Sensors", fontsize=10)
 
 
 def _profile(ax: Any, contact: Any, x: np.ndarray, p: np.ndarray, lines: np.ndarray) -> None:
@@ -277,8 +325,9 @@ Draw = Callable[[Any, Any], None]
 # Histories: for a run of one row a page shows their numbers instead.
 OVER_TIME = {
     "widths", "ripple", "energy", "creepage", "spin", "t_gamma", "power", "film_thickness", "slip_area",
-    "element_loads",
+    "element_loads", "sensors",
 }  # fmt: skip
+MACHINE_PLOTS: dict[str, Draw] = {"joints": joints, "sensors": sensors, "energy": energy}
 PLOTS: dict[str, Draw] = {
     "force": force,
     "widths": widths,
@@ -287,7 +336,6 @@ PLOTS: dict[str, Draw] = {
     "along": along,
     "patch": patch,
     "stress_depth": stress_depth,
-    "energy": energy,
 }
 
 
@@ -313,7 +361,8 @@ def plot(
     an unknown kind, contact, film, bearing or row, a run without rows, plots of friction, films, contacts or bearings
     of a run without them, and plots of histories without a name.
     """
-    known = {**PLOTS, **FRICTION_PLOTS}
+    known = {**PLOTS, **MACHINE_PLOTS, **FRICTION_PLOTS}
+    known["sensors"] = lambda result, ax: sensors(result, ax, channel)
     kinds = tuple(dict.fromkeys((*known, *FILM_PLOTS, *SMALL_SLIDING_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS)))
     if kind not in kinds:
         cure = "; the page with all of them is result.summary()" if kind == SUMMARY else ""
@@ -378,7 +427,7 @@ def _of_bearing(draw: Callable[[Any, Any, int], None], bearing: str | None, row:
 def drawable(result: Any, film: str | None = None, row: int = -1) -> dict[str, Draw]:
     """The kinds of plots for which the run has data, with their drawing functions; film, row: as of `plot`."""
     finite = result.finite_sliding_names
-    drawn: dict[str, Draw] = dict(PLOTS) if finite else {"energy": energy}
+    drawn: dict[str, Draw] = dict(PLOTS) if finite else {}
     if finite and not has_material(_contact(result)):
         del drawn["stress_depth"]
     if result.lumped_contact_names or result.film_names or result.small_sliding_names:
@@ -394,13 +443,16 @@ def drawable(result: Any, film: str | None = None, row: int = -1) -> dict[str, D
         drawn |= {kind: _of_small_sliding(SMALL_SLIDING_PLOTS[kind], row) for kind in kinds if kind not in drawn}
     if result.bearing_names:
         drawn |= {kind: _of_bearing(BEARING_PLOTS[kind], None, row) for kind in BEARING_PLOTS}
+    has = {"joints": bool(_reactions(result)), "sensors": bool(result.history.sensors), "energy": True}
+    drawn |= {kind: draw for kind, draw in MACHINE_PLOTS.items() if has[kind]}
     return drawn if len(result.time) > 1 else {kind: draw for kind, draw in drawn.items() if kind not in OVER_TIME}
 
 
 def about_kinds() -> dict[str, str]:
     """Every kind of plot with a one-sentence description."""
     draws: dict[str, Callable[..., None]] = {
-        **SMALL_SLIDING_PLOTS, **PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **BEARING_PLOTS, **HISTORY_PLOTS
+        **SMALL_SLIDING_PLOTS, **PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **BEARING_PLOTS, **MACHINE_PLOTS,
+        **HISTORY_PLOTS,
     }  # fmt: skip
     said = {kind: " ".join((draw.__doc__ or "").split("\n\n")[0].split()) for kind, draw in draws.items()}
     return said | {SUMMARY: "Everything that the run has data for, on one page."}
@@ -418,6 +470,9 @@ def summary(
     if result.small_sliding_names:  # what a contact with finite sliding has in common with them is drawn of both
         both = [kind for kind in SMALL_SLIDING_PLOTS if kind in _kinds_of_finite_sliding(result)]
         drawn |= {f"{kind}, small sliding": _of_small_sliding(SMALL_SLIDING_PLOTS[kind], row) for kind in both}
+    units = {sensor.unit: name for name, sensor in reversed(result.history.sensors.items())}
+    for name in [*reversed(units.values())][1:] if "sensors" in drawn else ():  # a panel for each unit
+        drawn[f"sensors like {name}"] = lambda result, ax, name=name: sensors(result, ax, name)
     if set(drawn) >= {*BEARING_PLOTS} and _only_bearings(result):
         del drawn["force"]  # as many curves as elements, rings and pockets; the loads of elements say the same
     if len(result.time) == 1:

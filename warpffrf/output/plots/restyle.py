@@ -48,7 +48,7 @@ def restyle(figure: Any, theme: str = "light", width: float | None = None) -> An
     _lay_out(figure)
     if _break_lines(figure):
         _lay_out(figure)
-    if any([_clear_legend(ax) for ax in figure.axes]):
+    while any([_clear_legend(ax) for ax in figure.axes]):  # one that is below leaves less room for the others
         _lay_out(figure)
     return figure
 
