@@ -473,8 +473,8 @@ def summary(
     units = {sensor.unit: name for name, sensor in reversed(result.history.sensors.items())}
     for name in [*reversed(units.values())][1:] if "sensors" in drawn else ():  # a panel for each unit
         drawn[f"sensors like {name}"] = lambda result, ax, name=name: sensors(result, ax, name)
-    if set(drawn) >= {*BEARING_PLOTS} and _only_bearings(result):
-        del drawn["force"]  # as many curves as elements, rings and pockets; the loads of elements say the same
+    if "load_zone" in drawn and _only_bearings(result):
+        drawn.pop("force", None)  # as many curves as elements, rings and pockets; the loads of elements say the same
     if len(result.time) == 1:
         numbers: dict[str, Draw] = {"numbers": lambda result, ax: _numbers(result, ax, film)}
         drawn = {"force": drawn.pop("force")} | numbers | drawn if "force" in drawn else numbers | drawn

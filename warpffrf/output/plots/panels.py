@@ -45,7 +45,7 @@ class Panel:
     """One plot: `curves` {name: (x (n,), y (n,))} as lines, `reference` likewise, dashed and on top of them, `points`
     likewise, as markers.
 
-    `limits`: the range (low, high) of y to show, for diverging curves.
+    `limits`: the range (low, high) of y to show, for diverging curves; `equal`: x and y on one scale, for paths.
     """
 
     title: str
@@ -55,6 +55,7 @@ class Panel:
     reference: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
     limits: tuple[float, float] | None = None
     points: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
+    equal: bool = False
 
     def draw(self, ax: object) -> None:
         """Draw on matplotlib axes."""
@@ -74,6 +75,8 @@ class Panel:
         axes.set(xlabel=self.x_label, ylabel=self.y_label)
         axes.set_title(self.title, fontsize=10)
         axes.grid(alpha=0.25, lw=0.5)
+        if self.equal:
+            axes.set_aspect("equal", adjustable="datalim")
         if len(self.curves) + len(self.reference or {}) + len(self.points or {}) > 1:
             axes.legend(frameon=False, fontsize=8)
 

@@ -89,7 +89,8 @@ class ScenePicture:
         self.rows = [int(i) for i in rows if self._is_finite(int(i))]
         if not self.rows:
             raise InputError(f"{what}: a value that is not finite stands in every row to draw")
-        self.axes = _view_axes(view, np.concatenate(self._bodies(self.rows[0])))
+        box = np.concatenate([_ends(np.concatenate(self._bodies(i))) for i in self.rows])
+        self.axes = _view_axes(view, box)
         moved, tops, corners = 0.0, [0.0], []
         for done, i in enumerate(self.rows):
             if seen is not None:
@@ -99,9 +100,8 @@ class ScenePicture:
                 moved = max(moved, largest([np.linalg.norm(u, axis=1)]))
                 tops.append(largest([self._values(shown, u, i)]))
             places = [self._close_up(i)] if self.near else self._bodies(i)
-            places = np.concatenate(places) @ self.axes[:2].T
-            corners += [places.min(axis=0), places.max(axis=0)]
-        low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+            corners.append(_ends(np.concatenate(places) @ self.axes[:2].T))
+        low, high = _ends(np.concatenate(corners))
         pad = MARGIN * float((high - low).max())
         self.low, self.high = low - pad, high + pad
         smallest = min((shown.size for shown in self.skins.values()), default=0.0)
@@ -202,6 +202,11 @@ def _view_axes(view: str | None, points: np.ndarray) -> np.ndarray:
     right = np.cross(up, eye)
     right /= np.linalg.norm(right)
     return np.stack([right, np.cross(eye, right), eye])
+
+
+def _ends(points: np.ndarray) -> np.ndarray:
+    """The smallest and the largest coordinates (2, k) of points (n, k)."""
+    return np.stack([points.min(axis=0), points.max(axis=0)])
 
 
 def _cube(middle: np.ndarray, half: float) -> np.ndarray:
