@@ -87,7 +87,7 @@ def panels(result: wf.Result) -> list[Panel]:
                "outer ring": (closed, np.append(found.outer_load[0], found.outer_load[0, 0]) / 1e3)}),
         Panel("Loads on the outer ring, all balls, all steps", "angle from the load [deg]", "[kN]",
               {"run": (np.degrees(found.angle.ravel()[order]), found.outer_load.ravel()[order] / 1e3)}),
-        Panel("The inner ring along the load", "time [ms]", "[um]", {"run": (t, found.displacement[:, 0] * 1e6)}),
+        Panel("The inner ring along the load", "time [ms]", "[µm]", {"run": (t, found.displacement[:, 0] * 1e6)}),
         Panel("Speed of the cage over that of rolling, less 1", "time [ms]", "[%]",
               {"cage": (t, 100.0 * (cage / CAGE - 1.0))}),
         Panel("Forces of the cage on balls", "time [ms]", "[N]", balls),

@@ -70,11 +70,11 @@ def panels(result: wf.Result) -> list[Panel]:
     x = np.linspace(-1.3 * WIDEST, 1.3 * WIDEST, 201)
     hertz = 1.5 * FORCE / (np.pi * WIDEST**2) * np.sqrt(np.maximum(1.0 - (x / WIDEST) ** 2, 0.0))
     return [
-        Panel("Force", "time [us]", "[N]", {"force": (t, contact.normal_load)},
+        Panel("Force", "time [µs]", "[N]", {"force": (t, contact.normal_load)},
               {"Hertz, largest": (np.array([t[i]]), np.array([FORCE]))}),
-        Panel("Height of the lowest point, undeformed", "time [us]", "[um]", {"height": (t, height)},
+        Panel("Height of the lowest point, undeformed", "time [µs]", "[µm]", {"height": (t, height)},
               {"Hertz, lowest": (np.array([t[i]]), np.array([-APPROACH * 1e6]))}),
-        Panel("Energies", "time [us]", "[uJ]", {n: (t, result.energy[n] * 1e6) for n in ("kinetic", "contact")}),
+        Panel("Energies", "time [µs]", "[µJ]", {n: (t, result.energy[n] * 1e6) for n in ("kinetic", "contact")}),
         Panel("Pressure at the largest force", "arc [mm]", "[MPa]",
               {"pressure": (contact.arc[i] * 1e3, contact.mid_pressure[i] / 1e6)},
               {"Hertz": (x * 1e3, hertz / 1e6)}),

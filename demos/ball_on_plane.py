@@ -97,7 +97,7 @@ def panels(result: wf.Result) -> list[Panel]:
         Panel("Traction at the end of the push", "arc over a", "[MPa]",
               {"traction": (profile["arc"] / a, np.abs(profile["traction"]) / 1e6),
                "mu p": (profile["arc"] / a, profile["bound"] / 1e6)}),
-        Panel("Force sideways", "displacement [um]", "[N]",
+        Panel("Force sideways", "displacement [µm]", "[N]",
               {"run": (result.joint(SIDE).coordinate * 1e6, np.abs(contact.force[:, 0]))},
               {"Mindlin": (mindlin(Q) * 1e6, Q)}),
         Panel("Areas over pi a^2", "time [ms]", "[-]", {"stick": (t, friction.stick_area / (np.pi * a**2)),

@@ -133,8 +133,8 @@ def main(out: str | Path = "out/connecting_rod", *, quick: bool = False, progres
     shown = degrees[counts]
     save_panels([
         Panel("The pin in the clearance circle", "along the rod, over the clearance", "across",
-              {name: tuple(film.eccentricity[counts].T / CLEARANCE) for name, film in films.items()}),
-        Panel("Smallest film", "crank angle [deg]", "[um]",
+              {name: tuple(film.eccentricity[counts].T / CLEARANCE) for name, film in films.items()}, equal=True),
+        Panel("Smallest film", "crank angle [deg]", "[µm]",
               {name: (shown, film.smallest_gap[counts] * 1e6) for name, film in films.items()}),
         Panel("Peak pressure", "crank angle [deg]", "[MPa]",
               {name: (shown, film.largest_pressure[counts] / 1e6) for name, film in films.items()}),

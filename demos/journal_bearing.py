@@ -159,8 +159,8 @@ def main(out: str | Path = "out/journal_bearing", *, quick: bool = False, progre
         Panel("Pressure in the middle at rest, 20 kN", "angle from the load [deg]", "[MPa]",
               {"run": (around, film.pressure[0, order, ROWS // 2] / 1e6)}),
         Panel("Unbalance: the shaft in the clearance circle", "along the load, over clearance", "across it",
-              {"run": (e[:, 0], e[:, 1]), "clearance": (np.cos(circle), np.sin(circle))}),
-        Panel("Unbalance: smallest film", "revolutions", "[um]",
+              {"run": (e[:, 0], e[:, 1])}, {"clearance": (np.cos(circle), np.sin(circle))}, equal=True),
+        Panel("Unbalance: smallest film", "revolutions", "[µm]",
               {"run": (turns, unbalance.film(FILM).smallest_gap * 1e6)}),
         Panel("Whirl after a push: off rest along the load", "revolutions", "over clearance", moving),
     ], f"{stem}.png", overwrite=True)  # fmt: skip

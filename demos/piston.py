@@ -186,9 +186,9 @@ def main(out: str | Path = "out/piston", *, quick: bool = False, progress: bool 
     print("                          (rigid mechanism: 3.225 kN, 560.30 J)")
     angle = "crank angle [deg]"
     save_panels([
-        Panel("Pin across the bore", angle, "[um]", curves["across"]),
+        Panel("Pin across the bore", angle, "[µm]", curves["across"]),
         Panel("Tilt about the pin", angle, "[mrad]", curves["tilt"]),
-        Panel("Smallest film of both sides", angle, "[um]", curves["film"]),
+        Panel("Smallest film of both sides", angle, "[µm]", curves["film"]),
         Panel("Peak pressure of both films", angle, "[MPa]", curves["peak"]),
     ], f"{stem}.png", overwrite=True)  # fmt: skip
     return list(results.values())

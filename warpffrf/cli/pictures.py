@@ -10,6 +10,7 @@ import typer
 
 from warpffrf.cli.errors import one_line_errors
 from warpffrf.cli.global_options import Asked
+from warpffrf.cli.results import THEME, WIDTH
 
 FIELD = typer.Option(
     metavar="FIELD",
@@ -83,9 +84,19 @@ def add_picture_commands(app: typer.Typer) -> None:
             int | None, typer.Option(help="Of a .gif or .mp4: a frame for every n-th saved step; default: at most 100.")
         ] = None,
         fps: Annotated[float, typer.Option(help="Of a .gif or .mp4: frames per second.")] = 15.0,
+        view: Annotated[
+            str | None,
+            typer.Option(
+                metavar="NAME",
+                help="front (from -y), side (from +x), top, iso, or the name of a contact or film for a close-up; "
+                "default: one that suits the extents of the bodies.",
+            ),
+        ] = None,
         deformation_factor: Annotated[
             float | None, typer.Option(help="Magnification of elastic displacements; default: chosen automatically.")
         ] = None,
+        theme: Annotated[str, THEME] = "light",
+        width: Annotated[float | None, WIDTH] = None,
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:
         """Draw the bodies of a run, still or moving; results need neither screen nor viewer.
@@ -101,19 +112,21 @@ def add_picture_commands(app: typer.Typer) -> None:
             from warpffrf.output.result import Result
 
             if file.suffix.lower() == ENDING:
-                if time is not None or every is not None or deformation_factor is not None or field != "displacement":
+                of_results = (time, every, view, deformation_factor, width)
+                if any(option is not None for option in of_results) or (field, theme) != ("displacement", "light"):
                     raise InputError(
-                        "a recording is drawn as it opens; --time, --field, --every and --deformation-factor are for "
-                        "results (.h5)"
+                        "a recording is drawn by its viewer as it opens, at its begin; --time, --view, --theme and the "
+                        "other options are for results (.h5)"
                     )
                 print(f"written to {recording_picture(file, out, overwrite=overwrite)}")
                 return
             result = Result.load(file)
-            common: dict[str, Any] = {"deformation_factor": deformation_factor, "overwrite": overwrite}
+            common: dict[str, Any] = {"view": view, "deformation_factor": deformation_factor, "theme": theme}
+            common["overwrite"] = overwrite
             if out.suffix.lower() in ENDINGS:
                 written = result.animate(out, field, every=every, fps=fps, progress=not Asked.quiet, **common)
             else:
-                written = result.picture(out, field, time=time, **common)
+                written = result.picture(out, field, time=time, width=width, **common)
             print(f"written to {written}")
 
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from warpffrf.cli.errors import one_line_errors
 
 OVERWRITE = typer.Option("--overwrite", help="Replace an existing picture.")
+THEME = typer.Option(metavar="NAME", help="Of the picture: light or dark.")
+WIDTH = typer.Option(metavar="METRES", help="Of the picture: width in print, such as 0.09 or 0.18; text stays legible.")
 
 
 def add_result_commands(app: typer.Typer) -> None:
@@ -34,6 +36,8 @@ def add_result_commands(app: typer.Typer) -> None:
         every: Annotated[
             bool, typer.Option("--all", help="List all differences, not only the first twenty of each.")
         ] = False,
+        theme: Annotated[str, THEME] = "light",
+        width: Annotated[float | None, WIDTH] = None,
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:
         """List the settings in which two runs differ, and the deviation of each history of B from that of A.
@@ -51,7 +55,7 @@ def add_result_commands(app: typer.Typer) -> None:
             found = warpffrf.compare(first, second)
             print(found.report(None if every else LISTED))
             if out is not None:
-                print(f"drawn to {found.save_figure(out, drawn, overwrite=overwrite)}")
+                print(f"drawn to {found.save_figure(out, drawn, theme=theme, width=width, overwrite=overwrite)}")
 
     @app.command("plot")
     def plot_results(
@@ -82,6 +86,8 @@ def add_result_commands(app: typer.Typer) -> None:
         speed: Annotated[
             str | None, typer.Option(metavar="BODY", help="Of spectrum and waterfall: over the rotation of this body.")
         ] = None,
+        theme: Annotated[str, THEME] = "light",
+        width: Annotated[float | None, WIDTH] = None,
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:
         """Draw one kind of plot of a run into a picture; without KIND, a page with all kinds that the run has data for.
@@ -107,7 +113,7 @@ def add_result_commands(app: typer.Typer) -> None:
                 raise InputError("give the file of the picture with --out, as in --out force.png")
             written = write_plot(
                 result, kind, out, contact=contact, film=film, row=row, channel=channel, speed=speed,
-                overwrite=overwrite,
+                theme=theme, width=width, overwrite=overwrite,
             )  # fmt: skip
             print(f"written to {written}")
 
@@ -125,6 +131,8 @@ def add_result_commands(app: typer.Typer) -> None:
         out: Annotated[
             Path | None, typer.Option("--out", metavar="PNG", help="Also draw it here: .png, .pdf or .svg.")
         ] = None,
+        theme: Annotated[str, THEME] = "light",
+        width: Annotated[float | None, WIDTH] = None,
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:
         """List the largest amplitudes in a history of a run by frequency, or by orders of the rotation of a body.
@@ -139,4 +147,5 @@ def add_result_commands(app: typer.Typer) -> None:
             found = result.spectrum(history) if orders_of is None else result.orders(history, orders_of)
             print(found.report(peaks))
             if out is not None:
-                print(f"drawn to {write_drawing(found.draw, out, 'spectrum', overwrite=overwrite)}")
+                look: dict[str, Any] = {"theme": theme, "width": width, "overwrite": overwrite}
+                print(f"drawn to {write_drawing(found.draw, out, 'spectrum', **look)}")

@@ -9,10 +9,13 @@ by the trapezoidal rule, over the common time of both runs. If their times diffe
 the rows of B. Quaternions q and -q are the same rotation: the one nearer to A's is used. Integers (iterations, columns
 of a grid, states) depend on the settings of a run and are not compared.
 
-Differences of round-off size are counted, but neither listed nor drawn: a largest difference below 1e-12 of the largest
-value of its quantity in both runs, or of the scale of its unit, with the size L of the machine, the duration T of the
-run, the largest force F and the largest energy E: L [m], L/T [m/s], 1/T [rad/s], F L [N m], E/T [W], 1 [rad and without
-a unit]. Values below 1e-8 of the largest value of their quantity in both runs are also round-off.
+Differences of round-off, or of the tolerance of iterations, are counted, but neither listed nor drawn: a largest
+difference below 1e-6, of a motion 1e-9, of the largest value of its quantity in both runs, or of the scale of its unit,
+with the size L of the machine, the duration T of the run, the largest force F and the largest energy E: L [m], L/T
+[m/s], 1/T [rad/s], F L [N m], E/T [W], 1 [rad and without a unit]. Values below 1e-8 of the largest value of their
+quantity in both runs are also round-off. The remaining ones are sorted by their share: the root mean square of |b - a|
+over the largest value of the quantity, such as of all forces of joints, but of other than motions at least over 1 % of
+the scale of its unit, so that what is small beside its like comes last.
 """
 
 from __future__ import annotations
@@ -29,7 +32,7 @@ from warpffrf.model.errors import InputError, require_count, unknown_name
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.output.files.fields import RUN_FIELDS
 from warpffrf.output.files.table import Series, histories
-from warpffrf.output.plots.colors import LEAST
+from warpffrf.output.plots.colors import FINEST, LEAST
 from warpffrf.output.plots.panels import Overlaid, overlay_figure
 from warpffrf.output.plots.picture import write_picture
 from warpffrf.output.result import Result
@@ -37,10 +40,11 @@ from warpffrf.output.run_settings import settings_apart
 
 SAME_TIME = 1e-9  # of the duration: closer times are equal
 LEAST_SEEN = 1e-8  # of the largest of a quantity: smaller values in both runs are round-off
-ROUND_OFF = 1e-12  # of the same: smaller differences are round-off
-SEEN = 100.0 * ROUND_OFF  # likewise, the smallest range of an axis
-MOTIONS = ("m", "m/s", "rad", "rad/s")  # for other quantities `LEAST` applies, the tolerance of iterations
+ROUND_OFF = 1e-9  # of the same, of motions: smaller differences are round-off; for other quantities `LEAST` applies
+MOTIONS = ("m", "m/s", "rad", "rad/s")
 LISTED = 20  # settings and histories in a report
+MINOR = 0.01  # of the scale of its unit: quantities that are smaller come last
+HIDDEN = 0.01  # of the range of a curve: a smaller difference cannot be seen
 DRAWN = 6  # histories in a picture
 COUNTED = {field.name for field in RUN_FIELDS} | {
     "contact_active_nodes", "contact_first_column", "contact_center_column", "contact_first_column_second",
@@ -51,7 +55,8 @@ COUNTED = {field.name for field in RUN_FIELDS} | {
 @dataclass(frozen=True)
 class Difference:
     """Difference between B and A in one history `label`, with its unit: `relative` L2 (inf if A is zero), `largest`
-    difference, the time of it `at` [s], and the largest value of A, `size`; `same`: the difference is round-off."""
+    difference, the time of it `at` [s], the largest value of A, `size`, and the `share` in its quantity; `same`: the
+    difference is round-off."""
 
     label: str
     units: str
@@ -59,12 +64,13 @@ class Difference:
     largest: float
     at: float
     size: float
+    share: float
     same: bool = False
 
 
 class Comparison:
     """Run B compared with run A; returned by `compare`. `differences`: a `Difference` for each common history, sorted
-    by descending relative difference, followed by those equal up to round-off; `settings`: name -> (of A, of B) where
+    by descending share, followed by those equal up to round-off; `settings`: name -> (of A, of B) where
     they differ; `notes`: what was interpolated, omitted, or is equal."""
 
     def __init__(self, a: Result, b: Result, names: tuple[str, str]) -> None:
@@ -110,15 +116,19 @@ class Comparison:
             if np.any(np.isfinite(size) != both):
                 torn.append(label)
             if both.any():
-                least = ROUND_OFF * max(scale[a.name, a.units], self._sizes.get(a.units, 0.0))
-                found.append(_difference(a, time[both], difference[both], size[both], least))
+                of, machine = scale[a.name, a.units], self._sizes.get(a.units, 0.0)
+                least = _least(a.units) * max(of, machine)
+                of = of if a.units in MOTIONS else max(of, MINOR * machine)
+                found.append(_difference(a, time[both], difference[both], size[both], of, least))
         if still:
             self.notes.append(f"{still} histories are zero, or round-off, in both")
         if torn:
             self.notes.append(f"{len(torn)} histories have rows in which only one run has a value, the first {torn[0]}")
         if same := sum(d.same for d in found):
-            self.notes.append(f"histories that are the same to {ROUND_OFF:g} of their size: {same}")
-        return sorted(found, key=lambda d: np.inf if d.same else -d.relative)
+            self.notes.append(
+                f"histories that are the same to {LEAST:g} of their size, motions to {ROUND_OFF:g}: {same}"
+            )
+        return sorted(found, key=lambda d: np.inf if d.same else -d.share)
 
     def _rows(self) -> np.ndarray:
         """Rows of A within the time of B; notes state what was omitted, and whether B is interpolated."""
@@ -186,11 +196,12 @@ class Comparison:
             lines.append(f"... and {len(apart) - len(listed)} that differ less")
         return "\n".join(lines)
 
-    def figure(self, labels: Sequence[str] | None = None) -> Any:
+    def figure(self, labels: Sequence[str] | None = None, *, theme: str = "light", width: float | None = None) -> Any:
         """A matplotlib Figure of both runs over time, one panel for each history in `labels`, named as in
         `differences`; None: the six that differ most, or six of the equal ones if none differs. For a vector the
-        component that differs most is drawn, or the largest if all are equal. Raises InputError for a history that the
-        runs do not share."""
+        component that differs most is drawn, or the largest if all are equal; where both curves would coincide, B - A
+        is drawn instead. theme, width: "dark" and the width [m] of a printed column, as of `wf.restyle`. Raises
+        InputError for a history that the runs do not share."""
         found = {d.label: d for d in self.differences}
         for label in labels or ():
             if label not in found:
@@ -198,7 +209,7 @@ class Comparison:
         chosen = list(labels or [d.label for d in self._apart()] or found)[: None if labels else DRAWN]
         if not chosen:
             raise InputError("compare: nothing to draw, all that the runs share is zero in both")
-        return overlay_figure([self._panel(found[label]) for label in chosen], self.names)
+        return overlay_figure([self._panel(found[label]) for label in chosen], self.names, theme=theme, width=width)
 
     def _panel(self, difference: Difference) -> Overlaid:
         a, b = self._first[difference.label], self._second[difference.label]
@@ -211,19 +222,23 @@ class Comparison:
             apart = [_largest(values) for values in a.values.T]
         n = int(np.argmax(apart))
         label = list(a.columns)[n]
-        said = "A is zero" if np.isinf(difference.relative) else f"relative L2 {difference.relative:.2e}"
-        said = f"the same to {ROUND_OFF:g} of its size" if difference.same else said
+        said = "A is zero" if np.isinf(difference.relative) else f"differs by {100.0 * difference.relative:.3g} %"
+        said = f"the same to {_least(a.units):g} of its size" if difference.same else said
         first, second = (self.a.time, a.values[:, n]), (self.b.time, b.values[:, n])
-        own = max(_largest(a.values), _largest(b.values))
-        least = max(own * (SEEN if a.units in MOTIONS else LEAST), SEEN * self._sizes.get(a.units, 0.0))
-        return Overlaid(label, a.units, f"{label}: {said}", first, second, least)
+        least = max(FINEST * max(_largest(a.values), _largest(b.values)), LEAST * self._sizes.get(a.units, 0.0))
+        apart = None
+        if not difference.same and len(time) > 1:
+            u, v = (np.interp(time, *curve) for curve in (first, second))
+            apart = (time, v - u) if _largest(v - u) < HIDDEN * max(np.ptp(u), np.ptp(v), least) else None
+        return Overlaid(label, a.units, f"{label}: {said}", first, second, least, apart)
 
     def save_figure(
-        self, path: str | os.PathLike[str], labels: Sequence[str] | None = None, *, overwrite: bool = False
-    ) -> Path:
-        """Write `figure(labels)` as .png, .pdf or .svg. Raises InputError for a path that cannot be written and for an
-        existing file, unless `overwrite` is set and warpffrf wrote it."""
-        return write_picture(self.figure(labels), path, "compare", overwrite=overwrite)
+        self, path: str | os.PathLike[str], labels: Sequence[str] | None = None, *, theme: str = "light",
+        width: float | None = None, overwrite: bool = False,
+    ) -> Path:  # fmt: skip
+        """Write `figure` of the same arguments as .png, .pdf or .svg. Raises InputError for a path that cannot be
+        written and for an existing file, unless `overwrite` is set and warpffrf wrote it."""
+        return write_picture(self.figure(labels, theme=theme, width=width), path, "compare", overwrite=overwrite)
 
 
 @named_arguments
@@ -291,14 +306,26 @@ def _extent(run: Result) -> float:
     return float(np.linalg.norm(np.ptp(places, axis=0)) if places else 0.0) + float(max(turning, default=0.0))
 
 
-def _difference(series: Series, time: np.ndarray, difference: np.ndarray, size: np.ndarray, least: float) -> Difference:
-    """Difference with the lengths `difference` (T,) at `time` (T,); up to `least` they are round-off."""
+def _least(units: str) -> float:
+    """Share of its scale below which a difference is round-off."""
+    return ROUND_OFF if units in MOTIONS else LEAST
+
+
+def _difference(
+    series: Series, time: np.ndarray, difference: np.ndarray, size: np.ndarray, scale: float, least: float
+) -> Difference:
+    """Difference with the lengths `difference` (T,) at `time` (T,) of a quantity up to `scale`; up to `least` they are
+    round-off."""
     if len(time) == 1:
         above, below = float(difference[0]), float(size[0])
     else:
         above, below = (float(np.sqrt(np.trapezoid(v**2, time))) for v in (difference, size))
+    duration = float(np.sqrt(time[-1] - time[0])) or 1.0
     relative = above / below if below > 0.0 else (np.inf if above > 0.0 else 0.0)
     worst = int(np.argmax(difference))
     largest = float(difference[worst])
     same = largest <= least
-    return Difference(series.label, series.units, relative, largest, float(time[worst]), float(np.max(size)), same)
+    share = above / duration / scale
+    return Difference(
+        series.label, series.units, relative, largest, float(time[worst]), float(np.max(size)), share, same
+    )

@@ -402,6 +402,7 @@ class Result(reprs.Shown):
     def plot(
         self, kind: str, ax: Axes | None = None, contact: str | None = None, film: str | None = None,
         row: int | None = None, channel: str | None = None, speed: str | None = None, bearing: str | None = None,
+        theme: str = "light", width: float | None = None,
     ) -> Axes:  # fmt: skip
         """Draw one kind of plot on the matplotlib axes `ax` (new ones if None) and return them.
 
@@ -409,59 +410,71 @@ class Result(reprs.Shown):
         bearing: likewise the oil film and bearing; row: saved step of their maps and loads, and of maps of
         contacts with small sliding, the last one if None. channel: history of "spectrum" and "waterfall", as of
         `spectrum`; speed: body whose rotation is the reference, for orders or speed instead of frequency or time
-        (None). Kinds: docs/plots.md, `warpffrf plot --list`. Raises InputError for an unknown kind, contact, film,
+        (None). theme, width: "dark" and the width [m] of a printed column, as of `wf.restyle`; of new axes. Kinds:
+        docs/plots.md, `warpffrf plot --list`. Raises InputError for an unknown kind, contact, film,
         bearing, history or body, and for data that the run does not have.
 
         >>> axes = result.plot("ripple", contact="lower-upper")
         """
         from warpffrf.output.plots import figure
 
-        return figure.plot(self, kind, ax, contact, film, row, channel, speed, bearing)
+        return figure.plot(self, kind, ax, contact, film, row, channel, speed, bearing, theme, width)
 
-    def summary(self, *, contact: str | None = None, film: str | None = None, row: int | None = None) -> Figure:
-        """A matplotlib Figure with every plot for which the run has data; contact, film, row: as of `plot`. Raises
-        InputError as `plot`.
+    def summary(
+        self, *, contact: str | None = None, film: str | None = None, row: int | None = None, theme: str = "light",
+        width: float | None = None,
+    ) -> Figure:  # fmt: skip
+        """A matplotlib Figure with every plot for which the run has data; contact, film, row, theme, width: as of
+        `plot`. Raises InputError as `plot`.
 
-        >>> result.summary().savefig("summary.png")
+        >>> result.summary(theme="dark").savefig("summary.png")
         """
         from warpffrf.output.plots import figure
 
-        return figure.summary(self, contact, film, row)
+        return figure.summary(self, contact, film, row, theme=theme, width=width)
 
     def picture(
         self, path: str | os.PathLike[str], field: str = "displacement", *, time: float | None = None,
-        deformation_factor: float | None = None, overwrite: bool = False,
+        view: str | None = None, deformation_factor: float | None = None, theme: str = "light",
+        width: float | None = None, overwrite: bool = False,
     ) -> Path:  # fmt: skip
         """Draw the bodies at the saved step nearest to `time` [s], the last one if None, into the picture `path` (.png,
         .pdf, .svg); requires neither screen nor viewer.
 
         field: quantity of the skin colours: "displacement", "pressure", with friction "traction", "slip", "state" and
-        "wear", and "von_mises" for bodies reduced with `stress={"skin": "skin"}`. deformation_factor [-]: magnification
-        of the elastic displacement; None: chosen from 1, 2, 5, 10, ... Raises InputError for a field that no body has,
-        a time outside of the run, a factor that is not positive, and an existing file, unless `overwrite` is set and
-        warpffrf wrote it.
+        "wear", and "von_mises" for bodies reduced with `stress={"skin": "skin"}`. view: "front" (from -y), "side" (from
+        +x), "top", "iso", or the name of a contact or film for a close-up; None: one that suits the extents of the
+        bodies. deformation_factor [-]: magnification of the elastic displacement; None: chosen from 1, 2, 5, 10, ...,
+        1 in a close-up. theme, width: "dark" and the width [m] of a printed column, as of `wf.restyle`. Raises
+        InputError for a field that no body has, a time outside of the run, an unknown view or theme, a factor that is
+        not positive, and an existing file, unless `overwrite` is set and warpffrf wrote it.
         """
         from warpffrf.output.plots.animation import write_still
 
-        return write_still(self, path, field, time=time, factor=deformation_factor, overwrite=overwrite)
+        return write_still(
+            self, path, field, time=time, factor=deformation_factor, view=view, theme=theme, width=width,
+            overwrite=overwrite,
+        )  # fmt: skip
 
     def animate(
         self, path: str | os.PathLike[str], field: str = "displacement", *, every: int | None = None, fps: float = 15.0,
-        deformation_factor: float | None = None, overwrite: bool = False, progress: bool = True,
+        view: str | None = None, deformation_factor: float | None = None, theme: str = "light",
+        overwrite: bool = False, progress: bool = True,
     ) -> Path:  # fmt: skip
         """Draw the bodies over the run into `path`, a .gif, or an .mp4 (requires the program ffmpeg); camera and colour
         scale are the same in all frames.
 
-        field, deformation_factor, overwrite: as of `picture`. every: number of saved steps per frame, None: at most 100
-        frames; fps [1/s]: frames per second; progress: report the progress on stderr. An interrupted animation leaves
-        no file. Raises InputError as `picture`, for another file ending, and for an .mp4 without ffmpeg.
+        field, view, deformation_factor, theme, overwrite: as of `picture`. every: number of saved steps per frame,
+        None: at most 100 frames; fps [1/s]: frames per second; progress: report the progress on stderr. An interrupted
+        animation leaves no file. Raises InputError as `picture`, for another file ending, and for an .mp4 without
+        ffmpeg.
         """
         from warpffrf.output.plots.animation import write_animation
 
         with speaking(progress):
             return write_animation(
-                self, path, field, every=every, fps=fps, factor=deformation_factor, overwrite=overwrite,
-                progress=progress,
+                self, path, field, every=every, fps=fps, factor=deformation_factor, view=view, theme=theme,
+                overwrite=overwrite, progress=progress,
             )  # fmt: skip
 
     def small_sliding_page(self, contact: str | None = None, times: Vector | None = None) -> Figure:

@@ -22,6 +22,7 @@ NONE = "-"
 ROUND_OFF = 1e-12  # relative to the largest number of a row, or for positions to the size of the machine
 PLACES = ("position", "center_of_mass", "point")
 SHOWN = 6  # numbers of a row that are printed; of longer rows the first that differs
+NAMED = 3  # items that only one run has
 KINDS = {
     "bodies": "body", "joints": "joint", "drives": "drive", "forces": "force", "contacts": "contact",
     "lumped_contacts": "lumped contact", "films": "film",
@@ -39,7 +40,15 @@ def settings_apart(a: Result, b: Result, length: float) -> tuple[dict[str, tuple
     found.compare("status", a.status, b.status)
     found.compare("rows", len(a.time), len(b.time))
     found.compare("end [s]", *(float(run.time[-1]) if len(run.time) else None for run in (a, b)))
-    found.compare("", *(_by_item(_plain(run.view.description)) for run in (a, b)))
+    items = [_by_item(_plain(run.view.description)) for run in (a, b)]
+    for name, own, other in (("A", *items), ("B", *reversed(items))):
+        for kind in KINDS.values():
+            alone = [key.removeprefix(f"{kind} ") for key in own if key.startswith(f"{kind} ") and key not in other]
+            if len(alone) > 1:
+                found.alone(f"{kind}: only in {name}", alone, first=name == "A")
+                for key in alone:
+                    del own[f"{kind} {key}"]
+    found.compare("", *items)
     for name in a.view.bodies.keys() & b.view.bodies.keys():
         found.reductions(f"body {name}", *(run.view.bodies[name].reduced for run in (a, b)))
     if found.slight:
@@ -70,6 +79,12 @@ class _Settings:
         else:
             texts = _text(a), _text(b)
             self.texts[name] = texts if texts[0] != texts[1] else (texts[0], f"another {texts[1].removeprefix('a ')}")
+
+    def alone(self, name: str, items: list[str], *, first: bool) -> None:
+        """Items of which only one run has some."""
+        more = f" and {len(items) - NAMED} more" if len(items) > NAMED else ""
+        text = ", ".join(items[:NAMED]) + more
+        self.texts[name] = (text, NONE) if first else (NONE, text)
 
     def _numbers(self, name: str, a: np.ndarray, b: np.ndarray) -> None:
         """Compare rows of equal length."""

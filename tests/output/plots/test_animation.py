@@ -5,17 +5,22 @@ from __future__ import annotations
 import shutil
 import tracemalloc
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from drawn_runs import loaded_bearing
 from PIL import Image
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
 from warpffrf.output.bodies.skin import ShownSkin
+from warpffrf.output.geometry.places import Pose, grid_theta_offset
+from warpffrf.output.geometry.rigid_mesh import rigid_meshes
 from warpffrf.output.plots.animation import NEEDS_FFMPEG
 from warpffrf.output.plots.colors import ColorScale
-from warpffrf.output.plots.scene_picture import ScenePicture
+from warpffrf.output.plots.restyle import PAPER
+from warpffrf.output.plots.scene_picture import PATCH, VIEWS, ScenePicture
 from warpffrf.output.result import Result
 
 FALL, ROWS = 0.3, 4  # s, saved steps
@@ -51,6 +56,83 @@ def test_a_stone_falls_in_its_animation(stone: Result, tmp_path: Path) -> None:
     fall = 0.5 * 9.81 * stone.time**2
     assert np.abs((height - height[0]) / (height[-1] - height[0]) - fall / fall[-1]).max() < 0.01
     assert height[-1] - height[0] > 50.0
+
+
+@pytest.fixture(scope="module")
+def bearing() -> Result:
+    return loaded_bearing()
+
+
+def picture_of(result: Result, field: str = "displacement", **options: Any) -> tuple[ScenePicture, np.ndarray]:
+    """A picture of the last row and its pixels (height, width, 3)."""
+    last = len(result.time) - 1
+    picture = ScenePicture(result, field, np.array([last]), **{"factor": None, "what": "test", **options})
+    figure = picture.figure()
+    picture.draw(figure, last)
+    figure.canvas.draw()
+    return picture, np.asarray(figure.canvas.buffer_rgba())[..., :3].astype(int)
+
+
+def test_a_ball_bearing_is_its_rings_and_balls(bearing: Result) -> None:
+    """Seen along its axis: as wide as its outer ring is, a bore without anything in it, and as many balls as it has
+    between the rings."""
+    _, seen = picture_of(bearing, view="front")
+    drawn = np.any(seen != 255, axis=2)[60:]  # below the words
+    high, wide = (np.flatnonzero(drawn.any(axis=axis)) for axis in (1, 0))
+    middle = np.array([0.5 * (high[0] + high[-1]), 0.5 * (wide[0] + wide[-1])])
+    radius = 0.5 * (wide[-1] - wide[0])
+    assert 0.5 * (high[-1] - high[0]) == pytest.approx(radius, abs=2.0)
+    y, x = np.indices(drawn.shape)
+    r = np.hypot(y - middle[0], x - middle[1]) / radius
+    meshes = rigid_meshes(bearing)
+    outer, inner = (np.hypot(*meshes[name].points[:, [0, 2]].T) for name in ("ground", "bearing inner ring"))
+    assert not drawn[r < 0.97 * inner.min() / outer.max()].any() and drawn[(r > 0.97) & (r < 0.99)].all()
+    balls = {name: picture.points for name, picture in meshes.items() if "ball" in name}
+    assert len(balls) == 7
+
+
+@pytest.mark.parametrize("view", list(VIEWS))
+def test_views_look_from_where_they_say(stone: Result, view: str) -> None:
+    axes = ScenePicture(stone, "displacement", np.array([0]), factor=None, what="test", view=view).axes
+    right, up, eye = axes
+    assert axes @ axes.T == pytest.approx(np.eye(3)) and np.cross(right, up) == pytest.approx(eye)
+    expected = {"front": [0, -1, 0], "side": [1, 0, 0], "top": [0, 0, 1], "iso": np.array([1, -1, 1]) / np.sqrt(3.0)}
+    assert eye == pytest.approx(np.array(expected[view], dtype=float)) and up[1 if view == "top" else 2] > 0.5
+
+
+def test_a_close_up_is_of_the_patch_to_scale(result: Result) -> None:
+    """Its middle is the patch, and the pressure is seen there though it lies between the bodies."""
+    picture, seen = picture_of(result, "pressure", view="lower-upper")
+    contact, last = result.contact("lower-upper"), len(result.time) - 1
+    assert picture.factor == 1.0
+    reach = 0.5 * (picture.high - picture.low)
+    turned = np.abs(picture.axes[:2]).sum(axis=1)  # a cube seen from an angle
+    assert reach == pytest.approx(PATCH * contact.half_width.max() * turned, rel=0.2)
+    pose = Pose.of(result.history.bodies, "lower", last)
+    surface = contact.view.first
+    theta, z = contact.patch_center[last]
+    place = pose.to_world(surface.shape.point(theta + grid_theta_offset(surface), z).reshape(1, 3))[0]
+    assert 0.5 * (picture.high + picture.low) == pytest.approx(picture.axes[:2] @ place, abs=1e-6)
+    colored = np.ptp(seen[120:600], axis=2) > 4 * SHADES  # greys are bodies
+    assert 5e-4 < colored.mean() < 0.5
+    _, bare = picture_of(result, view="lower-upper", factor=1.0)
+    assert np.any(seen[120:600] != bare[120:600])
+
+
+def test_a_dark_picture_has_the_same_bodies_on_dark_paper(stone: Result) -> None:
+    _, light = picture_of(stone)
+    _, dark = picture_of(stone, theme="dark")
+    body = np.any(light[60:] != 255, axis=2)
+    inner = body & np.roll(body, 3, 0) & np.roll(body, -3, 0) & np.roll(body, 3, 1) & np.roll(body, -3, 1)
+    assert inner.any() and np.array_equal(light[60:][inner], dark[60:][inner])
+    assert np.abs(dark[60:][~body] - np.round(255 * PAPER)).max() <= 1
+
+
+def test_print_and_vector_formats(stone: Result, tmp_path: Path) -> None:
+    for ending in (".pdf", ".svg"):
+        path = stone.picture(tmp_path / f"stone{ending}", width=0.09, theme="dark")
+        assert path.stat().st_size > 1000
+    assert 'width="255.118' in (tmp_path / "stone.svg").read_text()  # points
 
 
 @pytest.mark.parametrize("field", ["displacement", "pressure"])
@@ -123,6 +205,10 @@ def test_what_is_refused(result: Result, stone: Result, tmp_path: Path, monkeypa
         (lambda: result.picture(tmp_path / "a.png", time=1.0), "the run has 0 to 0.02 s"),
         (lambda: result.picture(tmp_path / "a.png", deformation_factor=-1.0), "deformation_factor"),
         (lambda: result.picture(tmp_path / "a.gif"), "must end in .png"),
+        (lambda: result.picture(tmp_path / "a.png", view="frnt"), "view 'frnt' does not exist; did you mean 'front'"),
+        (lambda: result.animate(gif, view="lower-uper"), "did you mean 'lower-upper'"),
+        (lambda: result.picture(tmp_path / "a.png", theme="drak"), "did you mean 'dark'"),
+        (lambda: result.picture(tmp_path / "a.png", width=0.0), "width"),
         (lambda: stone.picture(tmp_path / "a.png", "pressure"), "does not exist"),
     ):
         with pytest.raises(InputError, match=error):

@@ -7,19 +7,22 @@ from pathlib import Path
 from typing import Any
 
 import drawn_runs
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import Collection, LineCollection, PathCollection, PolyCollection, QuadMesh, TriMesh
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 import warpffrf as wf
 from warpffrf.output.contact.hertz import largest_below, largest_of
 from warpffrf.output.plots.bearing import BEARING_PLOTS
-from warpffrf.output.plots.figure import PLOTS, about_kinds, drawable
+from warpffrf.output.plots.figure import MACHINE_PLOTS, PLOTS, about_kinds, drawable
 from warpffrf.output.plots.films import FILM_PLOTS
 from warpffrf.output.plots.friction import FRICTION_PLOTS
 from warpffrf.output.plots.panels import HISTORY_PLOTS
+from warpffrf.output.plots.restyle import FONTS, PAPER, _covers
 from warpffrf.output.plots.small_sliding import SMALL_SLIDING_PLOTS
 from warpffrf.output.result import Result
 
@@ -81,10 +84,9 @@ def check(drawn: Any, *, picture: bool = False, seen: bool = True) -> None:
         if not picture:
             twin = any(other is not ax and other.bbox.bounds == ax.bbox.bounds for other in panels)
             assert "[" in ax.get_ylabel() and (twin or "[" in ax.get_xlabel()), ax.get_title()
-    for ax in figure.axes:
-        if ax.get_label() == "<colorbar>":
-            label = ax.get_ylabel()
-            assert "[" in label or any(":" in tick.get_text() for tick in ax.get_yticklabels())
+    bars = [part for ax in figure.axes for part in (ax, *ax.child_axes) if part.get_label() == "<colorbar>"]
+    for bar in bars:
+        assert "[" in bar.get_ylabel() or any(":" in tick.get_text() for tick in bar.get_yticklabels())
     if not seen:
         return
     figure.canvas.draw()
@@ -97,15 +99,16 @@ def all_finite(drawn: Any) -> None:
 
 
 def test_every_kind_is_here() -> None:
-    made = {*PAIR_KINDS, *FILM_PLOTS, *SMALL_SLIDING_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS, "summary"}
+    made = {*PAIR_KINDS, *FILM_PLOTS, *SMALL_SLIDING_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS}
+    made |= {*MACHINE_PLOTS, "summary"}
     assert made == set(about_kinds())
 
 
 def test_the_runs_have_something_to_draw(rolling: Result, oiled: Result, rubbing_contact: Result) -> None:
     assert {result.status for result in (rolling, oiled, rubbing_contact)} == {"completed"}
-    assert set(drawable(rolling)) == set(PAIR_KINDS)
-    assert set(drawable(oiled)) == {"force", "energy", *FILM_PLOTS}
-    assert set(drawable(rubbing_contact)) == {"force", "energy", *SMALL_SLIDING_PLOTS}
+    assert set(drawable(rolling)) == {*PAIR_KINDS, "joints", "energy"}
+    assert set(drawable(oiled)) == {"force", "joints", "energy", *FILM_PLOTS}
+    assert set(drawable(rubbing_contact)) == {"force", *MACHINE_PLOTS, *SMALL_SLIDING_PLOTS}
 
 
 @pytest.mark.parametrize("kind", PAIR_KINDS)
@@ -123,14 +126,14 @@ def test_kinds_of_bearings(loaded_bearing: Result, kind: str) -> None:
     assert len(drawn_values(drawn)) >= 2 and "[kN]" in drawn.get_title() + drawn.get_ylabel()
 
 
-@pytest.mark.parametrize("kind", [*FILM_PLOTS, "force", "energy"])
+@pytest.mark.parametrize("kind", [*FILM_PLOTS, "force", "energy", "joints"])
 def test_kinds_of_films(oiled: Result, kind: str) -> None:
     drawn = oiled.plot(kind, axes())
     check(drawn)
     all_finite(drawn)
 
 
-@pytest.mark.parametrize("kind", [*SMALL_SLIDING_PLOTS, "force", "energy"])
+@pytest.mark.parametrize("kind", [*SMALL_SLIDING_PLOTS, "force", *MACHINE_PLOTS])
 def test_kinds_of_small_sliding(rubbing_contact: Result, kind: str) -> None:
     drawn = rubbing_contact.plot(kind, axes())
     check(drawn)
@@ -186,6 +189,52 @@ def test_the_run_is_hertz_s_under_the_surface(rolling: Result) -> None:
     (below,) = rolling.stress_below()
     exact = largest_below(contact.hertz(len(rolling.time) - 1), 0.3)[0]
     assert largest_of(below.depth, below.von_mises) == pytest.approx(exact, rel=0.01)
+
+
+NARROW = 0.09  # m, a column of a journal
+
+
+def legible_and_dark(drawn: Any) -> None:
+    """Text of at least 6.5 points that lies in the figure, on dark paper, and legends beside the curves."""
+    figure = drawn.figure
+    plt.close(figure)
+    figure.canvas.draw()
+    assert figure.get_figwidth() * 0.0254 == pytest.approx(NARROW) and np.allclose(figure.get_facecolor()[:3], PAPER)
+    page, slack = figure.bbox, 0.02 * figure.bbox.width
+    for text in figure.findobj(Text):
+        if text.get_text() and text.get_visible():
+            assert text.get_fontsize() >= FONTS[0]
+    for ax in figure.axes:
+        for text in (ax.title, ax.xaxis.label, ax.yaxis.label):
+            box = text.get_window_extent()
+            assert box.x0 > page.x0 - slack and box.x1 < page.x1 + slack, text.get_text()
+        legend = ax.get_legend()
+        assert legend is None or ax.name != "rectilinear" or not _covers(legend, ax), ax.get_title()
+
+
+@pytest.mark.parametrize("kind", PAIR_KINDS)
+def test_pairs_in_the_dark_theme_and_a_column(rolling: Result, kind: str) -> None:
+    legible_and_dark(rolling.plot(kind, theme="dark", width=NARROW))
+
+
+@pytest.mark.parametrize("kind", FILM_PLOTS)
+def test_films_in_the_dark_theme_and_a_column(oiled: Result, kind: str) -> None:
+    legible_and_dark(oiled.plot(kind, theme="dark", width=NARROW))
+
+
+@pytest.mark.parametrize("kind", [*SMALL_SLIDING_PLOTS, *MACHINE_PLOTS])
+def test_small_sliding_in_the_dark_theme_and_a_column(rubbing_contact: Result, kind: str) -> None:
+    legible_and_dark(rubbing_contact.plot(kind, theme="dark", width=NARROW))
+
+
+@pytest.mark.parametrize("kind", BEARING_PLOTS)
+def test_bearings_in_the_dark_theme_and_a_column(loaded_bearing: Result, kind: str) -> None:
+    legible_and_dark(loaded_bearing.plot(kind, theme="dark", width=NARROW))
+
+
+def test_a_page_shows_the_bearing_and_not_each_of_its_contacts(loaded_bearing: Result) -> None:
+    titles = [ax.get_title() for ax in loaded_bearing.summary().figure.axes]
+    assert any("loads [kN]" in title for title in titles) and "Contact force" not in titles
 
 
 def test_the_docs_list_every_kind() -> None:

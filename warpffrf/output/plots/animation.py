@@ -23,6 +23,7 @@ from warpffrf.model.files.paths import check_ending, checked_output_path, writte
 from warpffrf.model.messages.progress import Progress
 from warpffrf.output.geometry.skin_nodes import frame_rows, rows_every
 from warpffrf.output.plots.picture import write_picture
+from warpffrf.output.plots.restyle import restyle
 from warpffrf.output.plots.scene_picture import ScenePicture, row_at
 
 MAX_FRAMES = 100  # default
@@ -38,19 +39,22 @@ Frame = Callable[[np.ndarray], Any]  # takes pixels (height, width, 3) uint8
 
 
 def write_still(
-    result: Any, path: str | os.PathLike[str], field: str, *, time: float | None, factor: float | None, overwrite: bool
-) -> Path:
+    result: Any, path: str | os.PathLike[str], field: str, *, time: float | None, factor: float | None,
+    view: str | None, theme: str, width: float | None, overwrite: bool,
+) -> Path:  # fmt: skip
     """Draw the bodies at the saved step nearest to `time` [s]; see `Result.picture`."""
     i = row_at(result, time, "picture")
-    picture = ScenePicture(result, field, np.array([i]), factor=factor, what="picture")
+    picture = ScenePicture(result, field, np.array([i]), factor=factor, what="picture", view=view, theme=theme)
     figure = picture.figure()
     picture.draw(figure, i)
+    if width is not None:
+        restyle(figure, theme, width)
     return write_picture(figure, path, "picture", overwrite=overwrite)
 
 
 def write_animation(
     result: Any, path: str | os.PathLike[str], field: str, *, every: int | None, fps: float, factor: float | None,
-    overwrite: bool, progress: bool,
+    view: str | None, theme: str, overwrite: bool, progress: bool,
 ) -> Path:  # fmt: skip
     """Draw every `every`th saved step, None: about `MAX_FRAMES` frames; see `Result.animate`."""
     check_ending(path, "animate", ENDINGS)
@@ -65,7 +69,9 @@ def write_animation(
     rows = frame_rows(saved, MAX_FRAMES)[0] if every is None else rows_every(saved, every)
     bar = Progress("ranges of the animation", len(rows), enabled=progress, unit="frame")
     try:
-        picture = ScenePicture(result, field, rows, factor=factor, what="animate", seen=bar.update)
+        picture = ScenePicture(
+            result, field, rows, factor=factor, what="animate", view=view, theme=theme, seen=bar.update
+        )
     finally:
         bar.close()
     figure = picture.figure()

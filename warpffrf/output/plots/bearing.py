@@ -9,7 +9,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.bearings.bearing_result import BearingResult
-from warpffrf.output.plots.colors import HEADROOM, from_zero
+from warpffrf.output.plots.colors import HEADROOM, from_zero, instant
 
 INNER, OUTER = "#d1495b", "#1b6ca8"
 MOST_NAMED = 12  # curves in a legend
@@ -20,26 +20,28 @@ def load_zone(bearing: BearingResult, ax: Any, row: int) -> None:
     bottom."""
     if not hasattr(ax, "set_theta_zero_location"):
         raise InputError("plot: 'load_zone' is drawn on polar axes; leave ax out, or make it with projection='polar'")
-    angle = bearing.angle[row]
+    angle, inner, outer = bearing.angle[row], bearing.inner_load[row] * 1e-3, bearing.outer_load[row] * 1e-3
     around = np.append(angle, angle[0])
-    for side, load, color in (("inner", bearing.inner_load[row], INNER), ("outer", bearing.outer_load[row], OUTER)):
-        ax.plot(around, np.append(load, load[0]) * 1e-3, "o-", color=color, label=f"{side} ring", markersize=4)
+    for side, load, color, style in (("outer", outer, OUTER, "o-"), ("inner", inner, INNER, "o--")):
+        ax.plot(around, np.append(load, load[0]), style, color=color, label=f"{side} ring", markersize=4)
     ax.set_theta_zero_location("S")
     ax.set_xticks(np.sort(np.mod(np.round(angle, 9), 2.0 * np.pi)))
-    ax.set_ylim(
-        0.0, HEADROOM * max(float(bearing.outer_load[row].max()), float(bearing.inner_load[row].max())) * 1e-3 or 1
-    )
-    ax.legend(loc="upper right", bbox_to_anchor=(1.2, 1.1), fontsize=8)
-    ax.set_title(f"Bearing '{bearing.name}': loads [kN], {bearing.time[row]:.4g} s", fontsize=10)
+    ax.set_ylim(0.0, HEADROOM * max(float(outer.max()), float(inner.max())) or 1.0)
+    ax.set_rlabel_position(
+        np.degrees(angle[np.argmax(outer)] + np.pi * (1.0 + 1.0 / len(angle)))
+    )  # away from the loads
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2, fontsize=8, frameon=False)
+    ax.set_title(f"Bearing '{bearing.name}': loads [kN], t = {instant(bearing.time[row])}", fontsize=10)
 
 
 def element_loads(bearing: BearingResult, ax: Any, row: int) -> None:
     """Load of every element on the outer ring against time."""
     for i, load in enumerate(bearing.outer_load.T, start=1):
         ax.plot(bearing.time * 1e3, load * 1e-3, label=f"{bearing.kind} {i}" if i <= MOST_NAMED else None)
-    ax.set(xlabel="time [ms]", ylabel="load on the outer ring [kN]", title=f"Bearing '{bearing.name}'")
+    ax.set(xlabel="time [ms]", ylabel="load on the outer ring [kN]")
+    ax.set_title(f"Bearing '{bearing.name}': loads of the elements", fontsize=10)
     from_zero(ax, bearing.outer_load * 1e-3)
-    ax.legend(fontsize=7, ncol=2)
+    ax.legend(fontsize=7, ncols=3, frameon=False)
 
 
 BEARING_PLOTS: dict[str, Callable[[BearingResult, Any, int], None]] = {

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.output.contact.friction import STATES
+from warpffrf.output.plots.restyle import BODIES
 
 LEVELS = 256
 MOST_BARS = 3  # of a legend in one column
@@ -144,7 +145,7 @@ def draw_bar(axes: Any, scale: ColorScale | ColorClasses) -> None:
     from matplotlib.colorbar import ColorbarBase
     from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize
 
-    colors = ListedColormap(scale.table() / 255.0)
+    colors = ListedColormap(scale.table() / 255.0, BODIES)
     if isinstance(scale, ColorClasses):
         edges = np.arange(len(scale.names) + 1) - 0.5
         bar = ColorbarBase(
@@ -200,8 +201,9 @@ def value_colors(low: float, high: float, *, ratios: bool) -> Any:
 
 HEADROOM = 1.08  # of the largest value of a plot
 SMALL = 0.1  # of the mean: a smaller variation is a flat line on a scale from zero
-ROUND_OFF = 1e-5  # of the mean: a smaller variation is round-off or iteration tolerance
+FLAT = 1e-3  # of the mean: a smaller variation is not drawn, so that a constant does not look like a vibration
 ROOM = 0.1  # of the range, above and below the values on a cut axis
+FINEST = 1e-4  # of the largest value: smallest range of a panel's axis
 LEAST = 1e-6  # of a quantity's size: smallest range of an axis, except for motions, which no iteration computes
 
 
@@ -209,19 +211,19 @@ def from_zero(ax: Any, values: Any, *beside: Any, least: float = 0.0) -> None:
     """Scale the y axis of `ax`, which has its label, from zero to slightly above the largest of `values` (n,) and of
     the other values drawn, `beside`, at least to `least`: smaller values are round-off.
 
-    If all of them vary by less than `SMALL` of their mean, but by more than `ROUND_OFF`, the axis is cut to their range
-    instead, and its label states the variation of `values`. Non-finite values are ignored.
+    If all of them vary by less than `SMALL` of their mean, and `values` by more than `FLAT`, the axis is cut to their
+    range instead, and its label states the variation of `values`. Non-finite values are ignored.
     """
     own = _finite(values)
     drawn = np.concatenate([own, *(_finite(v) for v in beside)])
     low, high = float(drawn.min(initial=np.inf)), float(drawn.max(initial=0.0))
     mean, spread = 0.5 * (low + high), high - low
-    if low > 0.0 and high > least and np.isfinite(mean) and ROUND_OFF * mean < spread < SMALL * mean:
+    if low > 0.0 and high > least and np.isfinite(mean) and spread < SMALL * mean and np.ptp(own) > FLAT * mean:
         ax.set_ylim(low - ROOM * spread, high + ROOM * spread)
         ax.ticklabel_format(axis="y", useOffset=False, style="plain")
-        vary = f"varies by {100.0 * np.ptp(own) / np.mean(own):.2g} %" if np.ptp(own) > ROUND_OFF * mean else "constant"
         label = ax.yaxis.label
-        ax.set_ylabel(f"{label.get_text()}\naxis cut, {vary}", color=label.get_color())
+        vary = 100.0 * np.ptp(own) / np.mean(own)
+        ax.set_ylabel(f"{label.get_text()}\naxis cut, varies by {vary:.2g} %", color=label.get_color())
     else:
         ax.set_ylim(0.0, HEADROOM * max(high, least) or 1.0)
 
@@ -238,6 +240,16 @@ def about_zero(ax: Any, least: float) -> None:
     """Extend the y axis of `ax` to at least -`least` to `least`."""
     low, high = ax.get_ylim()
     ax.set_ylim(min(low, -least), max(high, least))
+
+
+def instant(time: float) -> str:
+    """A time [s] as text, in ms below a second."""
+    return f"{time:.6g} s" if abs(time) >= 1.0 else f"{1e3 * time:.4g} ms"
+
+
+def side_bar(ax: Any, image: Any, **options: Any) -> Any:
+    """A colour bar of `image` at the right of `ax`, as high as these, whatever their aspect."""
+    return ax.figure.colorbar(image, cax=ax.inset_axes((1.03, 0.0, 0.045, 1.0)), **options)
 
 
 def _finite(values: Any) -> np.ndarray:

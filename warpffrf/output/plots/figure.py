@@ -9,23 +9,26 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, nearest
+from warpffrf.model.errors import InputError, nearest, unknown_name
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.hertz import HertzLine, HertzPoint, hertz
 from warpffrf.output.plots.bearing import BEARING_PLOTS, POLAR, the_bearing
-from warpffrf.output.plots.colors import LEAST, ROUND_OFF, about_zero, from_zero
+from warpffrf.output.plots.colors import FINEST, LEAST, about_zero, from_zero, instant, largest, no_finer, side_bar
 from warpffrf.output.plots.films import FILM_PLOTS, has_orbit
 from warpffrf.output.plots.friction import FRICTION_PLOTS, draw_depth, has_material, rubbing
-from warpffrf.output.plots.panels import HISTORY_PLOTS, draw_bars, draw_numbers, numbers_of, the_channel
+from warpffrf.output.plots.panels import HISTORY_PLOTS, draw_bars, draw_numbers, numbers_of, page, the_channel
 from warpffrf.output.plots.picture import write_drawing, write_picture
+from warpffrf.output.plots.restyle import THEMES, columns_in, require_theme, restyle
 from warpffrf.output.plots.small_sliding import SMALL_SLIDING_PLOTS, the_small_sliding
 
+RIPPLE = 1e-3  # %: smaller deviations are round-off or iteration tolerance
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
 MOST_INSIDE = 8  # curves named in a legend inside the axes; with more the legend is at the right
 COLORS, STYLES = 10, ("-", "--", ":", "-.")  # another line style after so many colours, so that none is used twice
 LEGEND_ROWS = 16  # rows of a legend at the right
 PAGE_COLUMNS = 6  # columns of a legend below a page
+PAGE_PANELS, PAGE_PANEL = 3, (5.2, 4.1)  # most side by side, and inches
 SECTIONS = {"point": "Across the patch through its centre"}  # other kinds: at mid-width
 PROFILE, REFERENCE, FORCE = "#1b6ca8", "#d1495b", "#2a9d6f"
 
@@ -68,7 +71,7 @@ def hertz_of(contact: Any, i: int) -> HertzLine | HertzPoint | None:
 
 
 def _at(result: Any, i: int) -> str:
-    return f"t = {result.time[i] * 1e3:.4g} ms"
+    return f"t = {instant(result.time[i])}"
 
 
 def _marker(rows: np.ndarray) -> str:
@@ -107,15 +110,63 @@ def force(result: Any, ax: Any) -> None:
     forces |= {name: result.film(name).force_magnitude for name in result.film_names if name not in forces}
     what = " and ".join(["contact"] * pressed + ["film"] * bool(result.film_names))
     ax.set_title(f"{what.capitalize()} force", fontsize=10)
+    _curves(result, ax, {name: size * 1e-3 for name, size in forces.items()}, f"{what} force [kN]")
+
+
+def _curves(result: Any, ax: Any, curves: dict[str, np.ndarray], label: str) -> None:
+    """Sizes (T,) by name against time, from zero; bars for a run of one row."""
     if len(result.time) == 1:
-        draw_bars(ax, {name: size * 1e-3 for name, size in forces.items()}, f"{what} force [kN]")
+        draw_bars(ax, curves, label)
         return
-    for n, (name, size) in enumerate(forces.items()):
-        style = STYLES[n // COLORS % len(STYLES)]
-        ax.plot(result.time * 1e3, size * 1e-3, style, label=name)
-    ax.set(xlabel="time [ms]", ylabel=f"{what} force [kN]")
-    from_zero(ax, np.concatenate([size * 1e-3 for size in forces.values()]))
-    _legend(ax, len(forces))
+    _lines(result, ax, curves, label)
+    from_zero(ax, np.concatenate(list(curves.values())))
+
+
+def _lines(result: Any, ax: Any, curves: dict[str, np.ndarray], label: str) -> None:
+    for n, (name, values) in enumerate(curves.items()):
+        ax.plot(result.time * 1e3, values, STYLES[n // COLORS % len(STYLES)], label=name)
+    ax.set(xlabel="time [ms]", ylabel=label)
+    _legend(ax, len(curves))
+
+
+def _reactions(result: Any) -> dict[str, np.ndarray]:
+    """(T,) N, force of each joint that is no part of a bearing and carries one."""
+    inside = tuple(f"{name} " for name in result.bearing_names)
+    forces = {
+        name: np.linalg.norm(joint.force, axis=1)
+        for name, joint in result.history.joints.items()
+        if not name.startswith(inside or ("\0",))
+    }
+    least = LEAST * largest(list(forces.values()))
+    return {name: force for name, force in forces.items() if largest([force]) > least}
+
+
+def joints(result: Any, ax: Any) -> None:
+    """Reaction force of every joint against time; bars for a run of one row."""
+    forces = _reactions(result)
+    if not forces:
+        raise InputError("plot: no joint of the run carries a force")
+    _curves(result, ax, {name: force * 1e-3 for name, force in forces.items()}, "joint force [kN]")
+    ax.set_title("Joint forces", fontsize=10)
+
+
+def sensors(result: Any, ax: Any, channel: str | None = None) -> None:
+    """Sensors against time, all that have the unit of the sensor `channel`, or of the first one."""
+    known = result.history.sensors
+    if not known:
+        raise InputError("plot: the scene has no sensor; give it one with scene.add(sensors.Position(...)), run again")
+    if channel is not None and channel not in known:
+        raise unknown_name("plot: sensor", channel, tuple(known))
+    unit = known[channel or next(iter(known))].unit
+    alike = {name: sensor for name, sensor in known.items() if sensor.unit == unit}
+    curves = {
+        f"{name} {part}".strip(): values
+        for name, sensor in alike.items()
+        for part, values in zip(sensor.components, sensor.values.T, strict=True)
+    }
+    _lines(result, ax, curves, f"sensors [{unit}]")
+    no_finer(ax, FINEST * largest([np.abs(values) for values in curves.values()]))
+    ax.set_title("Sensors", fontsize=10)
 
 
 def _profile(ax: Any, contact: Any, x: np.ndarray, p: np.ndarray, lines: np.ndarray) -> None:
@@ -184,7 +235,7 @@ def patch(result: Any, ax: Any) -> None:
     arc, z = contact.cell_lines(i) if on_cells else (field.arc, field.z)
     shading = "flat" if on_cells else "gouraud"
     image = ax.pcolormesh(arc * 1e3, z * 1e3, field.pressure.T * 1e-6, shading=shading, cmap="magma_r", vmin=0.0)
-    ax.figure.colorbar(image, ax=ax, label="pressure [MPa]")
+    side_bar(ax, image, label="pressure [MPa]")
     reach = contact.half_width[i] * SHOWN_WIDTHS * 1e3
     if reach > 0.0:
         middle = contact.center[i] * 1e3
@@ -209,12 +260,13 @@ def energy(result: Any, ax: Any) -> None:
     scale = result.energy_scale
     ax.plot(result.time * 1e3, result.energy_residual, color=PROFILE, label="energy residual (numerical)", zorder=3)
     defect = result.energy.get("contact_grid")
-    if defect is not None and np.any(defect) and scale > 0.0:
+    if defect is not None and np.max(np.abs(defect), initial=0.0) > LEAST * scale > 0.0:
         ax.plot(
             result.time * 1e3, np.asarray(defect) / scale, color=REFERENCE, lw=1.0, label="grid defect of the contact"
         )
     ax.axhline(0.0, color="0.7", lw=0.6)
     about_zero(ax, LEAST)
+    ax.ticklabel_format(axis="y", scilimits=(-2, 3))
     ax.set(xlabel="time [ms]", ylabel="over the energy scale [-]")
     ax.set_title(f"Energy residual; energy scale {scale:.3g} J", fontsize=10)
     ax.legend(frameon=False, fontsize=8)
@@ -262,7 +314,7 @@ def ripple(result: Any, ax: Any) -> None:
         ax.plot(result.time[rows] * 1e3, about, lw=1.1, color=color, label=label)
     ax.axhline(0.0, color="0.7", lw=0.6)
     ax.margins(y=0.25)
-    about_zero(ax, 100.0 * ROUND_OFF)
+    about_zero(ax, RIPPLE)
     ax.set(xlabel="time [ms]", ylabel="about the mean [%]")
     ax.set_title("Ripple in the second half of the run", fontsize=10)
     ax.legend(frameon=False, fontsize=7, loc="upper left")
@@ -272,8 +324,10 @@ SUMMARY = "summary"  # command-line word for the page with all plots
 Draw = Callable[[Any, Any], None]
 # Histories: for a run of one row a page shows their numbers instead.
 OVER_TIME = {
-    "widths", "ripple", "energy", "creepage", "spin", "t_gamma", "power", "film_thickness", "slip_area"
+    "widths", "ripple", "energy", "creepage", "spin", "t_gamma", "power", "film_thickness", "slip_area",
+    "element_loads", "sensors",
 }  # fmt: skip
+MACHINE_PLOTS: dict[str, Draw] = {"joints": joints, "sensors": sensors, "energy": energy}
 PLOTS: dict[str, Draw] = {
     "force": force,
     "widths": widths,
@@ -282,7 +336,6 @@ PLOTS: dict[str, Draw] = {
     "along": along,
     "patch": patch,
     "stress_depth": stress_depth,
-    "energy": energy,
 }
 
 
@@ -295,8 +348,11 @@ def _film(result: Any, name: str | None) -> Any:
 def plot(
     result: Any, kind: str, ax: Any = None, contact: str | None = None, film: str | None = None,
     row: int | None = None, channel: str | None = None, speed: str | None = None, bearing: str | None = None,
+    theme: str = "light", width: float | None = None,
 ) -> Any:  # fmt: skip
     """Draw `kind` on `ax` (a new one if None) and return the axes.
+
+    theme, width: of new axes, as of `restyle`.
 
     contact, film, bearing: names of the contact, film and bearing to draw, the first ones if None; kinds that contacts
     with finite and with small sliding have in common are of the first with finite sliding, where there is one. row:
@@ -305,7 +361,8 @@ def plot(
     an unknown kind, contact, film, bearing or row, a run without rows, plots of friction, films, contacts or bearings
     of a run without them, and plots of histories without a name.
     """
-    known = {**PLOTS, **FRICTION_PLOTS}
+    known = {**PLOTS, **MACHINE_PLOTS, **FRICTION_PLOTS}
+    known["sensors"] = lambda result, ax: sensors(result, ax, channel)
     kinds = tuple(dict.fromkeys((*known, *FILM_PLOTS, *SMALL_SLIDING_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS)))
     if kind not in kinds:
         cure = "; the page with all of them is result.summary()" if kind == SUMMARY else ""
@@ -318,11 +375,17 @@ def plot(
     known |= {name: _of_bearing(draw, bearing, row) for name, draw in BEARING_PLOTS.items()}
     if kind in HISTORY_PLOTS:
         known[kind] = _of_history(HISTORY_PLOTS[kind], the_channel(kind, channel), speed)
-    if ax is None:
-        import matplotlib.pyplot as plt
+    require_theme(theme)
+    if ax is not None:
+        if theme != THEMES[0] or width is not None:
+            raise InputError("plot: theme and width are of new axes; leave ax out, or change its figure by wf.restyle")
+        known[kind](result, ax)
+        return ax
+    import matplotlib.pyplot as plt
 
-        ax = plt.subplots(subplot_kw={"projection": "polar"} if kind in POLAR else None)[1]
+    ax = plt.subplots(layout="constrained", subplot_kw={"projection": "polar"} if kind in POLAR else None)[1]
     known[kind](result, ax)
+    restyle(ax.figure, theme, width)
     return ax
 
 
@@ -364,7 +427,7 @@ def _of_bearing(draw: Callable[[Any, Any, int], None], bearing: str | None, row:
 def drawable(result: Any, film: str | None = None, row: int = -1) -> dict[str, Draw]:
     """The kinds of plots for which the run has data, with their drawing functions; film, row: as of `plot`."""
     finite = result.finite_sliding_names
-    drawn: dict[str, Draw] = dict(PLOTS) if finite else {"energy": energy}
+    drawn: dict[str, Draw] = dict(PLOTS) if finite else {}
     if finite and not has_material(_contact(result)):
         del drawn["stress_depth"]
     if result.lumped_contact_names or result.film_names or result.small_sliding_names:
@@ -378,42 +441,49 @@ def drawable(result: Any, film: str | None = None, row: int = -1) -> dict[str, D
         frictionless = the_small_sliding(result).friction == 0.0
         kinds = [kind for kind in SMALL_SLIDING_PLOTS if kind != "friction_loss" or not frictionless]
         drawn |= {kind: _of_small_sliding(SMALL_SLIDING_PLOTS[kind], row) for kind in kinds if kind not in drawn}
+    if result.bearing_names:
+        drawn |= {kind: _of_bearing(BEARING_PLOTS[kind], None, row) for kind in BEARING_PLOTS}
+    has = {"joints": bool(_reactions(result)), "sensors": bool(result.history.sensors), "energy": True}
+    drawn |= {kind: draw for kind, draw in MACHINE_PLOTS.items() if has[kind]}
     return drawn if len(result.time) > 1 else {kind: draw for kind, draw in drawn.items() if kind not in OVER_TIME}
 
 
 def about_kinds() -> dict[str, str]:
     """Every kind of plot with a one-sentence description."""
     draws: dict[str, Callable[..., None]] = {
-        **SMALL_SLIDING_PLOTS, **PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **BEARING_PLOTS, **HISTORY_PLOTS
+        **SMALL_SLIDING_PLOTS, **PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **BEARING_PLOTS, **MACHINE_PLOTS,
+        **HISTORY_PLOTS,
     }  # fmt: skip
     said = {kind: " ".join((draw.__doc__ or "").split("\n\n")[0].split()) for kind, draw in draws.items()}
     return said | {SUMMARY: "Everything that the run has data for, on one page."}
 
 
-def summary(result: Any, contact: str | None = None, film: str | None = None, row: int | None = None) -> Any:
+def summary(
+    result: Any, contact: str | None = None, film: str | None = None, row: int | None = None, *, theme: str = "light",
+    width: float | None = None,
+) -> Any:  # fmt: skip
     """A matplotlib Figure with every plot for which the run has data; contact, film, row and errors raised: as of
-    `plot`."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
+    `plot`; theme, width: as of `restyle`."""
+    require_theme(theme)
     result, row = _shown(result, contact, row)
     drawn = drawable(result, film, row)
     if result.small_sliding_names:  # what a contact with finite sliding has in common with them is drawn of both
         both = [kind for kind in SMALL_SLIDING_PLOTS if kind in _kinds_of_finite_sliding(result)]
         drawn |= {f"{kind}, small sliding": _of_small_sliding(SMALL_SLIDING_PLOTS[kind], row) for kind in both}
+    units = {sensor.unit: name for name, sensor in reversed(result.history.sensors.items())}
+    for name in [*reversed(units.values())][1:] if "sensors" in drawn else ():  # a panel for each unit
+        drawn[f"sensors like {name}"] = lambda result, ax, name=name: sensors(result, ax, name)
+    if "load_zone" in drawn and _only_bearings(result):
+        drawn.pop("force", None)  # as many curves as elements, rings and pockets; the loads of elements say the same
     if len(result.time) == 1:
         numbers: dict[str, Draw] = {"numbers": lambda result, ax: _numbers(result, ax, film)}
         drawn = {"force": drawn.pop("force")} | numbers | drawn if "force" in drawn else numbers | drawn
-    kinds = list(drawn)
-    columns = min(3, len(kinds))
-    rows = -(-len(kinds) // columns)
-    figure = Figure(figsize=(5.2 * columns, 4.1 * rows), layout="constrained")
-    FigureCanvasAgg(figure)
-    for n, kind in enumerate(kinds):
-        drawn[kind](result, figure.add_subplot(rows, columns, n + 1))
+    figure, places = page(len(drawn), columns_in(width, PAGE_PANELS), PAGE_PANEL)
+    for place, (kind, draw) in zip(places, drawn.items(), strict=True):
+        draw(result, figure.add_subplot(place, projection="polar" if kind in POLAR else None))
     _crowd_below(figure)
     saved = "1 saved row" if len(result.time) == 1 else f"{len(result.time)} saved rows"
-    end = f"{result.time[-1] * 1e3:.4g} ms, {saved}, status: {result.status}"
+    end = f"{instant(result.time[-1])}, {saved}, status: {result.status}"
     if isinstance(result, OfPair):
         end += f"; contact {[*result.finite_sliding_names, *result.small_sliding_names][0]!r}"
     finite = result.finite_sliding_names
@@ -426,7 +496,13 @@ def summary(result: Any, contact: str | None = None, film: str | None = None, ro
     if len(small := result.small_sliding_names) > 1:
         end += f"; of {len(small)} contacts with small sliding {small[0]!r}"
     figure.suptitle(end, fontsize=11)
-    return figure
+    return restyle(figure, theme, width)
+
+
+def _only_bearings(result: Any) -> bool:
+    """True if every contact and film is one of the bearings."""
+    names = (*result.contact_names, *result.lumped_contact_names, *result.film_names)
+    return all(any(name.startswith(f"{bearing} ") for bearing in result.bearing_names) for name in names)
 
 
 def _numbers(result: Any, ax: Any, film: str | None) -> None:
@@ -443,8 +519,8 @@ def _numbers(result: Any, ax: Any, film: str | None) -> None:
 
 def write_plot(
     result: Any, kind: str, path: str | os.PathLike[str], *, contact: str | None = None, film: str | None = None,
-    row: int | None = None, channel: str | None = None, speed: str | None = None, dpi: int = 130,
-    overwrite: bool = False,
+    row: int | None = None, channel: str | None = None, speed: str | None = None, theme: str = "light",
+    width: float | None = None, dpi: int = 130, overwrite: bool = False,
 ) -> Path:  # fmt: skip
     """Write `plot(result, kind, ...)` as a picture; the file ending selects the format (.png, .pdf, .svg). Raises
     InputError as `plot`, for a path that cannot be written, and for an existing file, unless `overwrite` is set."""
@@ -453,8 +529,12 @@ def write_plot(
         plot(result, kind, ax, contact, film, row, channel, speed)
 
     if kind != SUMMARY:
-        return write_drawing(draw, path, "figure", overwrite=overwrite, dpi=dpi)
-    return write_picture(summary(result, contact, film, row), path, "figure", overwrite=overwrite, dpi=dpi)
+        return write_drawing(
+            draw, path, "figure", theme=theme, width=width, overwrite=overwrite, dpi=dpi,
+            projection="polar" if kind in POLAR else None,
+        )  # fmt: skip
+    figure = summary(result, contact, film, row, theme=theme, width=width)
+    return write_picture(figure, path, "figure", overwrite=overwrite, dpi=dpi)
 
 
 def write_figure(result: Any, path: str | os.PathLike[str], *, dpi: int = 130, overwrite: bool = False) -> Path:

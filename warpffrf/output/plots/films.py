@@ -9,7 +9,8 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact.result import FilmResult
-from warpffrf.output.plots.colors import LEAST, from_zero, largest
+from warpffrf.output.plots.colors import LEAST, from_zero, instant, largest, side_bar
+from warpffrf.output.plots.restyle import BELOW
 
 FULL = 1.0 - 1e-3  # film fraction below which the gap is cavitated
 GAP, PEAK, CIRCLE = "#1b6ca8", "#d1495b", "0.55"
@@ -54,7 +55,7 @@ def orbit(film: FilmResult, ax: Any, row: int) -> None:
     ax.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
     ax.set(xlabel="along e_0, over the clearance [-]", ylabel="along e_1, over the clearance [-]")
     ax.set_title(f"Film '{film.name}': inner axis against the outer one", fontsize=10)
-    ax.legend(frameon=False, fontsize=8, loc="upper right")
+    ax.legend(frameon=False, fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=(0.5, BELOW))
 
 
 def thickness(film: FilmResult, ax: Any, row: int) -> None:
@@ -72,19 +73,19 @@ def thickness(film: FilmResult, ax: Any, row: int) -> None:
 
 
 def _at(film: FilmResult, row: int) -> str:
-    return f"t = {film.time[row] * 1e3:.4g} ms"
+    return f"t = {instant(film.time[row])}"
 
 
 def _map(film: FilmResult, ax: Any, row: int, values: np.ndarray, look: tuple[str, str], *, from_zero: bool) -> None:
     """`values` (columns, rows) over the chart of the first surface; a full revolution from 0 to 360 degrees."""
-    x, order = _around(film)
+    x, order = _around(film, row)
     label, colors = look
     low = min(0.0, float(np.nanmin(values))) if from_zero else None
     image = ax.pcolormesh(x, film.z * 1e3, values[order].T, shading="gouraud", cmap=colors, vmin=low)
     low, high = image.get_clim()
     if high - low < (least := LEAST * float(np.nanmax(np.abs(values)))):  # uniform up to round-off
         image.set_clim(0.5 * (low + high - least), 0.5 * (low + high + least))
-    ax.figure.colorbar(image, ax=ax, label=label)
+    side_bar(ax, image, label=label)
     fill = film.fill[row][order]
     if np.min(fill) < FULL < np.max(fill):
         ax.contour(x, film.z * 1e3, fill.T, levels=[FULL], colors="0.35", linestyles="dashed", linewidths=0.8)
@@ -92,9 +93,9 @@ def _map(film: FilmResult, ax: Any, row: int, values: np.ndarray, look: tuple[st
     ax.set(xlabel="along e_1 [mm]" if planar else "angle from e_0 [degrees]", ylabel="along the axis [mm]")
 
 
-def _around(film: FilmResult) -> tuple[np.ndarray, np.ndarray]:
+def _around(film: FilmResult, row: int) -> tuple[np.ndarray, np.ndarray]:
     """Positions of columns along the map, ascending, in degrees (plane: mm), and the column indices there; a full
-    revolution is closed by its first column."""
+    revolution is closed by its first column, and cut where the pressure of saved step `row` is far from its peak."""
     surface = film.view.first
     columns = np.arange(len(film.theta))
     if surface.shape.profile().planar:
@@ -102,6 +103,8 @@ def _around(film: FilmResult) -> tuple[np.ndarray, np.ndarray]:
     if not surface.grid.periodic:
         return np.degrees(film.theta), columns
     turned = np.degrees(film.theta) % 360.0
+    if np.cos(np.radians(turned[np.nanargmax(np.nanmax(film.pressure[row], axis=1))])) > 0.0:
+        turned -= 360.0 * (turned >= 180.0)
     order = np.argsort(turned)
     return np.append(turned[order], turned[order[0]] + 360.0), np.append(order, order[0])
 

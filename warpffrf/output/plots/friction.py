@@ -18,8 +18,9 @@ from warpffrf.output.bodies.stress_below import poisson_ratios, stress_below
 from warpffrf.output.contact.friction import OPEN, SLIP, STATES, STICK
 from warpffrf.output.contact.hertz import HertzLine, HertzPoint, largest_below, largest_of
 from warpffrf.output.contact.hertz import hertz as hertz_contact
-from warpffrf.output.plots.colors import HEADROOM, LEAST, STATE_COLORS, about_zero, from_zero, largest
+from warpffrf.output.plots.colors import HEADROOM, LEAST, STATE_COLORS, about_zero, from_zero, instant, largest
 from warpffrf.output.plots.panels import load_ratio
+from warpffrf.output.plots.restyle import BELOW
 
 SHOWN_WIDTHS = 1.6  # half-widths to either side of the middle of the patch
 TRACE = 0.02  # of the tractions of one sign: smaller ones of the other sign are not visible
@@ -43,7 +44,7 @@ def _last_touching(contact: Any) -> int:
 
 
 def _at(result: Any, i: int) -> str:
-    return f"t = {result.time[i] * 1e3:.4g} ms"
+    return f"t = {instant(result.time[i])}"
 
 
 def _coefficient(contact: Any) -> float | None:
@@ -169,7 +170,7 @@ def stick_slip(result: Any, ax: Any, row: int | None = None) -> None:
     ax.set_title(f"Stick and slip, {_at(result, i)}, area of adhesion {share:.0%}", fontsize=10)
     ax.legend(
         handles=[Patch(color=c, label=n) for n, c in zip(STATES, STATE_COLORS, strict=True)], fontsize=8, ncols=3,
-        loc="upper center", bbox_to_anchor=(0.5, -0.14), frameon=False,
+        loc="upper center", bbox_to_anchor=(0.5, BELOW), frameon=False,
     )  # fmt: skip
 
 
@@ -251,7 +252,7 @@ def power(result: Any, ax: Any) -> None:
     time, friction = result.time * 1e3, contact.friction
     ax.plot(time, friction.power, color=TRACTION)
     right = ax.twinx()
-    right.plot(time, friction.wear_peak * 1e-6, color=SECOND)
+    right.plot(time, friction.wear_peak * 1e-6, "--", color=SECOND)
     ax.set(xlabel="time [ms]")
     ax.set_ylabel("friction power [W]", color=TRACTION)
     right.set_ylabel("largest wear index [W/mm²]", color=SECOND)

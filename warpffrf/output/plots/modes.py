@@ -23,6 +23,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import skin_displacement
 from warpffrf.output.geometry.skin_nodes import thinned
 from warpffrf.output.plots.colors import ColorScale
+from warpffrf.output.plots.raster import LIGHT, facing
 
 MAX_TRIANGLES = 20_000  # per picture: more would be smaller than a few pixels
 # View direction: mainly along the shortest extent of a body, so that discs show their face, oblique to the other two;
@@ -30,9 +31,7 @@ MAX_TRIANGLES = 20_000  # per picture: more would be smaller than a few pixels
 EYE_SHARES = (0.35, 0.5, 0.8)
 # from rest to the largest displacement; bright colours, because they are shaded
 MODE_STOPS = ("#d9e2ea", "#7cc6dd", "#8fd694", "#f7d65a", "#e8563f")
-LIGHT = (0.35, 0.55, 0.76)  # from the right, from above, from the eye
 AMBIENT = 0.7  # brightness of a face that points away from the light
-CLOSED = 1e-6  # of the area: the area vectors of a closed skin cancel to this
 MARGIN = 0.04  # around the picture, of its size
 
 
@@ -92,11 +91,8 @@ def shaded(points: np.ndarray, triangles: np.ndarray, axes: np.ndarray, colors: 
     the points."""
     corners = (points @ axes.T)[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = np.abs(normals).sum()
-    if np.abs(normals.sum(axis=0)).max() < CLOSED * area:  # faces on the far side of a closed body are hidden
-        inwards = np.einsum("ti,ti->", corners.mean(axis=1) - corners.mean(axis=(0, 1)), normals) < 0.0
-        near = normals[:, 2] < 0.0 if inwards else normals[:, 2] > 0.0
-        triangles, corners, normals = triangles[near], corners[near], normals[near]
+    near = facing(corners, normals)
+    triangles, corners, normals = triangles[near], corners[near], normals[near]
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     normals /= np.where(length > 0.0, length, 1.0)
     normals *= np.where(normals[:, 2:] < 0.0, -1.0, 1.0)  # a face seen from behind is lit like its front

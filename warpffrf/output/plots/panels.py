@@ -10,6 +10,7 @@ rotation of a body.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,8 +21,9 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact.hertz import hertz
-from warpffrf.output.plots.colors import LEAST, largest, no_finer
+from warpffrf.output.plots.colors import FINEST, LEAST, largest, no_finer
 from warpffrf.output.plots.picture import write_picture
+from warpffrf.output.plots.restyle import columns_in, restyle
 
 PANEL_SIZE = (5.2, 3.9)  # inches
 COLUMNS = 3  # maximum side by side
@@ -43,7 +45,7 @@ class Panel:
     """One plot: `curves` {name: (x (n,), y (n,))} as lines, `reference` likewise, dashed and on top of them, `points`
     likewise, as markers.
 
-    `limits`: the range (low, high) of y to show, for diverging curves.
+    `limits`: the range (low, high) of y to show, for diverging curves; `equal`: x and y on one scale, for paths.
     """
 
     title: str
@@ -53,6 +55,7 @@ class Panel:
     reference: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
     limits: tuple[float, float] | None = None
     points: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
+    equal: bool = False
 
     def draw(self, ax: object) -> None:
         """Draw on matplotlib axes."""
@@ -68,10 +71,12 @@ class Panel:
             axes.set_ylim(*self.limits)
         else:
             drawn = [y for of in (self.curves, self.reference or {}, self.points or {}) for _, y in of.values()]
-            no_finer(axes, LEAST * largest([np.abs(np.asarray(y, dtype=float)) for y in drawn]))
+            no_finer(axes, FINEST * largest([np.abs(np.asarray(y, dtype=float)) for y in drawn]))
         axes.set(xlabel=self.x_label, ylabel=self.y_label)
         axes.set_title(self.title, fontsize=10)
         axes.grid(alpha=0.25, lw=0.5)
+        if self.equal:
+            axes.set_aspect("equal", adjustable="datalim")
         if len(self.curves) + len(self.reference or {}) + len(self.points or {}) > 1:
             axes.legend(frameon=False, fontsize=8)
 
@@ -93,42 +98,55 @@ class Polar(Panel):
         axes.legend(frameon=False, fontsize=8, loc="upper right", bbox_to_anchor=(1.25, 1.1))
 
 
-def save_panels(panels: Sequence[Drawn], path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+def save_panels(
+    panels: Sequence[Drawn], path: str | os.PathLike[str], *, theme: str = "light", width: float | None = None,
+    overwrite: bool = False,
+) -> Path:  # fmt: skip
     """Draw the panels into one picture; the ending of `path` selects the format (.png, .pdf, .svg); returns its path.
 
-    Raises `InputError` for no panels, a path that cannot be written, an unknown ending, and an existing file, unless
-    `overwrite` is set.
+    theme, width: as of `restyle`. Raises `InputError` for no panels, a path that cannot be written, an unknown ending,
+    and an existing file, unless `overwrite` is set.
     """
-    return write_picture(panels_figure(panels), path, "panels", overwrite=overwrite)
+    return write_picture(panels_figure(panels, theme=theme, width=width), path, "panels", overwrite=overwrite)
 
 
-def panels_figure(panels: Sequence[Drawn], title: str = "") -> Any:
-    """A matplotlib Figure with the panels, `COLUMNS` side by side. Raises `InputError` if there are none."""
+def panels_figure(panels: Sequence[Drawn], title: str = "", *, theme: str = "light", width: float | None = None) -> Any:
+    """A matplotlib Figure with the panels, at most `COLUMNS` side by side; theme, width: as of `restyle`. Raises
+    `InputError` if there are none."""
+    if not panels:
+        raise InputError("panels: there is nothing to draw")
+    figure, places = page(len(panels), columns_in(width, COLUMNS), PANEL_SIZE, dpi=DPI)
+    if title:
+        figure.suptitle(title, fontsize=11)
+    for place, panel in zip(places, panels, strict=True):
+        panel.draw(figure.add_subplot(place, projection=getattr(panel, "projection", None)))
+    return restyle(figure, theme, width)
+
+
+def page(count: int, most: int, size: tuple[float, float], **options: Any) -> tuple[Any, list[Any]]:
+    """An empty matplotlib Figure and the places of `count` panels of about `size` [inch], at most `most` side by side:
+    rows that are filled from edge to edge, so that no place stays empty."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    if not panels:
-        raise InputError("panels: there is nothing to draw")
-    rows = -(-len(panels) // COLUMNS)
-    columns = -(-len(panels) // rows)
-    figure = Figure(figsize=(PANEL_SIZE[0] * columns, PANEL_SIZE[1] * rows), dpi=DPI, layout="constrained")
+    rows = -(-count // most)
+    lengths = [(count + rows - 1 - row) // rows for row in range(rows)]
+    figure = Figure(figsize=(size[0] * lengths[0], size[1] * rows), layout="constrained", **options)
     FigureCanvasAgg(figure)
-    if title:
-        figure.suptitle(title, fontsize=11)
-    for n, panel in enumerate(panels):
-        panel.draw(figure.add_subplot(rows, columns, n + 1, projection=getattr(panel, "projection", None)))
-    return figure
+    cells = math.lcm(*lengths)
+    grid = figure.add_gridspec(rows, cells)
+    return figure, [grid[row, cells // n * k : cells // n * (k + 1)] for row, n in enumerate(lengths) for k in range(n)]
 
 
 OVERLAY_COLUMNS = 2
 PANEL = (5.6, 3.2)  # inches
-FIRST, SECOND = "#1b6ca8", "#d1495b"
+FIRST, SECOND, APART = "#1b6ca8", "#d1495b", "#2a9d6f"
 
 
 @dataclass(frozen=True, eq=False)
 class Overlaid:
     """One quantity of both runs, each at its own times [s]: `first` and `second` are (times (T,), values (T,)); its
-    axis shows a range of at least `least`."""
+    axis shows a range of at least `least`. apart: their difference likewise, drawn instead of them."""
 
     label: str
     units: str
@@ -136,9 +154,17 @@ class Overlaid:
     first: tuple[np.ndarray, np.ndarray]
     second: tuple[np.ndarray, np.ndarray]
     least: float
+    apart: tuple[np.ndarray, np.ndarray] | None = None
 
     def draw(self, ax: Any, names: tuple[str, str]) -> None:
         """Draw on matplotlib axes, the runs called `names`."""
+        ax.ticklabel_format(axis="y", scilimits=(-2, 5))
+        if self.apart is not None:
+            ax.plot(self.apart[0] * 1e3, self.apart[1], lw=1.2, color=APART, label="B - A, where A and B coincide")
+            ax.axhline(0.0, color="0.7", lw=0.6)
+            ax.set_xlabel("time [ms]")
+            self._dress(ax)
+            return
         if len(self.first[0]) == len(self.second[0]) == 1:
             self._bars(ax, names)
             return
@@ -153,33 +179,33 @@ class Overlaid:
 
     def _bars(self, ax: Any, names: tuple[str, str]) -> None:
         """Draw the numbers of two runs of one row, such as equilibria."""
-        values = [float(self.first[1][0]), float(self.second[1][0])]
+        values = np.array([float(self.first[1][0]), float(self.second[1][0])])
+        values[np.abs(values) < LEAST * np.max(np.abs(values))] = 0.0
         bars = ax.bar(range(2), values, width=0.5, color=(FIRST, SECOND), label=names)
         ax.bar_label(bars, fmt="%.6g", padding=2, fontsize=9)
         ax.axhline(0.0, color="0.7", lw=0.6)
         ax.set_xticks([])
-        ax.margins(x=0.5, y=0.15)
+        ax.use_sticky_edges = False  # room for the numbers, beyond zero as well
+        ax.margins(x=0.5, y=0.2)
         self._dress(ax)
 
     def _dress(self, ax: Any) -> None:
-        ax.set_ylabel(f"{self.label.partition('[')[0].replace('_', ' ')} [{self.units}]")
+        name = self.label.partition("[")[0].replace("_", " ")
+        ax.set_ylabel(f"{name}{'' if self.apart is None else ', B - A'} [{self.units}]")
         ax.set_title(self.title, fontsize=9, loc="right")  # a power of ten is on the left
         ax.grid(alpha=0.3)
 
 
-def overlay_figure(panels: Sequence[Overlaid], names: tuple[str, str]) -> Any:
-    """A matplotlib Figure with one panel per quantity and one legend below."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    columns = min(OVERLAY_COLUMNS, len(panels))
-    rows = -(-len(panels) // columns)
-    figure = Figure(figsize=(PANEL[0] * columns, PANEL[1] * rows + 0.4), layout="constrained")
-    FigureCanvasAgg(figure)
-    for n, panel in enumerate(panels):
-        panel.draw(figure.add_subplot(rows, columns, n + 1), names)
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)
-    return figure
+def overlay_figure(
+    panels: Sequence[Overlaid], names: tuple[str, str], *, theme: str = "light", width: float | None = None
+) -> Any:
+    """A matplotlib Figure with one panel per quantity and one legend below; theme, width: as of `restyle`."""
+    figure, places = page(len(panels), columns_in(width, OVERLAY_COLUMNS), PANEL)
+    for place, panel in zip(places, panels, strict=True):
+        panel.draw(figure.add_subplot(place), names)
+    named = {label: handle for ax in figure.axes for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)}
+    figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=3, frameon=False)
+    return restyle(figure, theme, width)
 
 
 BAR, TALL, FONT = "#1b6ca8", 12, 8  # more bars than `TALL` have smaller names

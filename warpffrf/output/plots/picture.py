@@ -9,6 +9,7 @@ from typing import Any
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.files.paths import checked_output_path, written_whole
+from warpffrf.output.plots.restyle import require_theme, restyle
 
 SIGNATURE = {".png": "Software", ".pdf": "Creator", ".svg": "Creator"}
 
@@ -29,13 +30,15 @@ def write_picture(
 
 
 def write_drawing(
-    draw: Callable[[Any], Any], path: str | os.PathLike[str], what: str, *, overwrite: bool = False, dpi: int = 130
-) -> Path:
-    """Write what `draw` draws on new axes, as `write_picture`."""
+    draw: Callable[[Any], Any], path: str | os.PathLike[str], what: str, *, theme: str = "light",
+    width: float | None = None, overwrite: bool = False, dpi: int = 130, projection: str | None = None,
+) -> Path:  # fmt: skip
+    """Write what `draw` draws on new axes, of a `projection`, as `write_picture`; theme, width: as of `restyle`."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    require_theme(theme)
     figure = Figure(layout="constrained")
     FigureCanvasAgg(figure)
-    draw(figure.add_subplot())
-    return write_picture(figure, path, what, overwrite=overwrite, dpi=dpi)
+    draw(figure.add_subplot(projection=projection))
+    return write_picture(restyle(figure, theme, width), path, what, overwrite=overwrite, dpi=dpi)

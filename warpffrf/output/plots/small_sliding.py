@@ -11,10 +11,9 @@ import numpy as np
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.output.contact.friction import STATES
 from warpffrf.output.loops import value_at
-from warpffrf.output.plots.colors import PRESSURE_STOPS, STATE_COLORS, WEAR_STOPS, from_zero, largest
+from warpffrf.output.plots.colors import PRESSURE_STOPS, STATE_COLORS, WEAR_STOPS, from_zero, instant, largest, side_bar
 from warpffrf.output.small_sliding import SmallSlidingResult, cell_chart
 
-SHRINK = 0.8  # of colour bars
 ROOM = 0.03  # margin of a map, of its extent
 PAGE_TIMES = 3  # rows of maps on a page by default
 PAGE_WIDTH, PAGE_HEIGHTS = 5.0, (1.9, 5.0)  # inches per map
@@ -25,7 +24,7 @@ FORCE, AREA = "#1b6ca8", "#d1495b"
 def pressure(contact: SmallSlidingResult, ax: Any, row: int) -> None:
     """Pressure of the cells, with one colour range for the run."""
     colors = _map(contact, ax, contact.pressure[row] * 1e-6, PRESSURE_STOPS, largest([contact.peak_pressure]) * 1e-6)
-    ax.figure.colorbar(colors, ax=ax, label="pressure [MPa]", shrink=SHRINK)
+    side_bar(ax, colors, label="pressure [MPa]")
     ax.set_title(f"Contact '{contact.name}': pressure, {_at(contact, row)}", fontsize=10)
 
 
@@ -35,8 +34,8 @@ def state(contact: SmallSlidingResult, ax: Any, row: int) -> None:
 
     cells = _map(contact, ax, contact.state[row], STATE_COLORS, 1.0)
     cells.set(cmap=ListedColormap(STATE_COLORS), norm=BoundaryNorm(np.arange(len(STATES) + 1) - 0.5, len(STATES)))
-    bar = ax.figure.colorbar(cells, ax=ax, ticks=np.arange(len(STATES)), shrink=SHRINK)
-    bar.ax.set_yticklabels([f"{name}: {count}" for name, count in zip(STATES, contact.counts[row], strict=True)])
+    names = [f"{name}: {count}" for name, count in zip(STATES, contact.counts[row], strict=True)]
+    side_bar(ax, cells, ticks=np.arange(len(STATES)), format=lambda state, _: names[int(state)])
     ax.set_title(f"Contact '{contact.name}': open, stick, slip, {_at(contact, row)}", fontsize=10)
 
 
@@ -44,7 +43,7 @@ def loss(contact: SmallSlidingResult, ax: Any, row: int) -> None:
     """Friction energy per area, with one colour range for the run."""
     top = largest([contact.loss_density])
     colors = _map(contact, ax, contact.loss_density[row], WEAR_STOPS, top)
-    ax.figure.colorbar(colors, ax=ax, label="accumulated loss [J/m²]", shrink=SHRINK)
+    side_bar(ax, colors, label="accumulated loss [J/m²]")
     ax.set_title(f"Contact '{contact.name}': loss {contact.loss[row]:.4g} J so far, {_at(contact, row)}", fontsize=10)
 
 
@@ -104,7 +103,7 @@ def the_small_sliding(result: Any, name: str | None = None) -> SmallSlidingResul
 
 
 def _at(contact: SmallSlidingResult, row: int) -> str:
-    return f"t = {contact.time[row] * 1e3:.4g} ms"
+    return f"t = {instant(contact.time[row])}"
 
 
 def _map(contact: SmallSlidingResult, ax: Any, values: np.ndarray, stops: tuple[str, ...], top: float) -> Any:
@@ -116,7 +115,7 @@ def _map(contact: SmallSlidingResult, ax: Any, values: np.ndarray, stops: tuple[
     corners = chart.triangles * 1e3
     polygons = PolyCollection(
         list(corners), array=np.asarray(values, dtype=float)[chart.cell],
-        cmap=LinearSegmentedColormap.from_list("cells", stops), linewidths=0.0, antialiaseds=False,
+        cmap=LinearSegmentedColormap.from_list("cells", stops), linewidths=0.0, antialiaseds=False, rasterized=True,
     )  # fmt: skip
     polygons.set_clim(0.0, top if top > 0.0 else 1.0)
     ax.add_collection(polygons)
