@@ -1,0 +1,347 @@
+"""Rigid bodies as triangle meshes: the surfaces that contacts know of them, closed to solids.
+
+A rigid body has mass, inertia and surfaces, but no shape. Its surfaces are those of its contacts and oil films:
+
+    ball               the whole ball
+    plane              a plate below the places that are touched
+    outside form       (cylinder, crowned, profiled, groove, cone) the solid of revolution along its partners
+    inside form        (bore, ring, cup) a wall around it, up to an outside form of the body about the same axis
+    bearing            rings with lands and bore or outside diameter of the geometry, ribs; rollers of their length with
+                       their ends; cage as a band between the rings, through which the elements protrude
+
+Thin rods lead from the centre of mass to joints, forces and round surfaces that lie off it. A body without surfaces is
+a marker: a small ball at its centre of mass with these rods. Lengths along an axis that no partner defines are those of
+the cylinder with the body's inertia, where the inertia about the axis is that of a cylinder, else the diameter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.bearings.flanges import ENDS
+from warpffrf.model.bearings.geometry import SIDES, BallGeometry, from_description, pair
+from warpffrf.model.bearings.parts import DEEP, SHOULDER
+from warpffrf.output.geometry.places import Pose, grid_theta_offset
+from warpffrf.output.geometry.scene_view import GROUND, BodyView, SceneView
+from warpffrf.output.geometry.solids import Piece, TriangleMesh, ball, plate, revolved, rod
+
+ROWS = 60  # saved rows at which touched places are evaluated, at most
+ALONG = 33  # points of a meridian
+BEYOND = 0.15  # of the length along its partners that a solid of revolution extends beyond them, to either side
+BESIDE = 0.6  # of the scene's size that a plane extends beyond the places that are touched
+THICK = 0.04  # of the scene's size, of the plate of a plane
+WALL = 0.2  # of the radius, of a wall around an inside form
+HOLLOW = 0.7  # of the radius of an arc that an inside form or a groove extends from its middle
+POLE = 1.0 - 1e-6  # of the radius of an arc: where it ends
+COAXIAL = 1e-6  # of the radius, and of a unit vector: surfaces about the same axis
+SOLID, THIN = 0.25, 1.05  # inertia about the axis over mass and radius squared, of a cylinder
+MARKER, ROD = 0.02, 0.008  # radii of marker and rods, of the scene's size
+CAGE = 0.12, 0.3  # half height and half width of a cage, of the diameter of its elements
+PLAIN_SIZE = 0.1  # m, of a scene without anything that has a size
+
+Lines = list[Piece]
+
+
+@dataclass(frozen=True, eq=False)
+class RigidMesh(TriangleMesh):
+    """A rigid body, user frame; of the ground in the world. marker: it has no known surface."""
+
+    marker: bool = False
+
+
+def rigid_meshes(result: Any, size: float | None = None) -> dict[str, RigidMesh]:
+    """The mesh of each rigid body of a `Result`, of the ground where it has surfaces, by name.
+
+    size [m]: of the scene, that of planes and markers; None: that of the largest body.
+    """
+    return _Scene(result).meshes(size)
+
+
+class _Scene:
+    """Surfaces of a run, and where they are touched."""
+
+    def __init__(self, result: Any) -> None:
+        self.result, self.view = result, result.view
+        view: SceneView = self.view
+        steps = len(result.time)
+        self.rows = np.unique(np.linspace(0, steps - 1, min(steps, ROWS)).astype(int))
+        self.touched: dict[tuple[str, str], list[np.ndarray]] = {}  # places (n, 3) [m, user frame], by body and surface
+        self.bodies = {name: body for name, body in view.bodies.items() if body.reduced is None}
+        for name, met in view.pairs.items():
+            self._distributed(met, result.history.contacts[name].center_column)
+        for met in view.films.values():
+            self._distributed(met, None)
+        for name, met in view.lumped.items():
+            place = result.history.lumped_contacts[name].place
+            for body, surface in _sides(met):
+                self._touch(body, surface, [place[i][None] for i in self.rows], self.rows)
+        for met in view.small_sliding.values():
+            if met.second_body.reduced is None:
+                self._keep(met.second_body, met.second_surface_name, met.partners)
+
+    def meshes(self, size: float | None) -> dict[str, RigidMesh]:
+        """See `rigid_meshes`."""
+        view = self.view
+        parts: dict[str, list[TriangleMesh]] = {}
+        done: set[tuple[str, str]] = set()
+        for bearing in view.bearings.values():
+            for name, surfaces, mesh in _bearing(bearing, {**self.bodies, GROUND: self._ground()}):
+                parts.setdefault(name, []).append(mesh)
+                done |= {(name, surface) for surface in surfaces}
+        flat = []
+        for body in (*self.bodies.values(), self._ground()):
+            open_shapes = {s: shape for s, shape in body.shapes.items() if (body.name, s) not in done}
+            planes = {s: shape for s, shape in open_shapes.items() if shape.profile().planar}
+            flat += [(body.name, s, shape) for s, shape in planes.items()]
+            done |= {(body.name, s) for s in planes}
+            round_ones = {s: shape for s, shape in open_shapes.items() if s not in planes}
+            found = self._round(body, round_ones)
+            if found:
+                parts.setdefault(body.name, []).extend(found)
+        extents = [np.ptp(mesh.points, axis=0).max() for some in parts.values() for mesh in some]
+        extents += [np.ptp(b.reduced.surface.points, axis=0).max() for b in view.bodies.values() if b.reduced]
+        size = size or max([float(e) for e in extents], default=0.0) or self._spread() or PLAIN_SIZE
+        for name, surface, shape in flat:
+            parts.setdefault(name, []).append(_plate(shape, self.touched.get((name, surface), []), size))
+        meshes, within = {}, {n for b in view.bearings.values() for n in (*b["elements"], b["cage"])}
+        for body in self.bodies.values():
+            center, marker = body.center_of_mass, body.name not in parts
+            some = parts.pop(body.name, []) or [ball(center, np.eye(3), MARKER * size, 24)]
+            ends = [] if body.name in within else [anchor.point for anchor in view.anchors if anchor.body == body.name]
+            ends += [shape.axis_point for s, shape in body.shapes.items() if (body.name, s) not in done]
+            far = [at for at in ends if np.linalg.norm(at - center) > MARKER * size]
+            whole = TriangleMesh.of(
+                some + [rod(center, at, ROD * size) for at in np.unique(np.reshape(far, (-1, 3)), axis=0)]
+            )
+            meshes[body.name] = RigidMesh(whole.points, whole.triangles, marker)
+        for name, some in parts.items():
+            whole = TriangleMesh.of(some)
+            meshes[name] = RigidMesh(whole.points, whole.triangles)
+        return meshes
+
+    def _ground(self) -> BodyView:
+        """The ground with the surfaces that pairs have of it."""
+        touching = (self.view.pairs, self.view.films, self.view.lumped, self.view.small_sliding)
+        for met in (one for some in touching for one in some.values()):
+            for body, _ in _sides(met):
+                if body.name == GROUND:
+                    return body
+        return BodyView(GROUND, None, 0.0, np.zeros(3))
+
+    # --- places that are touched
+
+    def _pose(self, name: str, i: int) -> Pose:
+        return Pose.of(self.result.history.bodies, name, int(i))
+
+    def _distributed(self, met: Any, center_column: np.ndarray | None) -> None:
+        """The patches' middles at both ends of the first surface's grid, or the ends of a film, on a rigid second
+        surface."""
+        if met.second_body.reduced is not None:
+            return
+        surface = met.first
+        grid = surface.grid
+        rows, places = (self.rows if center_column is not None else self.rows[:1]), []
+        for i in rows:
+            column = np.arange(grid.columns) if center_column is None else np.atleast_1d(center_column[i])
+            theta = grid.theta_start + grid_theta_offset(surface) + grid.pitch * column
+            points = surface.shape.point(*np.meshgrid(theta, np.asarray(grid.z)[[0, -1]])).reshape(-1, 3)
+            places.append(self._pose(met.first_body.name, i).to_world(points))
+        self._touch(met.second_body, met.second_surface_name, places, rows)
+
+    def _touch(self, body: BodyView, surface: str, world: list[np.ndarray], rows: np.ndarray) -> None:
+        if body.reduced is None:
+            own = [self._pose(body.name, i).to_user(points) for i, points in zip(rows, world, strict=True)]
+            self._keep(body, surface, np.concatenate(own))
+
+    def _keep(self, body: BodyView, surface: str, points: np.ndarray) -> None:
+        finite = points[np.all(np.isfinite(points), axis=1)]
+        self.touched.setdefault((body.name, surface), []).append(finite)
+
+    # --- bodies
+
+    def _spread(self) -> float:
+        """Largest distance [m] between centres of mass and anchors at the start."""
+        first = {name: self._pose(name, 0) for name in self.view.bodies}
+        points = [pose.to_world(self.view.bodies[name].center_of_mass[None])[0] for name, pose in first.items()]
+        for anchor in self.view.anchors:
+            points.append((first[anchor.body] if anchor.body else Pose()).to_world(anchor.point[None])[0])
+        return float(np.ptp(np.array(points), axis=0).max()) if points else 0.0
+
+    def _round(self, body: BodyView, shapes: dict[str, Any]) -> list[TriangleMesh]:
+        """The surfaces of revolution; an outside form that an inside form about the same axis lies within is hollow."""
+        found, hollow = [], set()
+        for name, shape in shapes.items():
+            if shape.side > 0.0:
+                continue
+            around = [s for s, other in shapes.items() if other.side > 0.0 and _within(shape, other)]
+            low, high = self._ends(body, name, shape)
+            line = _line(shape, low, high)
+            radius = np.max(line[0]) * (1.0 + WALL)
+            outer: Piece = ([radius, radius], [high, low])
+            if around:
+                hollow.add(around[0])
+                off = float((shape.axis_point - shapes[around[0]].axis_point) @ shapes[around[0]].e_a)
+                r, z = _line(shapes[around[0]], low + off, high + off)
+                outer = r[::-1], (z - off)[::-1]
+            found.append(revolved(shape.axis_point, shape.frame, _closed([line], outer)))
+        for name, shape in shapes.items():
+            if shape.side < 0.0 or name in hollow:
+                continue
+            if shape.profile().spherical:
+                found.append(ball(shape.axis_point, shape.frame, shape.radius))
+                continue
+            line = _line(shape, *self._ends(body, name, shape))
+            ends = _face(0.0, line[0][0], line[1][0]), _face(line[0][-1], 0.0, line[1][-1])
+            found.append(revolved(shape.axis_point, shape.frame, [ends[0], line, ends[1]]))
+        return found
+
+    def _ends(self, body: BodyView, surface: str, shape: Any) -> tuple[float, float]:
+        """Ends [m] along the axis of a surface of revolution."""
+        places = self.touched.get((body.name, surface), [])
+        z = np.concatenate([np.asarray(shape.chart(points)[1]) for points in places] or [np.zeros(1)])
+        low, high = float(z.min()), float(z.max())
+        half = (0.5 + BEYOND) * (high - low)
+        if half < 0.5 * shape.radius:  # touched at points
+            half += _half_length(body, shape)
+        middle = 0.5 * (low + high)
+        return _on_arc(shape, middle - half, middle + half)
+
+
+def _sides(met: Any) -> tuple[tuple[BodyView, str], tuple[BodyView, str]]:
+    return (met.first_body, met.first_surface_name), (met.second_body, met.second_surface_name)
+
+
+def _within(inside: Any, outside: Any) -> bool:
+    """Whether an inside form lies within an outside form about the same axis."""
+    across = outside.axis_point - inside.axis_point
+    off = np.linalg.norm(np.cross(across, inside.e_a)) / outside.radius
+    tilt = np.linalg.norm(np.cross(outside.e_a, inside.e_a))
+    return bool(max(off, tilt) < COAXIAL and inside.radius < outside.radius)
+
+
+def _half_length(body: BodyView, shape: Any) -> float:
+    """Half the length [m] of the cylinder with the inertia of the body; the radius where it is no cylinder's."""
+    if body.mass > 0.0:
+        about = float(shape.e_a @ body.inertia @ shape.e_a)
+        along = 1.5 * (float(np.trace(body.inertia)) - 2.0 * about) / body.mass  # half the length, squared
+        if SOLID < about / (body.mass * shape.radius**2) < THIN and along > 0.0:
+            return float(np.sqrt(along))
+    return float(shape.radius)
+
+
+def _on_arc(shape: Any, low: float, high: float) -> tuple[float, float]:
+    """The ends within the arc of the surface; of inside forms and grooves within the part of it that is used."""
+    profile = shape.profile()
+    if not profile.crown:
+        return low, high
+    convex = profile.side > 0.0 and profile.crown > 0.0
+    most = (POLE if convex else HOLLOW) * abs(profile.crown)
+    return max(low, -most), min(high, most)
+
+
+def _line(shape: Any, low: float, high: float) -> Piece:
+    """Radii and positions of the meridian; of an arc at equal angles."""
+    profile = shape.profile()
+    crown = abs(profile.crown)
+    z = np.linspace(low, high, ALONG if len(profile.breaks) else 2)
+    if crown:
+        first, last = np.arcsin(np.clip([low / crown, high / crown], -1.0, 1.0))
+        z = crown * np.sin(np.linspace(first, last, ALONG))
+    return np.maximum(shape.radius_at(z), 0.0), z
+
+
+def _face(r_0: float, r_1: float, z: float) -> Piece:
+    return [r_0, r_1], [z, z]
+
+
+def _closed(line: Lines, other: Piece) -> Lines:
+    """A ring between the pieces of `line`, upwards, and `other`, downwards."""
+    (r_0, z_0), (r_1, z_1), (r, z) = line[0], line[-1], other
+    return [*line, ([r_1[-1], r[0]], [z_1[-1], z[0]]), other, ([r[-1], r_0[0]], [z[-1], z_0[0]])]
+
+
+def _plate(shape: Any, places: list[np.ndarray], size: float) -> TriangleMesh:
+    """The material below a plane, `BESIDE` of the size beyond the places that are touched."""
+    theta, z, _ = shape.chart(np.concatenate([*places, shape.axis_point[None]] if not places else places))
+    thick = 0.5 * THICK * size
+    middle = shape.point(0.5 * (theta.min() + theta.max()), 0.5 * (z.min() + z.max())) - thick * shape.e_0
+    half = np.array([thick, 0.5 * np.ptp(theta) + BESIDE * size, 0.5 * np.ptp(z) + BESIDE * size])
+    return plate(middle, np.stack([shape.e_0, shape.e_1, shape.e_a]), half)
+
+
+# --- bearings
+
+
+def _bearing(description: dict[str, Any], bodies: dict[str, BodyView]) -> list[tuple[str, list[str], TriangleMesh]]:
+    """Name of the body, its surfaces that are drawn, and mesh of each rigid part of a bearing."""
+    geometry: Any = from_description(description["geometry"])
+    found = []
+    for side in SIDES:
+        body = bodies.get(description[side])
+        raceway = f"{description['name']} {side} raceway"
+        if body is not None and raceway in body.shapes:
+            ribs = [s for end in ENDS if (s := f"{description['name']} {side} {end} rib") in body.shapes]
+            found.append((body.name, [raceway, *ribs], _ring(description, geometry, side, body)))
+    if description["kind"] == "roller":
+        for name in description["elements"]:
+            if name in bodies and bodies[name].shapes:
+                mesh = _roller(bodies[name].shapes, geometry.roller_length)
+                found.append((name, list(bodies[name].shapes), mesh))
+    cage = bodies.get(description["cage"])
+    if cage is not None:
+        axes, (height, width) = np.asarray(description["axes"]), np.array(CAGE) * geometry.diameter
+        if description["kind"] == "roller":
+            width = 0.5 * geometry.roller_length - height
+        r = 0.5 * geometry.pitch_diameter + height * np.array([-1.0, 1.0])
+        band = _closed([([r[0], r[0]], [-width, width])], ([r[1], r[1]], [width, -width]))
+        found.append((cage.name, list(cage.shapes), revolved(np.zeros(3), axes, band)))
+    return found
+
+
+def _ring(description: dict[str, Any], geometry: Any, side: str, body: BodyView) -> TriangleMesh:
+    """A ring between its raceway, with lands or ribs beside it, and its bore or outside diameter."""
+    name, sign = description["name"], -1.0 if side == "inner" else 1.0
+    shape = body.shapes[f"{name} {side} raceway"]
+    center = Pose(**description["poses"][body.name]).to_user(np.asarray(description["center"])[None])[0]
+    middle = float((center - shape.axis_point) @ shape.e_a)
+    D, pitch = geometry.diameter, geometry.pitch_diameter
+    given = geometry.bore if side == "inner" else geometry.outside_diameter
+    edge = 0.5 * max(pitch + sign * DEEP * D if given is None else given, 0.0)
+    land = 0.5 * (pitch + sign * SHOULDER * D)
+    half = 0.5 * (geometry.default_width if geometry.width is None else geometry.width)
+    low, high = middle - half, middle + half
+    begin, stop = low, high
+    if isinstance(geometry, BallGeometry):
+        r, shoulder = geometry.groove(side), pair(geometry.shoulders, "shoulders")[SIDES.index(side)]
+        height = sign * (geometry.bottom(side) - land) if shoulder is None else shoulder
+        land = geometry.bottom(side) - sign * height
+        reach = np.sqrt(r**2 - max(r - height, 0.0) ** 2)
+        begin, stop = max(-reach, low), min(reach, high)
+    else:
+        along = 0.5 * geometry.roller_length
+        begin = middle - along if f"{name} {side} back rib" in body.shapes else low
+        stop = middle + along if f"{name} {side} front rib" in body.shapes else high
+    line: Lines = [_line(shape, begin, stop)]
+    if begin > low:
+        line[:0] = [([land, land], [low, begin]), _face(land, line[0][0][0], begin)]
+    if stop < high:
+        line += [_face(line[-1][0][-1], land, stop), ([land, land], [stop, high])]
+    return revolved(shape.axis_point, shape.frame, _closed(line, ([edge, edge], [high, low])))
+
+
+def _roller(shapes: dict[str, Any], length: float) -> TriangleMesh:
+    """A roller of its length, with flat or spherical ends."""
+    skin = next(shape for shape in shapes.values() if not shape.profile().spherical)
+    faces = {}
+    for end, sign in ENDS.items():
+        dome, z = shapes.get(f"{end} end"), 0.5 * sign * length
+        r = np.linspace(0.0, float(skin.radius_at(z)), 2 if dome is None else ALONG)
+        drop = 0.0 * r if dome is None else dome.radius - np.sqrt(dome.radius**2 - r**2)
+        faces[end] = r, z - sign * drop
+    line = _line(skin, faces["back"][1][-1], faces["front"][1][-1])
+    faces["back"][0][-1], faces["front"][0][-1] = line[0][0], line[0][-1]  # a rim, on the surface of both
+    r, z = faces["front"]
+    return revolved(skin.axis_point, skin.frame, [faces["back"], line, (r[::-1], z[::-1])])
