@@ -31,7 +31,7 @@ from warpffrf.output.geometry.solids import Piece, TriangleMesh, ball, plate, re
 ROWS = 60  # saved rows at which touched places are evaluated, at most
 ALONG = 33  # points of a meridian
 BEYOND = 0.15  # of the length along its partners that a solid of revolution extends beyond them, to either side
-BESIDE = 0.6  # of the scene's size that a plane extends beyond the places that are touched
+BESIDE = 0.3  # of the scene's size that a plane extends beyond the places that are touched
 THICK = 0.04  # of the scene's size, of the plate of a plane
 WALL = 0.2  # of the radius, of a wall around an inside form
 HOLLOW = 0.7  # of the radius of an arc that an inside form or a groove extends from its middle
