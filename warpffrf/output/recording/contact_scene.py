@@ -21,7 +21,7 @@ from warpffrf.model.sensors import Position, Stress
 from warpffrf.output.plots.colors import ColorClasses, ColorScale, field_scale, largest, map_axes_picture
 from warpffrf.output.recording import frames as fr
 from warpffrf.output.recording.extent import EYE, length_text, round_length
-from warpffrf.output.recording.glyphs import LEAST_SHOWN, MOST_LABELS
+from warpffrf.output.recording.glyphs import LEAST_SHOWN, MOST_LABELS, force_text
 from warpffrf.output.recording.patch_map import cell_map, map_window, pixels, pressure_map
 
 MAP_SHAPE = (220, 480)  # pixels (height, width) of the patch map
@@ -187,7 +187,7 @@ class ContactScene:
             return
         labelled = len(recorder.contacts) <= MOST_LABELS
         names = (contact.view.first_body.name, contact.view.second_body.name)
-        labels = [f"on {name}: {value * 1e-3:.4g} kN" for name, value in zip(names, newton, strict=True)]
+        labels = [f"on {name}: {force_text(value)}" for name, value in zip(names, newton, strict=True)]
         arrows = recorder.rr.Arrows3D(
             origins=np.stack([origin, origin]),
             vectors=vectors,
@@ -200,7 +200,7 @@ class ContactScene:
 
 
 CONTACT_PLOTS = {
-    "force": "Contact force [kN]",
+    "force": "Contact forces [N]",
     "peak_pressure": "Largest pressure [MPa]",
     "half_width": "Half-widths of the patch [µm]",
 }
@@ -222,7 +222,7 @@ def contact_series(contact: Any) -> list[Series]:
     """Entities `plots/<kind>/<pair>` and `solver/active_nodes/<pair>`; NaN where a quantity is undefined."""
     name = contact.name
     found: list[Series] = [
-        (("plots", "force", name), f"{name} [kN]", contact.force_magnitude * 1e-3),
+        (("plots", "force", name), f"{name} [N]", contact.force_magnitude),
         (("plots", "peak_pressure", name), f"{name} [MPa]", contact.peak_pressure * 1e-6),
         (("plots", "half_width", name), f"{name} along the arc [µm]", contact.half_width * 1e6),
         (("solver", "active_nodes", name), f"{name} active {contact.loaded}", contact.active_nodes),

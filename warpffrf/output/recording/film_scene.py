@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.output.geometry.places import grid_theta_offset
-from warpffrf.output.plots.colors import ColorScale, field_scale, largest, map_axes_picture
+from warpffrf.output.plots.colors import field_scale, largest, map_axes_picture
 from warpffrf.output.recording import frames as fr
 from warpffrf.output.recording.extent import EYE, FIELD, FRONT
 
@@ -26,7 +26,7 @@ ABOVE = 0.5  # direction of the eye along the axis, for 1 towards the largest pr
 class FilmColors:
     """Colours of the fields of films, one range for all films of a run."""
 
-    def __init__(self, films: list[Any], rows: np.ndarray, pressure: ColorScale) -> None:
+    def __init__(self, films: list[Any], rows: np.ndarray, pressure: Any) -> None:
         """pressure: the scale that contacts and films share."""
         gap = largest([film.gap[rows] for film in films])
         self._scales: dict[str, Any] = {

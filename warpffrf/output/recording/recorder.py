@@ -229,9 +229,10 @@ class _Recorder:
         self.scales: list[ColorScale | ColorClasses] = [self.contact_colors.scale(name) for name in fields]
         if bodies and color not in fields:
             self.scales.insert(0, self.skin_scale)
-        self.scales += [self.film_colors.scale(n) for n in self.film_colors.fields if n != "pressure" or not fields]
+        self.scales += [self.film_colors.scale(name) for name in self.film_colors.fields]
         self.scales += [self.small_sliding_colors.scale(name) for name in self.small_sliding_colors.fields]
         self.scales += [self.rigid.scale] * self.rigid.shows_loads
+        self.scales = list({scale.label: scale for scale in self.scales}.values())  # films and contacts share pressure
         self.notes = self._notes()
 
     def _skin_scale(self, top: float) -> ColorScale | ColorClasses:

@@ -14,6 +14,7 @@ import numpy as np
 
 from warpffrf.output.plots.colors import INK_RGB, largest
 from warpffrf.output.recording.extent import round_length, seen_along
+from warpffrf.output.recording.glyphs import force_text
 
 CIRCLE = np.stack([np.cos(a := np.linspace(0.0, 2.0 * np.pi, 121)), -np.sin(a)], axis=1)
 TRACE_COLOR, POINT_COLOR = (67, 162, 202), (230, 57, 70)
@@ -43,7 +44,7 @@ class LoadZone:
             [0.5 * CIRCLE, CIRCLE], colors=[INK_RGB], radii=rr.Radius.ui_points(0.5 * THIN)
         ))  # fmt: skip
         place = np.array([0.5, 1.0])[:, None] * np.array([np.cos(0.8), -np.sin(0.8)])
-        labels = [f"{0.5e-3 * self.top:.3g} kN", f"{1e-3 * self.top:.3g} kN"]
+        labels = [force_text(0.5 * self.top), force_text(self.top)]
         log(self.path("values"), rr.Points2D(place, labels=labels, show_labels=True, colors=[INK_RGB],
                                              radii=rr.Radius.ui_points(THIN)))  # fmt: skip
 
