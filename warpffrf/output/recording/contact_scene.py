@@ -31,7 +31,7 @@ ARROW_CELLS = 1.5  # length of the arrow of the largest traction, in columns of 
 ARROW_COLOR = (20, 20, 20)
 BAR_COLOR = (205, 90, 205)  # in no scale of pressure or displacement
 BESIDE, BAR_RADIUS = 0.03, 0.004  # of what a close-up shows: place and radius of its scale bar
-FIRST_COLOR, SECOND_COLOR = (120, 190, 255), (255, 170, 90)
+FIRST_COLOR, SECOND_COLOR = (60, 130, 230), (220, 115, 30)  # readable on black and on white
 FRICTION_FIELDS = ("traction", "state", "slip", "wear")
 TITLES = {
     "pressure": "Pressure",

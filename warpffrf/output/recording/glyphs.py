@@ -13,7 +13,7 @@ from warpffrf.output.geometry.scene_view import Anchor
 from warpffrf.output.plots.colors import largest
 from warpffrf.output.recording.extent import length_text, round_length
 
-JOINT_COLOR, LOAD_COLOR, LUMPED_COLOR = (90, 200, 120), (235, 110, 60), (80, 130, 230)
+JOINT_COLOR, LOAD_COLOR, LUMPED_COLOR = (50, 155, 85), (225, 100, 50), (80, 130, 230)
 ARROW_LENGTH = 0.3  # of the scene's largest body, for the largest force of the run
 ARROW_RADIUS, POINT_RADIUS = 0.008, 0.012  # of the largest body
 TRIAD, TRIAD_RADIUS = 0.4, 0.012  # of the radius of what is shown: longest arrow, and its radius

@@ -112,12 +112,13 @@ def record(
     "pressure", with friction "traction" and "state", and for contacts with friction "slip" and "wear"; "von_mises" for
     bodies reduced with `stress={"skin": "skin"}` (surfaces without stress are dark grey).
 
-    deformation_factor [-]: magnification of the elastic displacement; None: chosen from 1, 2, 5, 10, ...; rigid motion
-    is never magnified. Every `every`th saved row and the last are drawn; None: at most `max_frames` rows; at most
-    `max_points` points of each body's surface. Rows with non-finite values are omitted and listed in the return value
-    and in the recording. progress: report the progress on stderr. Raises InputError for a path that cannot be written,
-    a factor or count that is not positive, a colour that the run does not have, a run without saved rows, and an
-    existing file, unless `overwrite` is set and warpffrf wrote it.
+    deformation_factor [-]: magnification of the elastic displacement; None: chosen from 1, 2, 5, 10, ... so that no
+    surfaces of contacts and films are drawn into each other; rigid motion is never magnified. Every `every`th saved row
+    and the last are drawn; None: at most `max_frames` rows; at most `max_points` points of each body's surface. Rows
+    with non-finite values are omitted and listed in the return value and in the recording. progress: report the
+    progress on stderr. Raises InputError for a path that cannot be written, a factor or count that is not positive, a
+    colour that the run does not have, a run without saved rows, and an existing file, unless `overwrite` is set and
+    warpffrf wrote it.
 
     >>> info = wf.record(result, "rollers.rrd", max_frames=20)
     """

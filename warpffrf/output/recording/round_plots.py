@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.output.plots.colors import INK_RGB, largest
-from warpffrf.output.recording.extent import round_length, seen_along
+from warpffrf.output.recording.extent import seen_along
 from warpffrf.output.recording.glyphs import force_text
 
 CIRCLE = np.stack([np.cos(a := np.linspace(0.0, 2.0 * np.pi, 121)), -np.sin(a)], axis=1)
@@ -83,18 +83,17 @@ class Orbit:
         return self.recorder.path("orbits", self.name, *parts)
 
     def static(self) -> None:
-        """Log the whole path, the circle of the clearance, and axes with a round length."""
+        """Log the whole path, the circle of the clearance, and axes with their length."""
         rr, log = self.recorder.rr, self.recorder.log_static
         points = 1e6 * self.path_[np.all(np.isfinite(self.path_), axis=1)] * [1.0, -1.0]
-        reach = 1e6 * self.limit or BEYOND * max(largest([np.abs(points)]), 1e-9)
+        reach = 1e6 * self.limit or float(f"{BEYOND * largest([np.abs(points)]):.2g}")
         line, thin = rr.Radius.ui_points(THIN), rr.Radius.ui_points(0.5 * THIN)
         log(self.path("path"), rr.LineStrips2D([points], colors=[TRACE_COLOR], radii=line))
         cross = [[[-reach, 0.0], [reach, 0.0]], [[0.0, -reach], [0.0, reach]]]
         lines = [*cross, *([reach * CIRCLE] if self.limit else [])]
         log(self.path("axes"), rr.LineStrips2D(lines, colors=[INK_RGB], radii=thin))
-        tick = reach if self.limit else round_length(reach)
-        labels = [f"{tick:.3g} µm along {self.directions[0]}", f"{tick:.3g} µm along {self.directions[1]}"]
-        at = [[tick, 0.0], [0.0, -tick]]
+        labels = [f"{reach:.3g} µm along {direction}" for direction in self.directions]
+        at = [[reach, 0.0], [0.0, -reach]]
         log(self.path("values"), rr.Points2D(at, labels=labels, show_labels=True, colors=[INK_RGB], radii=line))
 
     def frame(self, i: int) -> None:
