@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.output.geometry.rigid_mesh import CAGE, rigid_meshes
+from warpffrf.output.geometry.scene_view import BodyView, SceneView
 from warpffrf.output.geometry.solids import AROUND, TriangleMesh, rod
 
 ROUND_OFF = 1e-12  # of the size
@@ -158,3 +160,39 @@ def test_a_rod_reaches_from_end_to_end() -> None:
     mesh = rod(np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 7.0]), 0.1, 8)
     assert mesh.volume == pytest.approx(4.0 * np.sin(np.pi / 4.0) * 0.1**2 * 4.0, rel=1e-12)
     assert is_watertight(mesh) and np.ptp(mesh.points[:, 2]) == pytest.approx(4.0)
+
+
+AXIS: dict[str, Any] = {"axis_point": (0.01, 0.0, 0.0), "axis_direction": (0.0, 1.0, 0.0)}
+SHAPES = {
+    "cylinder": wf.surfaces.Cylinder(radius=0.02, **AXIS),
+    "crowned": wf.surfaces.CrownedCylinder(radius=0.02, crown_radius=0.5, **AXIS),
+    "profiled": wf.surfaces.ProfiledCylinder(radius=0.02, table=([-0.01, 0.0, 0.01], [1e-4, 0.0, 1e-4]), **AXIS),
+    "groove": wf.surfaces.Groove(radius=0.02, groove_radius=0.006, **AXIS),
+    "sphere": wf.surfaces.Sphere(radius=0.02, **AXIS),
+    "cone": wf.surfaces.Cone(radius=0.02, half_angle=0.2, **AXIS),
+    "plane": wf.surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.6, 0.0, 0.8)),
+    "bore": wf.surfaces.Bore(radius=0.02, **AXIS),
+    "ring": wf.surfaces.Ring(radius=0.02, groove_radius=0.006, **AXIS),
+    "cup": wf.surfaces.Cup(radius=0.02, **AXIS),
+    "conical bore": wf.surfaces.ConicalBore(radius=0.02, half_angle=0.2, **AXIS),
+}
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+def test_a_body_of_every_surface_is_a_solid_that_ends_at_it(kind: str) -> None:
+    shape = SHAPES[kind]
+    body = BodyView("body", None, 1.0, np.zeros(3), 1e-4 * np.eye(3), {"skin": shape})
+    history = SimpleNamespace(bodies={}, contacts={}, lumped_contacts={})
+    result = SimpleNamespace(view=SceneView("hash", {"body": body}), history=history, time=np.zeros(1))
+    mesh = rigid_meshes(result, 0.1)["body"]
+    assert is_watertight(mesh) and mesh.volume > 0.0 and not mesh.marker
+    distance = shape.chart(mesh.points)[2]
+    on = np.abs(distance) < 1e-9
+    assert distance.max() < 1e-9  # no vertex lies in the free space
+    assert np.sum(on) >= (4 if kind == "plane" else AROUND)
+    corners = mesh.triangles[np.all(on[mesh.triangles], axis=1)]  # triangles of the surface itself look outwards
+    middle = mesh.points[corners].mean(axis=1)
+    area = np.cross(mesh.points[corners[:, 1]] - mesh.points[corners[:, 0]],
+                    mesh.points[corners[:, 2]] - mesh.points[corners[:, 0]])  # fmt: skip
+    theta, z, _ = shape.chart(middle)
+    assert np.all(np.einsum("ti,ti->t", area, shape.normal(theta, z)) > 0.0)

@@ -174,8 +174,9 @@ def test_colors_have_a_fixed_range() -> None:
     first, last = (int(s[1:], 16) << 8 | 0xFF for s in (PRESSURE_STOPS[0], PRESSURE_STOPS[-1]))
     assert scale.packed(np.array([-1.0, 0.0, 2.0, 9.0])).tolist() == [first, first, last, last]
     assert ColorScale("p", 0.0, 1.0, PRESSURE_STOPS).packed(np.zeros(2)).tolist() == [first, first]
-    assert legend_picture([scale, scale]).shape[2] == 3
-    picture, (left, top) = map_axes_picture(1e-3, -0.01, 0.01, (60, 200))
+    legend = legend_picture([scale, scale])
+    assert legend.shape[2] == 4 and np.all(legend[[0, -1]][:, [0, -1], 3] == 0)  # a transparent ground
+    picture, (left, top) = map_axes_picture((-1.0, 1.0), (-10.0, 10.0), ("arc [mm]", "axis [mm]"), (60, 200))
     assert picture.shape[0] > 60 + top and picture.shape[1] > 200 + left
 
 

@@ -16,12 +16,10 @@ from shape_runs import on_the_floor
 from synthetic_run import ROWS, STEPS, WINDOW, R
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.surfaces import Groove, Plane, Sphere
 from warpffrf.output.plots.colors import STATE_COLORS, ColorClasses, legend_picture, legend_rows
 from warpffrf.output.plots.friction import FRICTION_PLOTS
 from warpffrf.output.recording.contact_scene import FRICTION_FIELDS, relief_name
 from warpffrf.output.recording.contact_scene import FRICTION_PLOTS as CURVES
-from warpffrf.output.recording.glyphs import shape_mesh
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result
 
@@ -111,25 +109,9 @@ def test_rerun_verifies_a_recording_with_friction(rubbing: Result, tmp_path: Pat
 
 def test_a_rigid_floor_is_drawn_under_the_patch(body, tmp_path: Path) -> None:
     info = record(Result(on_the_floor(body)), tmp_path / "run.rrd")
-    points = np.array(columns(info.path, "/world/ground/floor", "Mesh3D:vertex_positions")[0])
-    assert points[:, 2] == pytest.approx(np.full(len(points), R), abs=1e-7)  # float32
-    assert points[:, 0].min() < -R < R < points[:, 0].max()
-
-
-def test_meshes_of_shapes_face_the_free_space() -> None:
-    shapes = {
-        "sphere": Sphere(radius=0.01, axis_point=(0, 0, 0), axis_direction=(0, 1, 0)),
-        "groove": Groove(radius=0.02, groove_radius=0.005, axis_point=(0, 0, 0), axis_direction=(0, 1, 0)),
-        "plane": Plane(origin=(0, 0, 0), outward=(0, 0, 1)),
-    }
-    for kind, shape in shapes.items():
-        points, normals, triangles = shape_mesh(shape, (-0.01, 0.02), (-0.02, 0.01))
-        corners = points[triangles]
-        area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        assert np.all((area * normals[triangles[:, 0]]).sum(axis=1) > 0.0), kind
-        assert np.abs(shape.chart(points)[2]).max() < 1e-12
-    points = shape_mesh(shapes["sphere"], (0.0, 0.0), (0.0, 0.001))[0]
-    assert np.ptp(points, axis=0) == pytest.approx([0.02, 0.02, 0.02], rel=1e-2)  # a ball is drawn whole
+    points = np.array(columns(info.path, "/world/ground/solid", "Mesh3D:vertex_positions")[0])
+    assert points[:, 2].min() == pytest.approx(R, abs=1e-7)  # float32; the material lies above
+    assert points[:, 0].min() < -0.5 * R < 0.5 * R < points[:, 0].max()
 
 
 def test_legends_of_many_fields_stand_in_two_columns() -> None:

@@ -9,9 +9,10 @@ A rigid body has mass, inertia and surfaces, but no shape. Its surfaces are thos
     bearing            rings with lands and bore or outside diameter of the geometry, ribs; rollers of their length with
                        their ends; cage as a band between the rings, through which the elements protrude
 
-Thin rods lead from the centre of mass to joints, forces and round surfaces that lie off it. A body without surfaces is
-a marker: a small ball at its centre of mass with these rods. Lengths along an axis that no partner defines are those of
-the cylinder with the body's inertia, where the inertia about the axis is that of a cylinder, else the diameter.
+Thin rods lead from the centre of mass to joints, forces and round outside forms that lie off it. A body without
+surfaces is a marker: a small ball at its centre of mass with these rods. Lengths along an axis that no partner defines
+are those of the cylinder with the body's inertia, where the inertia about the axis is that of a cylinder, else the
+diameter.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from warpffrf.output.geometry.solids import Piece, TriangleMesh, ball, plate, re
 ROWS = 60  # saved rows at which touched places are evaluated, at most
 ALONG = 33  # points of a meridian
 BEYOND = 0.15  # of the length along its partners that a solid of revolution extends beyond them, to either side
-BESIDE = 0.6  # of the scene's size that a plane extends beyond the places that are touched
+BESIDE = 0.3  # of the scene's size that a plane extends beyond the places that are touched
 THICK = 0.04  # of the scene's size, of the plate of a plane
 WALL = 0.2  # of the radius, of a wall around an inside form
 HOLLOW = 0.7  # of the radius of an arc that an inside form or a groove extends from its middle
@@ -111,7 +112,8 @@ class _Scene:
             center, marker = body.center_of_mass, body.name not in parts
             some = parts.pop(body.name, []) or [ball(center, np.eye(3), MARKER * size, 24)]
             ends = [] if body.name in within else [anchor.point for anchor in view.anchors if anchor.body == body.name]
-            ends += [shape.axis_point for s, shape in body.shapes.items() if (body.name, s) not in done]
+            own = [shape for s, shape in body.shapes.items() if (body.name, s) not in done]
+            ends += [shape.axis_point for shape in own if shape.side > 0.0]  # free space of inside forms
             far = [at for at in ends if np.linalg.norm(at - center) > MARKER * size]
             whole = TriangleMesh.of(
                 some + [rod(center, at, ROD * size) for at in np.unique(np.reshape(far, (-1, 3)), axis=0)]

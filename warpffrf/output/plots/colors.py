@@ -26,6 +26,10 @@ WEAR_STOPS = ("#c9ced6", "#d4b9da", "#df65b0", "#ce1256", "#67001f")
 STATE_COLORS = ("#c9ced6", "#2a7fb8", "#ff9f1c")  # open, stick, slip
 DISPLACEMENT_STOPS = ("#dfe7ee", "#74c0e3", "#2a7fb8", "#1b3a8a", "#2d0a4e")
 STRESS_STOPS = ("#2b4c9b", "#3fa7d6", "#7bd389", "#f6d743", "#d7263d")
+GAP_STOPS = ("#440154", "#3b528b", "#21918c", "#5ec962", "#fde725")
+FRACTION_STOPS = ("#f6f1d5", "#74c0e3", "#1b3a8a")  # empty, full
+INK = "#757c84"  # lines and text that are visible on black and on white
+INK_RGB = (133, 140, 148)
 UNKNOWN = (118, 118, 118)  # values that are not finite: dark grey, in no scale
 
 
@@ -114,6 +118,8 @@ def field_scale(field: str, top: float, of: str = "") -> ColorScale | ColorClass
         "slip": ("slip speed [mm/s]", 1e3, SLIP_STOPS),
         "wear": ("wear index, pressure times slip speed [W/mm²]", 1e-6, WEAR_STOPS),
         "von_mises": ("von Mises stress [MPa]", 1e-6, STRESS_STOPS),
+        "gap": ("gap of the film [µm]", 1e6, GAP_STOPS),
+        "fraction": ("film fraction of the gap [-]", 1.0, FRACTION_STOPS),
     }[field]
     return ColorScale(label, top, factor, stops)
 
@@ -124,20 +130,40 @@ def legend_rows(scales: Sequence[ColorScale | ColorClasses]) -> int:
 
 
 def legend_picture(scales: Sequence[ColorScale | ColorClasses]) -> np.ndarray:
-    """Horizontal colour bars with ticks and units, or names, in one or two columns: (height, width, 3) uint8."""
+    """Horizontal colour bars with ticks and units, or names, in one or two columns: (height, width, 4) uint8, on a
+    transparent ground."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     rows = legend_rows(scales)
     columns = -(-len(scales) // rows)
-    figure = Figure(figsize=(6.0 if columns == 1 else 9.0, 0.95 * rows), dpi=110)
+    figure = Figure(figsize=(6.0 if columns == 1 else 8.0, 0.95 * rows), dpi=110)
     canvas = FigureCanvasAgg(figure)
     for n, scale in enumerate(scales):
         column, row = divmod(n, rows)
         corner = (column + 0.05) / columns, 1.0 - (row + 0.48) / rows
-        draw_bar(figure.add_axes((*corner, 0.9 / columns, 0.26 / rows)), scale)
+        axes = figure.add_axes((*corner, 0.9 / columns, 0.26 / rows))
+        draw_bar(axes, scale)
+        _in_ink(axes)
+    return _transparent(figure, canvas)
+
+
+def _in_ink(axes: Any) -> None:
+    """Colour lines and text of matplotlib axes so that they are visible on black and on white."""
+    axes.tick_params(colors=INK)
+    axes.title.set_color(INK)
+    axes._left_title.set_color(INK)
+    axes.xaxis.label.set_color(INK)
+    axes.yaxis.label.set_color(INK)
+    axes.set_facecolor("none")
+    for spine in axes.spines.values():
+        spine.set_color(INK)
+
+
+def _transparent(figure: Any, canvas: Any) -> np.ndarray:
+    figure.patch.set_alpha(0.0)
     canvas.draw()
-    return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+    return np.asarray(canvas.buffer_rgba()).copy()
 
 
 def draw_bar(axes: Any, scale: ColorScale | ColorClasses) -> None:
@@ -161,27 +187,22 @@ def draw_bar(axes: Any, scale: ColorScale | ColorClasses) -> None:
 
 
 def map_axes_picture(
-    reach: float, z_first: float, z_last: float, shape: tuple[int, int]
+    right: tuple[float, float], up: tuple[float, float], labels: tuple[str, str], shape: tuple[int, int]
 ) -> tuple[np.ndarray, tuple[int, int]]:
-    """Labelled axes around an empty frame of `shape` (height, width) pixels, and the frame's upper left corner
-    (x, y) in pixels.
-
-    The arc runs from -reach to reach [m] along e_theta to the right, the axis from z_first to z_last [m] upwards.
-    Returns (h, w, 3) uint8.
-    """
+    """Labelled axes around an empty frame of `shape` (height, width) pixels, (h, w, 4) uint8 on a transparent ground,
+    and the frame's upper left corner (x, y) in pixels. right, up: first and last value of both axes."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     height, width = shape
-    left, right, top, bottom, dpi = 80, 30, 14, 64, 100
-    total = (width + left + right, height + top + bottom)
+    left, beside, top, bottom, dpi = 80, 30, 14, 64, 100
+    total = (width + left + beside, height + top + bottom)
     figure = Figure(figsize=(total[0] / dpi, total[1] / dpi), dpi=dpi)
     canvas = FigureCanvasAgg(figure)
     axes = figure.add_axes((left / total[0], bottom / total[1], width / total[0], height / total[1]))
-    axes.set(xlim=(-reach * 1e3, reach * 1e3), ylim=(z_first * 1e3, z_last * 1e3))
-    axes.set(xlabel="along the arc from the line of centres [mm]", ylabel="along the axis [mm]")
-    canvas.draw()
-    return np.asarray(canvas.buffer_rgba())[..., :3].copy(), (left, top)
+    axes.set(xlim=right, ylim=up, xlabel=labels[0], ylabel=labels[1])
+    _in_ink(axes)
+    return _transparent(figure, canvas), (left, top)
 
 
 MAP = "viridis"

@@ -20,7 +20,8 @@ import numpy as np
 from warpffrf.model.sensors import Position, Stress
 from warpffrf.output.plots.colors import ColorClasses, ColorScale, field_scale, largest, map_axes_picture
 from warpffrf.output.recording import frames as fr
-from warpffrf.output.recording.glyphs import LEAST_SHOWN, MOST_LABELS
+from warpffrf.output.recording.extent import EYE, length_text, round_length
+from warpffrf.output.recording.glyphs import LEAST_SHOWN, MOST_LABELS, force_text
 from warpffrf.output.recording.patch_map import cell_map, map_window, pixels, pressure_map
 
 MAP_SHAPE = (220, 480)  # pixels (height, width) of the patch map
@@ -28,7 +29,9 @@ COARSER = 2  # pixels of a map per pixel of the pictures of friction, whose valu
 ARROW_LENGTH = 0.6  # of the largest body, for the largest force of the run
 ARROW_CELLS = 1.5  # length of the arrow of the largest traction, in columns of cells
 ARROW_COLOR = (20, 20, 20)
-FIRST_COLOR, SECOND_COLOR = (120, 190, 255), (255, 170, 90)
+BAR_COLOR = (205, 90, 205)  # in no scale of pressure or displacement
+BESIDE, BAR_RADIUS = 0.03, 0.004  # of what a close-up shows: place and radius of its scale bar
+FIRST_COLOR, SECOND_COLOR = (60, 130, 230), (220, 115, 30)  # readable on black and on white
 FRICTION_FIELDS = ("traction", "state", "slip", "wear")
 TITLES = {
     "pressure": "Pressure",
@@ -95,6 +98,7 @@ class ContactScene:
         self.fields = ("pressure", *(FRICTION_FIELDS if contact.has_friction else ()))
         self.window = map_window(contact, recorder.rows[recorder.good])
         self.height = fr.RELIEF_HEIGHT * 2.0 * self.window.reach
+        self.across = max(self.window.high - self.window.low, 4.0 * self.window.reach)  # m, of a close-up
 
     def world(self, *parts: str) -> str:
         """Entity below the patch's frame."""
@@ -112,9 +116,19 @@ class ContactScene:
         for field in self.fields:
             log(self.world(relief_name(field)), rr.Mesh3D.from_fields(triangle_indices=triangles))
         window = self.window
-        picture, self.corner = map_axes_picture(window.reach, window.low, window.high, MAP_SHAPE)
+        reach, low, high = 1e3 * window.reach, 1e3 * window.low, 1e3 * window.high
+        names = "along the arc from the line of centres [mm]", "along the axis [mm]"
+        picture, self.corner = map_axes_picture((-reach, reach), (low, high), names, MAP_SHAPE)
         left, top = self.corner
-        log(self.map("axes"), rr.Image(picture, draw_order=0.0))
+        log(self.map("axes"), rr.Image(picture, draw_order=0.0, opacity=fr.BLENDED))
+        log(self.world(EYE), rr.Transform3D(scale=self.across))
+        middle = 0.5 * (float(self.contact.view.first.grid.z[0]) + float(self.contact.view.first.grid.z[-1]))
+        bar = 0.5 * round_length(window.reach)
+        words = f"{length_text(2 * bar)} along the arc"
+        edge = [[x, window.low - middle - BESIDE * self.across, 0.0] for x in (-bar, bar)]
+        log(self.world("scale"), rr.LineStrips3D(
+            [edge], colors=[BAR_COLOR], radii=BAR_RADIUS * self.across, labels=[words], show_labels=True
+        ))  # fmt: skip
         for field in self.fields:
             scale = 1.0 if field == "pressure" else float(COARSER)
             log(self.map(field), rr.Transform3D(translation=[left, top, 0.0], scale=scale))
@@ -173,7 +187,7 @@ class ContactScene:
             return
         labelled = len(recorder.contacts) <= MOST_LABELS
         names = (contact.view.first_body.name, contact.view.second_body.name)
-        labels = [f"on {name}: {value * 1e-3:.4g} kN" for name, value in zip(names, newton, strict=True)]
+        labels = [f"on {name}: {force_text(value)}" for name, value in zip(names, newton, strict=True)]
         arrows = recorder.rr.Arrows3D(
             origins=np.stack([origin, origin]),
             vectors=vectors,
@@ -186,7 +200,7 @@ class ContactScene:
 
 
 CONTACT_PLOTS = {
-    "force": "Contact force [kN]",
+    "force": "Contact forces [N]",
     "peak_pressure": "Largest pressure [MPa]",
     "half_width": "Half-widths of the patch [µm]",
 }
@@ -208,7 +222,7 @@ def contact_series(contact: Any) -> list[Series]:
     """Entities `plots/<kind>/<pair>` and `solver/active_nodes/<pair>`; NaN where a quantity is undefined."""
     name = contact.name
     found: list[Series] = [
-        (("plots", "force", name), f"{name} [kN]", contact.force_magnitude * 1e-3),
+        (("plots", "force", name), f"{name} [N]", contact.force_magnitude),
         (("plots", "peak_pressure", name), f"{name} [MPa]", contact.peak_pressure * 1e-6),
         (("plots", "half_width", name), f"{name} along the arc [µm]", contact.half_width * 1e6),
         (("solver", "active_nodes", name), f"{name} active {contact.loaded}", contact.active_nodes),
@@ -251,9 +265,9 @@ EQUIVALENT = Stress.components[-1]  # the only component of a stress that is dra
 FROM_START = ", change from the start"
 MACHINE_PLOTS = {
     "lumped_force": "Forces of lumped contacts [N]",
-    "film_force": "Forces of oil films [N]",
     "film_gap": "Smallest films [µm]",
     "film_pressure": "Largest pressures of films [MPa]",
+    "film_force": "Forces of oil films [N]",
     "small_sliding_force": "Normal forces of small-sliding contacts [N]",
     "small_sliding_slip": "Slipping areas of small-sliding contacts [mm²]",
     "small_sliding_loss": "Losses of small-sliding contacts by friction [J]",

@@ -19,6 +19,7 @@ from warpffrf.output.bodies.skin import DISPLACEMENT, ShownSkin, Skin
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.geometry.places import grid_theta_offset, rotate, tangents
 
+BLENDED = 0.999  # opacity of transparent pictures: the viewer draws those of opacity 1 on black
 RELIEF_HEIGHT = 0.35  # height of the pressure relief over the patch, as part of the length shown along the arc
 
 

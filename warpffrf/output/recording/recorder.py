@@ -1,12 +1,18 @@
 """A rerun recording of a run: `show` and `streams` import rerun when needed.
 
 Entities: `/world/<body>` carries the rigid motion as a transform; its child `surface` is the deforming skin in the user
-frame with the displacement times the deformation factor, coloured by displacement; rigid bodies have the children `box`
-and `bars`. `/world/joint_arrows`, `/world/force_arrows`, `/world/lumped_arrows` show forces of joints, force elements
-and lumped contacts, see `glyphs`. `/world/contacts/<pair>` is a frame that follows the patch (x along the arc, y along
-the axis, z outwards) and carries the pressure relief, `/patch_map/<pair>` is the unwrapped patch, see `contact_scene`;
-`/world/forces/<pair>` has the contact's arrows; `/world/small_sliding/<contact>` the cells of a small-sliding contact,
-see `small_sliding_scene`; `/plots` and `/solver` are scalars over all saved rows.
+frame with the displacement times the deformation factor, coloured by displacement; `solid` that of a rigid body, see
+`rigid_bodies`; `frame` its user frame, hidden at first. `/world/joint_arrows`, `/world/force_arrows`,
+`/world/lumped_arrows` show forces of joints, force elements and lumped contacts, `/world/triad` axes and scale, see
+`glyphs`. `/world/contacts/<pair>` is a frame that follows the patch (x along the arc, y along the axis, z outwards) and
+carries the pressure relief, `/patch_map/<pair>` is the unwrapped patch, see `contact_scene`; `/world/forces/<pair>` has
+the contact's arrows; `/world/<body>/<film>` and `/film_map/<film>` an oil film, see `film_scene`;
+`/world/small_sliding/<contact>` the cells of a small-sliding contact, see `small_sliding_scene`; `/load_zones` and
+`/orbits` those of bearings and shafts, see `round_plots`; `/plots` and `/solver` are scalars over all saved rows.
+Entities called `eye` scale what a view shows to one unit, see `extent`.
+
+Pictures are transparent, with lines and text in a grey that is visible on black and on white, and no view has a
+background of its own, so that a recording follows the viewer's theme.
 
 Every array is passed as a fresh copy: rerun sends data after the call returns, so a buffer modified in between would be
 sent modified.
@@ -28,7 +34,8 @@ from warpffrf.model.messages.progress import Progress
 from warpffrf.online.history.history import History
 from warpffrf.output.bodies.normal_loads import left_out
 from warpffrf.output.bodies.skin import DISPLACEMENT, VON_MISES, Skin, require_field
-from warpffrf.output.geometry.skin_nodes import automatic_factor, frame_rows, rows_every, vertex_normals
+from warpffrf.output.geometry.scene_view import GROUND
+from warpffrf.output.geometry.skin_nodes import automatic_factor, frame_rows, round_factor, rows_every, vertex_normals
 from warpffrf.output.plots.colors import (
     ColorClasses,
     ColorScale,
@@ -39,16 +46,20 @@ from warpffrf.output.plots.colors import (
 )
 from warpffrf.output.recording import frames as fr
 from warpffrf.output.recording.contact_scene import ContactColors, ContactScene, contact_series, machine_series
+from warpffrf.output.recording.extent import EYE, extent
+from warpffrf.output.recording.film_scene import FilmColors, FilmScene
 from warpffrf.output.recording.frames import close_stream, in_memory, new_stream
-from warpffrf.output.recording.glyphs import Glyphs, RigidShapes, force_text, rigid_size
+from warpffrf.output.recording.glyphs import Glyphs, force_text
 from warpffrf.output.recording.layout import blueprint
+from warpffrf.output.recording.magnification import largest_factor
+from warpffrf.output.recording.rigid_bodies import RigidBodies
+from warpffrf.output.recording.round_plots import LoadZone, orbits
 from warpffrf.output.recording.small_sliding_scene import SMALL_SLIDING_TEXT, SmallSlidingColors, SmallSlidingScene
 from warpffrf.output.result import Result
 
 MAX_POINTS = 8000  # per body: 16 bytes per point and frame, so 300 frames of two bodies stay below 80 MB
 MAX_SERIES = 4000  # points of a scalar plot: more than the pixels of a screen
 AXES_LENGTH = 0.58  # of the largest body: extends beyond a roller's rim
-RIGID_AXES_LENGTH = 0.2  # for bodies that do not hide the axes
 AXES_COLORS = [(230, 80, 80), (90, 200, 90), (90, 130, 255)]  # x, y, z
 COLOR_NAMES = {VON_MISES: "von Mises stress", "slip": "slip speed", "wear": "wear index"}
 CONTACT_TEXT = (
@@ -56,8 +67,9 @@ CONTACT_TEXT = (
     "the same patch unwrapped, the arc to the right along e_theta and the axis of the first body upwards."
 )
 FILM_TEXT = (
-    "Oil films load both of their bodies by their pressure, which colours those that yield in a recording with "
-    "color='pressure'; smallest films and largest pressures are among the plots."
+    "Oil films are shown on their first surface and unwrapped: pressure, gap, and the fraction of the gap that is "
+    "filled. The orbit is the path of the shaft's centre in the circle of the clearance, in directions that rotate "
+    "with the first body."
 )
 FRICTION_TEXT = (
     "With friction every cell, of the contact grid or of those that travel with the patch, is open, sticks or slips. "
@@ -100,12 +112,13 @@ def record(
     "pressure", with friction "traction" and "state", and for contacts with friction "slip" and "wear"; "von_mises" for
     bodies reduced with `stress={"skin": "skin"}` (surfaces without stress are dark grey).
 
-    deformation_factor [-]: magnification of the elastic displacement; None: chosen from 1, 2, 5, 10, ...; rigid motion
-    is never magnified. Every `every`th saved row and the last are drawn; None: at most `max_frames` rows; at most
-    `max_points` points of each body's surface. Rows with non-finite values are omitted and listed in the return value
-    and in the recording. progress: report the progress on stderr. Raises InputError for a path that cannot be written,
-    a factor or count that is not positive, a colour that the run does not have, a run without saved rows, and an
-    existing file, unless `overwrite` is set and warpffrf wrote it.
+    deformation_factor [-]: magnification of the elastic displacement; None: chosen from 1, 2, 5, 10, ... so that no
+    surfaces of contacts and films are drawn into each other; rigid motion is never magnified. Every `every`th saved row
+    and the last are drawn; None: at most `max_frames` rows; at most `max_points` points of each body's surface. Rows
+    with non-finite values are omitted and listed in the return value and in the recording. progress: report the
+    progress on stderr. Raises InputError for a path that cannot be written, a factor or count that is not positive, a
+    colour that the run does not have, a run without saved rows, and an existing file, unless `overwrite` is set and
+    warpffrf wrote it.
 
     >>> info = wf.record(result, "rollers.rrd", max_frames=20)
     """
@@ -187,29 +200,40 @@ class _Recorder:
         drawn = np.flatnonzero(good)  # row by row: a copy of all rows would double the memory
         shown = [np.linalg.norm(b.displacement[f], axis=-1) for b in bodies.values() for f in drawn]
         top = largest(shown)
-        view = result.view
-        # with contacts the view fits the flexible bodies: rigid ones may have arbitrary inertia boxes
-        seen = [b for b in view.bodies.values() if b.reduced is None and not (self.contacts and bodies)]
-        rigid = [rigid_size(b, view.anchors) for b in seen]
-        self.size = max([b.size for b in bodies.values()] + rigid, default=0.0) or 0.1
+        self.rigid = RigidBodies(self)
+        self.middle, self.radius = extent(self)
+        rigid = [float(np.ptp(m.points, axis=0).max()) for n, m in self.rigid.meshes.items() if n != GROUND]
+        self.size = max([b.size for b in bodies.values()] + rigid, default=0.0) or self.radius
         smallest = min((b.size for b in bodies.values()), default=0.1)
-        self.factor = float(factor) if factor is not None else automatic_factor(top, smallest)
+        self.apart = largest_factor(result, bodies, rows, drawn)
+        automatic = round_factor(min(automatic_factor(top, smallest), self.apart))
+        self.factor = float(factor) if factor is not None else automatic
         self.top_force = largest([c.force_magnitude[rows[good]] for c in self.contacts])
         films = list(result.history.films.values())
         small_sliding = [result.contact(name) for name in result.small_sliding_names]
         self.color, self.contact_colors = color, ContactColors(self.contacts, films, small_sliding, rows[good])
         self.skin_scale = self._skin_scale(top)
         self.scenes = [ContactScene(self, contact) for contact in self.contacts]
+        self.film_colors = FilmColors(films, rows[good], self.contact_colors.scale("pressure"))
+        self.film_scenes = [FilmScene(self, name) for name in result.view.films]
         self.small_sliding_colors = SmallSlidingColors(small_sliding, rows[good])
         self.small_sliding_scenes = [
             SmallSlidingScene(self, contact, skins[contact.view.first_body.name]) for contact in small_sliding
         ]
-        self.glyphs, self.shapes = Glyphs(self, self.size), RigidShapes(self)
+        self.load_zones, self.orbits = [LoadZone(self, name) for name in result.view.bearings], orbits(self)
+        self.drawings = [
+            self.rigid, *self.scenes, *self.film_scenes, *self.small_sliding_scenes, *self.load_zones, *self.orbits,
+            Glyphs(self, self.size),
+        ]  # fmt: skip
+        self.glyphs = self.drawings[-1]
         fields = self.contact_colors.fields
         self.scales: list[ColorScale | ColorClasses] = [self.contact_colors.scale(name) for name in fields]
         if bodies and color not in fields:
             self.scales.insert(0, self.skin_scale)
+        self.scales += [self.film_colors.scale(name) for name in self.film_colors.fields]
         self.scales += [self.small_sliding_colors.scale(name) for name in self.small_sliding_colors.fields]
+        self.scales += [self.rigid.scale] * self.rigid.shows_loads
+        self.scales = list({scale.label: scale for scale in self.scales}.values())  # films and contacts share pressure
         self.notes = self._notes()
 
     def _skin_scale(self, top: float) -> ColorScale | ColorClasses:
@@ -246,9 +270,8 @@ class _Recorder:
             if self.good[f]:
                 self.stream.set_time("time", duration=float(self.result.time[i]))
                 self._bodies(f, int(i))
-                self.glyphs.frame(int(i))
-                for scene in (*self.scenes, *self.small_sliding_scenes):
-                    scene.frame(int(i))
+                for drawing in self.drawings:
+                    drawing.frame(int(i))
         bar.close()
 
     # --- once ---
@@ -264,6 +287,12 @@ class _Recorder:
                 f"elastic displacement is magnified {self.factor:g} times, rigid motion is not, so touching surfaces "
                 "are drawn apart",
             )
+        if self.factor > max(self.apart, 1.0):
+            notes.insert(
+                1,
+                f"above a magnification of {max(self.apart, 1.0):.3g} some surfaces are drawn into each other; "
+                "deformation_factor=None stays below",
+            )
         shown = {name: (len(b.points), b) for name, b in self.bodies.items()}
         for name, (count, _) in shown.items():
             full = len(self.result.view.bodies[name].reduced.surface.points)
@@ -276,9 +305,9 @@ class _Recorder:
     def _static(self) -> None:
         rr, log = self.rr, self.log_static
         log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+        log(self.path("world", EYE), rr.Transform3D(translation=self.middle, scale=self.radius))
         for name in self.result.history.bodies:  # the user frame shows the rotation of a round body
-            length = (AXES_LENGTH if self.contacts else RIGID_AXES_LENGTH) * self.size
-            lines = [[[0.0, 0.0, 0.0], axis] for axis in (length * np.eye(3)).tolist()]
+            lines = [[[0.0, 0.0, 0.0], axis] for axis in (AXES_LENGTH * self.size * np.eye(3)).tolist()]
             strips = rr.LineStrips3D(lines, colors=AXES_COLORS, radii=0.004 * self.size)
             log(self.path("world", name, "frame"), strips)
         for name, body in self.bodies.items():
@@ -288,12 +317,10 @@ class _Recorder:
                 self.path("world", name, "surface"),
                 rr.Mesh3D.from_fields(triangle_indices=triangles, vertex_normals=normals),
             )
-        for scene in (*self.scenes, *self.small_sliding_scenes):
-            scene.static()
-        self.shapes.static()
-        self.glyphs.static()
+        for drawing in self.drawings:
+            drawing.static()
         if self.scales:
-            log("legend", rr.Image(legend_picture(self.scales)))
+            log("legend", rr.Image(legend_picture(self.scales), opacity=fr.BLENDED))
         log("about", rr.TextDocument(self._about(), media_type=rr.MediaType.MARKDOWN))
 
     def log_static(self, path: str, *archetypes: Any) -> None:
@@ -308,9 +335,11 @@ class _Recorder:
         parts = (
             "# What this shows",
             f"Flexible bodies are coloured by {COLOR_NAMES.get(self.color, self.color)}, contact patches by pressure; "
-            "the ranges hold for the whole run. The red, green and blue lines are x, y, z of each body's user frame "
-            "and rotate with it. "
-            "A rigid body is the box with its mass and moments of inertia, with bars to its joints and forces.",
+            "the ranges hold for the whole run. Rigid bodies are drawn by the surfaces that their contacts have, "
+            "rolling elements and other bodies in lumped contact coloured by their largest contact force; a dark line "
+            "shows their rotation. Bodies without surfaces are small balls with rods to their joints and forces. "
+            "The red, green and blue arrows are x, y and z of the world, of the length that is written there; the user "
+            "frame of each body is the entity `frame` below it, hidden at first.",
             "Green arrows are reactions of joints on their second body, orange ones forces on the body that they load, "
             "blue ones those of lumped contacts on their first body; "
             f"one length for all, the largest is {force_text(self.glyphs.top_force)}.",

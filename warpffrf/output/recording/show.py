@@ -26,7 +26,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.output.geometry.skin_nodes import vertex_normals
 from warpffrf.output.plots.colors import ColorScale, legend_picture
 from warpffrf.output.plots.modes import MODE_STOPS, ModeSkin, eye_axes, mode_skin
-from warpffrf.output.recording.frames import close_stream, in_memory, new_stream
+from warpffrf.output.recording.frames import BLENDED, close_stream, in_memory, new_stream
 from warpffrf.output.recording.viewer import has_screen
 
 RIGID_MODES = 6
@@ -154,11 +154,12 @@ class _Animation:
         rr, stream = self.rr, self.stream
         colors = ColorScale("amplitude of the displacement over its largest value [-]", 1.0, 1.0, MODE_STOPS)
         stream.log("body", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-        stream.log("legend", rr.Image(legend_picture([colors])), static=True)
+        stream.log("legend", rr.Image(legend_picture([colors]), opacity=BLENDED), static=True)
         normals = vertex_normals(self.skin.points, self.skin.triangles).astype(np.float32)
         triangles = np.array(self.skin.triangles, dtype=np.uint32)
         mesh = rr.Mesh3D.from_fields(triangle_indices=triangles, vertex_normals=normals)
         stream.log("body/skin", mesh, static=True)
+        stream.log("body/eye", rr.Transform3D(scale=self.skin.size), static=True)
         reach = self.scale * self.skin.size
         for m, (label, shape) in enumerate(zip(self.labels, self.shapes, strict=True)):
             packed = colors.packed(np.linalg.norm(shape, axis=1))
@@ -182,16 +183,15 @@ class _Animation:
 
         _, up, eye = eye_axes(self.skin.points)
         low, high = self.skin.points.min(axis=0), self.skin.points.max(axis=0)
-        middle = 0.5 * (low + high)
+        middle = 0.5 * (low + high) / self.skin.size
         view = rrb.Spatial3DView(
-            origin="/body",
+            origin="/body/eye",  # scaled: the viewer draws nothing that is within centimetres of the eye
+            contents="/body/**",
             name=self.labels[0] if len(self.labels) == 1 else f"{self.labels[0]} to {self.labels[-1]}",
-            eye_controls=rrb.EyeControls3D(
-                position=middle + EYE_DISTANCE * self.skin.size * eye, look_target=middle, eye_up=tuple(up)
-            ),
+            eye_controls=rrb.EyeControls3D(position=middle + EYE_DISTANCE * eye, look_target=middle, eye_up=tuple(up)),
             line_grid=False,
         )
-        legend = rrb.Spatial2DView(origin="/legend", name="Colours", background=[255, 255, 255, 255])
+        legend = rrb.Spatial2DView(origin="/legend", name="Colours")
         about = rrb.TextDocumentView(origin="/about", name="Mode")
         return rrb.Blueprint(
             rrb.Horizontal(view, rrb.Vertical(about, legend, row_shares=[2, 1]), column_shares=[3, 1]),

@@ -13,10 +13,11 @@ import numpy as np
 
 from warpffrf.output.contact.friction import STATES
 from warpffrf.output.plots.colors import PRESSURE_STOPS, STATE_COLORS, WEAR_STOPS, ColorClasses, ColorScale, largest
+from warpffrf.output.recording.extent import EYE
 from warpffrf.output.small_sliding import CellsOnSkin, SmallSlidingResult
 
 TITLES = {"pressure": "Pressure", "state": "Stick and slip", "loss": "Loss by friction"}
-EYE = 1.3  # distance from the eye to the cells, in extents of the contact
+DISTANCE = 1.3  # from the eye to the cells, in extents of the contact
 SIDEWAYS = 0.35  # of the distance, so that the curvature of faces is visible
 SMALL_SLIDING_TEXT = (
     "Cells of small-sliding contacts lie on their first body, in views of their own, as faces that touch hide them: "
@@ -69,6 +70,9 @@ class SmallSlidingScene:
         for field in self.fields:
             mesh = rr.Mesh3D.from_fields(triangle_indices=triangles.copy(), vertex_normals=normals.copy())
             self.recorder.log_static(self.path(field), mesh)
+        corners = self._on.corners.reshape(-1, 3)
+        middle, size = corners.mean(axis=0), float(np.ptp(corners, axis=0).max())
+        self.recorder.log_static(self.path(EYE), rr.Transform3D(translation=middle, scale=size))
 
     def frame(self, i: int) -> None:
         """Log pose, positions and colours of saved row `i`."""
@@ -91,8 +95,6 @@ class SmallSlidingScene:
         import rerun.blueprint as rrb
 
         contact = self.contact
-        corners = self._on.corners.reshape(-1, 3)
-        middle, extent = corners.mean(axis=0), float(np.ptp(corners, axis=0).max())
         normal = contact.area @ contact.frames[:, 0] / contact.area.sum()
         if np.linalg.norm(normal) < SIDEWAYS:  # closed around the axis: from the side of any cell
             normal = contact.frames[0, 0]
@@ -100,11 +102,11 @@ class SmallSlidingScene:
         eye = normal / np.linalg.norm(normal) + SIDEWAYS * up
         several = f" '{contact.name}'" if len(self.recorder.small_sliding_scenes) > 1 else ""
         return rrb.Spatial3DView(
-            origin=self.path(),
+            origin=self.path(EYE),
             contents=[f"+ {self.path(field)}"],
             name=f"{TITLES[field]} of the contact{several}, on '{contact.view.first_body.name}'",
             eye_controls=rrb.EyeControls3D(
-                position=middle + EYE * extent * eye, look_target=middle, eye_up=tuple(up.tolist())
+                position=DISTANCE * eye, look_target=(0.0, 0.0, 0.0), eye_up=tuple(up.tolist())
             ),
             line_grid=False,
         )
