@@ -1,0 +1,159 @@
+"""HTML of self-contained pages: text, tables and pictures. Every text is escaped, and nothing is loaded from elsewhere.
+
+Pages fit screens from 390 pixels and A4 paper, in light and dark colours as the reader's system asks. Pictures are
+inline SVG whose black and white are the ink and paper of the page; collections, such as maps, are pixels within them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import re
+from collections.abc import Callable, Iterable, Sequence
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from warpffrf import __version__
+from warpffrf.model.files.paths import check_ending, checked_output_path, written_whole
+
+ENDINGS = (".html", ".htm")
+DPI = 130  # of collections
+PIXELS_PER_INCH = 96  # of CSS
+LIGHT = "--paper: #fff; --ink: #1d2328; --dim: #59626c; --line: #d8dde2; --soft: #f3f5f7; --bad: #b3262f; --good: #18703f"
+DARK = "--paper: #15191d; --ink: #e3e7eb; --dim: #9aa5b0; --line: #363e46; --soft: #1e2429; --bad: #ff8a8f; --good: #6fcf97"
+STYLE = f"""
+:root {{ color-scheme: light dark; {LIGHT}; }}
+@media screen and (prefers-color-scheme: dark) {{ :root {{ {DARK}; }} }}
+body {{ font: 15px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); max-width: 1180px;
+  margin: 1.5em auto; padding: 0 1em; overflow-wrap: anywhere; }}
+h1 {{ font-size: 1.7em; line-height: 1.2; margin-bottom: 0.2em; }}
+h2 {{ font-size: 1.25em; margin-top: 2em; border-bottom: 1px solid var(--line); }}
+h3 {{ font-size: 1.05em; margin: 1.4em 0 0.3em; }}
+nav a {{ margin-right: 1em; color: inherit; }} .bad {{ color: var(--bad); }} .good {{ color: var(--good); }}
+table {{ border-collapse: collapse; margin: 0.5em 0; }}
+caption {{ text-align: left; color: var(--dim); padding-bottom: 0.2em; }}
+th, td {{ text-align: left; vertical-align: top; padding: 0.2em 1em 0.2em 0; border-bottom: 1px solid var(--line);
+  min-width: 4em; }}
+thead th {{ color: var(--dim); font-weight: 600; }} tbody th {{ font-weight: 500; }}
+tbody th[colspan] {{ background: var(--soft); padding: 0.3em 0.5em; font-weight: 600; }}
+.dense {{ overflow-x: auto; }} .dense th, .dense td {{ min-width: 0; padding-right: 0.8em; overflow-wrap: normal;
+  font-variant-numeric: tabular-nums; }}
+figure {{ margin: 0.8em 0; }} figcaption {{ color: var(--dim); font-size: 0.9em; }}
+.plots {{ display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 23em), 1fr)); gap: 0.5em 1.5em; }}
+svg {{ display: block; width: 100%; height: auto; fill: currentColor; }}
+pre {{ background: var(--soft); padding: 0.8em; overflow-x: auto; font-size: 13px; }}
+@page {{ size: A4; margin: 14mm; }}
+@media print {{
+  body {{ font-size: 9.5pt; line-height: 1.35; margin: 0; padding: 0; max-width: none; }} nav {{ display: none; }}
+  h2, h3, caption {{ break-after: avoid; }} tr, figure {{ break-inside: avoid; }}
+  .plots {{ grid-template-columns: 1fr 1fr; }} .dense {{ overflow: visible; font-size: 6.5pt; }}
+  .dense th, .dense td {{ padding-right: 0.4em; }} pre {{ white-space: pre-wrap; overflow: visible; }}
+}}
+"""
+
+
+def write_page(path: str | os.PathLike[str], what: str, text: Callable[[], str], *, overwrite: bool = False) -> Path:
+    """Write the page that `text` makes; returns its path. Raises InputError naming `what` for another ending, a path
+    that cannot be written, and an existing file, unless `overwrite` is set and warpffrf wrote it."""
+    check_ending(path, what, ENDINGS)
+    target = checked_output_path(path, what, overwrite=overwrite)
+    page = text()
+    with written_whole(target) as partial:
+        partial.write_text(page, encoding="utf-8")
+    return target
+
+
+def document(title: str, *parts: str) -> str:
+    """A page with its heading."""
+    head = (
+        '<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
+        f'<meta name="generator" content="warpffrf {escape(__version__)}">'
+        f"<title>{escape(title)}</title><style>{STYLE}</style>"
+    )
+    body = "\n".join([f"<h1>{escape(title)}</h1>", *parts])
+    return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>\n{body}\n</body></html>\n'
+
+
+def section(title: str, *parts: str) -> str:
+    """Parts under a heading, to which `contents` links."""
+    return f'<h2 id="{_anchor(title)}">{escape(title)}</h2>\n' + "\n".join(parts)
+
+
+def contents(titles: Iterable[str]) -> str:
+    """Links to sections."""
+    return "<nav>" + "\n".join(f'<a href="#{_anchor(title)}">{escape(title)}</a>' for title in titles) + "</nav>"
+
+
+def _anchor(title: str) -> str:
+    return re.sub(r"\W+", "-", title.lower())
+
+
+def heading(text: str) -> str:
+    """A heading within a section."""
+    return f"<h3>{escape(text)}</h3>"
+
+
+def paragraph(text: str, look: str = "") -> str:
+    """look: "good" or "bad" colours the text."""
+    return f'<p class="{look}">{escape(text)}</p>' if look else f"<p>{escape(text)}</p>"
+
+
+def listed(texts: Iterable[str]) -> str:
+    """A list."""
+    return "<ul>" + "".join(f"<li>{escape(text)}</li>\n" for text in texts) + "</ul>"
+
+
+def verbatim(text: str) -> str:
+    """Text with its line breaks, in letters of one width."""
+    return f"<pre>{escape(text)}</pre>"
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[Any]], caption: str = "", *, dense: bool = False) -> str:
+    """A table whose rows begin with what they are about; a row of one cell heads those below it. dense: many columns,
+    which scroll on narrow screens."""
+    names = "".join(f'<th scope="col">{escape(name)}</th>' for name in head)
+    body = "".join(f"<tr>{_cells([escape(str(value)) for value in row], len(head))}</tr>\n" for row in rows)
+    said = f"<caption>{escape(caption)}</caption>" if caption else ""
+    found = f"<table>{said}<thead><tr>{names}</tr></thead>\n<tbody>{body}</tbody></table>"
+    return f'<div class="dense" tabindex="0">{found}</div>' if dense else found
+
+
+def _cells(cells: Sequence[str], columns: int) -> str:
+    if len(cells) == 1 < columns:
+        return f'<th scope="rowgroup" colspan="{columns}">{cells[0]}</th>'
+    return f'<th scope="row">{cells[0]}</th>' + "".join(f"<td>{cell}</td>" for cell in cells[1:])
+
+
+def picture(figure: Any, alt: str, caption: str = "") -> str:
+    """A matplotlib figure; alt: what it shows, for those who cannot see it."""
+    said = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
+    width = round(PIXELS_PER_INCH * figure.get_size_inches()[0])
+    label = f'role="img" aria-label="{escape(alt, quote=True)}" style="max-width: {width}px"'
+    return f"<figure>{_svg(figure).replace('<svg', f'<svg {label}', 1)}{said}</figure>"
+
+
+def plots(pictures: Iterable[str]) -> str:
+    """Pictures beside each other."""
+    return '<div class="plots">' + "\n".join(pictures) + "</div>"
+
+
+def _svg(figure: Any) -> str:
+    """The figure as an element of a page, in the colours of the page; its names are its own within the page."""
+    from matplotlib import rc_context
+
+    for ax in figure.axes:
+        for collection in ax.collections:
+            collection.set_rasterized(True)
+    stream = io.StringIO()
+    with rc_context({"svg.fonttype": "path", "svg.hashsalt": "page"}):
+        figure.savefig(stream, format="svg", dpi=DPI)
+    _, _, text = stream.getvalue().partition("<svg")
+    opening, _, inside = text.partition(">")
+    box = re.search(r'viewBox="[^"]*"', opening)
+    inside = re.sub(r"<metadata>.*?</metadata>", "", inside, flags=re.DOTALL)
+    text = f"<svg {box.group() if box else ''}>{inside}"
+    own = hashlib.sha256(text.encode()).hexdigest()[:8]
+    text = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>p{own}-", text)
+    return text.replace("#ffffff", "var(--paper)").replace("#000000", "currentColor").strip()
