@@ -100,7 +100,7 @@ def _hdf5(path: Path, page: Path | None, overwrite: bool, pairs: Pairs) -> str:
 def _no_page(page: Path | None, path: Path) -> None:
     if page is not None:
         raise InputError(
-            f"{path.name} is neither a reduced body nor a sweep, and only those have a page; leave out --page"
+            f"{path.name} is neither a reduced body nor a sweep; leave out --page (the page of a run: warpffrf report)"
         )
 
 

@@ -407,6 +407,11 @@ class Result(reprs.Shown):
         end = f"{self.time[-1]:.6g} s" if len(self.time) else "no step saved"
         return {**self.history.shown(), "end": end}
 
+    def _picture(self) -> str:
+        from warpffrf.output.plots.notebook import picture_html
+
+        return picture_html(self)
+
     def __repr__(self) -> str:
         end = f"{self.time[-1]:.6g} s" if len(self.time) else "no step saved"
         return f"Result(status={self.status!r}, rows={len(self.time)}, end={end}, contacts={self.contact_names})"

@@ -92,7 +92,9 @@ def test_one_that_differs_stays_by_itself() -> None:
     """In a word, in the number of its figures, or in its sort; and few are not folded."""
     texts = [f"{n}.5 mm2, {-n} m/s2 and {n}e-3 um by Hertz's '{n}x'" for n in range(FEWEST + 2)]
     entries = [Entry("thing", (f"a {n}",), [said(text)]) for n, text in enumerate(texts)]
-    odd = Entry("thing", ("a 9",), [said("9.5 mm2, -9 m/s2 and 9e-3 um by Hertz's '9x'"), Figure("warning", "of no use")])
+    odd = Entry(
+        "thing", ("a 9",), [said("9.5 mm2, -9 m/s2 and 9e-3 um by Hertz's '9x'"), Figure("warning", "of no use")]
+    )
     other = Entry("thing", ("a 8",), [said(texts[0])], sort="another")
     group, *rest = folded([*entries, odd, other])
     assert group.names == tuple(f"a {n}" for n in range(FEWEST + 2))

@@ -92,7 +92,10 @@ def why_not(result: Any) -> str:
     """The reason why there is no budget of `result`, or ""."""
     history = result.history
     if history.samples is None or not hasattr(history.scene, "contacts"):
-        return "it requires the process of the run, and an integrator other than those for checks"
+        return (
+            "it requires the process of the run (result.report() before result.save()), and an integrator other than "
+            "those for checks"
+        )
     if len(history.time) < (1 if history.samples.static else 2):
         return "no step was saved"
     return ""

@@ -17,7 +17,7 @@ from warpffrf.output.bodies.skin import DISPLACEMENT
 from warpffrf.output.budget.budget import conclusion, effect, worst_lines
 from warpffrf.output.budget.figures import Error, errors
 from warpffrf.output.page import html
-from warpffrf.output.plots.bearing import BEARING_PLOTS, POLAR
+from warpffrf.output.plots.bearing import BEARING_PLOTS, MOST_NAMED, POLAR
 from warpffrf.output.plots.figure import OfPair, about_kinds, drawable
 from warpffrf.output.plots.scene_picture import ScenePicture, row_at
 from warpffrf.output.report.fold import Entry
@@ -26,13 +26,17 @@ from warpffrf.output.report.report import Report, report_of
 
 SIZE = (5.2, 3.9)  # inches of a plot
 MOST = 4  # contacts, films and bearings after the first whose maps are drawn, the most loaded ones
+ABOUT_RESULTS = "Values at the last saved step, with the largest of the run in brackets."
+ABOUT_ERRORS = " Errors are estimates: all sources together, with the name of the largest."
+TIMES = ("duration", "step")  # settings in seconds
 MAPS = {"contact": ("patch", "stick_slip"), "film": ("film_pressure", "film_gap"), "bearing": tuple(BEARING_PLOTS)}
 
 
 def write_run_page(result: Any, path: str | os.PathLike[str], *, overwrite: bool, progress: bool) -> Path:
     """Write the page of a run, see `Result.page`; returns its path."""
-    title = f"Run: {Path(path).stem}"
-    return html.write_page(path, "page", lambda: run_page(result, title, progress), overwrite=overwrite)
+    return html.write_page(
+        path, "page", lambda: run_page(result, f"Run: {Path(path).stem}", progress), overwrite=overwrite
+    )
 
 
 def run_page(result: Any, title: str, progress: bool = False) -> str:
@@ -85,9 +89,10 @@ def _picture(result: Any) -> list[str]:
 
 def _results(report: Report) -> list[str]:
     """A table of figures for each kind of item."""
-    found, known = list[str](), errors(report.budget) if not report.unknown else {}
+    known = errors(report.budget) if not report.unknown else {}
     entries = [*report.contacts, *report.items]
-    head = ("quantity", "value", *(["estimated error (largest source)"] if known else []))
+    head = ("quantity", "value", *(["error (source)"] if known else []))
+    found = [html.paragraph(ABOUT_RESULTS + (ABOUT_ERRORS if known else ""))] if entries else []
     for kind in dict.fromkeys(entry.kind for entry in entries):
         rows = [row for entry in entries if entry.kind == kind for row in _rows(entry, known)]
         found += [html.heading(f"{kind.capitalize()}s"), html.table(head, rows)]
@@ -95,28 +100,34 @@ def _results(report: Report) -> list[str]:
 
 
 def _rows(entry: Entry, known: Mapping[str, Mapping[str, Error]]) -> Iterator[Sequence[str]]:
-    """The head of an entry, its figures, and errors of what has none."""
+    """The head of an entry, its figures, and errors of quantities that it does not list."""
     about = [figure.text for figure in entry.figures if not figure.label and not figure.of]
     yield [": ".join([entry.head, *about])]
-    owners = [{**known.get(f"{k} {name!r}", {})} for name in entry.names for k in {entry.kind.split()[-1], entry.kind}]
-    told = set[str]()
+    owners = [known.get(f"{kind} {name!r}", {}) for name in entry.names for kind in _kinds(entry)]
+    told = {kind for figure in entry.figures for kind in figure.of}
     for figure in entry.figures:
         if figure.label or figure.of:
-            told |= {*figure.of}
-            cells = [figure.label or " and ".join(figure.of), figure.text]
-            yield [*cells, "; ".join(_error(owners, kind, len(figure.of) > 1) for kind in figure.of)] if known else cells
-    others = [kind for kind in dict.fromkeys(kind for own in owners for kind in own) if kind not in told]
-    for kind in others:
-        yield [kind, "", _error(owners, kind, False)]
+            error = [_error(owners, figure.of)] if known else []
+            yield [figure.label or " and ".join(figure.of), figure.text, *error]
+    for kind in dict.fromkeys(kind for own in owners for kind in own if kind not in told):
+        yield [kind, "not listed", _error(owners, (kind,))]
 
 
-def _error(owners: Sequence[Mapping[str, Error]], kind: str, named: bool) -> str:
-    """The error of a quantity, for a group of owners the least and the largest."""
-    own = [kinds[kind] for kinds in owners if kind in kinds]
-    sized = sorted((error for error in own if error.source), key=lambda error: error.size)
-    parts = [f"{100.0 * sized[0].size:.2g} to {sized[-1]}" if len(sized) > 1 else str(error) for error in sized[-1:]]
-    parts += [f"not estimated: {why}" for why in dict.fromkeys(error.missing for error in own if error.missing)]
-    return (f"{kind} " if named and parts else "") + "; ".join(parts)
+def _kinds(entry: Entry) -> tuple[str, ...]:
+    """Its kinds in the error budget: the force of a lumped contact is that of a contact."""
+    return tuple(dict.fromkeys((entry.kind, entry.kind.split()[-1])))
+
+
+def _error(owners: Sequence[Mapping[str, Error]], kinds: Sequence[str]) -> str:
+    """The errors of quantities, for a group of owners the least and the largest of each."""
+    parts, missing = [], dict[str, None]()
+    for kind in kinds:
+        own = [errors_of[kind] for errors_of in owners if kind in errors_of]
+        sized = sorted((error for error in own if error.source), key=lambda error: error.size)
+        least = f"{100.0 * sized[0].size:.2g} to " if len(sized) > 1 else ""
+        parts += [f"{f'{kind} ' if len(kinds) > 1 else ''}{least}{error}" for error in sized[-1:]]
+        missing |= dict.fromkeys(error.missing for error in own if error.missing)
+    return "; ".join([", ".join(parts), *(f"not estimated: {why}" for why in missing)]).removeprefix("; ")
 
 
 def _bearings(result: Any) -> list[str]:
@@ -125,7 +136,7 @@ def _bearings(result: Any) -> list[str]:
         bearing = result.bearing(name)
         lines, columns = printed(bearing, -1)
         rows = [(n + 1, *(cells[n] for cells in columns.values())) for n in range(len(bearing.elements))]
-        found += [*map(html.paragraph, lines), html.table((bearing.kind, *columns), rows, dense=True)]
+        found += [*map(html.paragraph, lines), html.table((bearing.kind, *columns), rows)]
     return found
 
 
@@ -156,10 +167,15 @@ def _plot(result: Any, kind: str, named: Mapping[str, str]) -> str:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=SIZE, layout="constrained")
-    result.plot(kind, figure.add_subplot(projection="polar" if kind in POLAR else None), **named)
-    whose = "".join(f" Of {what} '{name}'." for what, name in named.items())
-    about = about_kinds()[kind] + whose
-    return html.picture(figure, f"Plot: {about}", about)
+    ax = figure.add_subplot(projection="polar" if kind in POLAR else None)
+    result.plot(kind, ax, **named)
+    about = [about_kinds()[kind].replace("`", ""), *(f"Of {what} '{name}'." for what, name in named.items())]
+    legend = ax.get_legend()
+    if legend is not None and (curves := len(legend.get_texts())) > MOST_NAMED:
+        legend.remove()
+        about.append(f"The names of the {curves} curves are left out.")
+    whose = "".join(f" of {what} '{name}'" for what, name in named.items())
+    return html.picture(figure, f"Plot '{kind}'{whose}: {' '.join(ax.get_title().split())}", " ".join(about))
 
 
 def _errors(report: Report) -> list[str]:
@@ -167,8 +183,8 @@ def _errors(report: Report) -> list[str]:
     if report.unknown or not report.budget:
         return [html.paragraph(f"Error budget {report.unknown}.")] if report.unknown else []
     worst = worst_lines(report.budget)
-    rows = [(line.source, effect(line), line.basis, line.cure) for line in worst]
-    listed = {entry.kind for entry in (*report.contacts, *report.items)}
+    rows = [(line.source, f"{effect(line)} ({line.basis})", line.cure) for line in worst]
+    listed = {kind for entry in (*report.contacts, *report.items) for kind in _kinds(entry)}
     others = [
         (entry.head, "; ".join(figure.text for figure in entry.figures))
         for entry in report.errors()
@@ -176,7 +192,7 @@ def _errors(report: Report) -> list[str]:
     ]
     found = [
         html.paragraph("The largest effect of each source of error on the results, estimated without a reference run."),
-        html.table(("source", "largest effect", "how it was estimated", "cure"), rows),
+        html.table(("source", "largest effect, and how it was estimated", "cure"), rows),
     ]
     if others:
         caption = "Errors of further results: all sources together, and the largest of them"
@@ -192,16 +208,19 @@ def _energy(result: Any, report: Report) -> list[str]:
         if np.any(np.nan_to_num(values)):
             rows.append((line.replace("_", " "), f"{values[-1]:.6g}", ENERGY_MEANINGS.get(line, "")))
     return [
-        html.table(("quantity", "value"), [(figure.label, figure.text) for figure in report.energy]),
-        html.table(("line of the ledger", "at the end [J]", "meaning"), rows),
+        html.table(("quantity", "value"), [(figure.label, figure.text) for figure in report.energy], "Balance"),
+        html.table(("line", "at the end [J]", "meaning"), rows, "Ledger"),
     ]
 
 
 def _settings(result: Any, report: Report) -> list[str]:
-    options = [(name.replace("_", " "), text) for name, text in result.history.options.items() if name != "scene"]
+    options = result.history.options
+    given = [(f"{name} [s]", f"{float(options[name]):.6g}") for name in TIMES if name in options]
+    given += [(name.replace("_", " "), text) for name, text in options.items()
+              if name not in ("scene", *TIMES) and text not in ("None", "False")]  # fmt: skip
     return [
-        html.table(("setting", "value"), options),
-        html.table(("of the solver", "value"), [(figure.label, figure.text) for figure in report.run[2:]]),
+        html.table(("setting", "value"), given, "Options that were set; others have their defaults"),
+        html.table(("count", "value"), [(figure.label, figure.text) for figure in report.run[2:]], "Solver"),
     ]
 
 

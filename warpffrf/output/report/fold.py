@@ -1,9 +1,10 @@
 """Entries of a report, and grouping of similar ones: a rolling bearing has as many contacts as rolling elements.
 
 An entry lists figures, each a label and its values as text. Entries are similar if they differ only in numbers, also
-within names ('roller 3', 'roller 12'), and have the same sort, if they have one. `FEWEST` or more similar entries become
-one: a number that differs between them is given as its minimum and maximum, as printed, each with the name of the entry
-that has it. Text of an entry, such as a warning, belongs to it, so that a statement about a single entry is never lost.
+within names ('roller 3', 'roller 12'), and have the same sort, if they have one. `FEWEST` or more similar entries
+become one: a number that differs between them is given as its minimum and maximum, as printed, each with the name of
+the entry that has it. Text of an entry, such as a warning, belongs to it, so that a statement about a single entry is
+never lost.
 """
 
 from __future__ import annotations
@@ -86,9 +87,7 @@ def folded(entries: Sequence[Entry], pairs: Pairs = "folded") -> list[Entry]:
     alike: dict[tuple[str, ...], list[Entry]] = {}
     for entry in entries:
         alike.setdefault(entry.skeleton(), []).append(entry)
-    return [
-        one for group in alike.values() for one in ([_group(group)] if len(group) >= FEWEST else group)
-    ]
+    return [one for group in alike.values() for one in ([_group(group)] if len(group) >= FEWEST else group)]
 
 
 def folded_notes(notes: Sequence[str], pairs: Pairs = "folded") -> list[str]:

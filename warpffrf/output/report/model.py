@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.messages.reprs import names
 from warpffrf.output.geometry.scene_view import BodyView, SceneView
 from warpffrf.output.report.fold import Entry, Figure, Pairs, folded
 
@@ -16,9 +17,11 @@ KINDS = {
     "lumped_contacts": "lumped contact", "films": "film",
 }  # fmt: skip
 PORTS = ("a", "b", "port", "joint")  # keys that say where an item acts
-ASIDE = ("name", "kind", *PORTS)
+SIGNAL = ("breaks", "coefficients")  # keys of a piecewise polynomial
+ASIDE = ("name", "kind", "type", *PORTS)
 MOST = 6  # numbers that are listed
 ROUND_OFF = 1e-14  # m, and of other quantities: smaller numbers are zero
+AXES = ("axis_point", "axis_direction")  # of a surface, in the frame of the body
 OF_BODIES = ("position", "velocity", "angular_velocity")  # stated where they are not zero
 
 
@@ -42,8 +45,11 @@ def _body(body: BodyView, said: Mapping[str, Any]) -> list[Figure]:
         mesh = body.reduced.provenance.get("mesh_name")
         parts += [f"{size} m", f"{len(body.reduced.frequencies)} global and {body.reduced.local_modes} local modes"]
         parts += [f"mesh '{mesh}'"] if mesh else []
-    shapes = [f"{name} ({_text(shape.describe())})" for name, shape in body.shapes.items()]
-    parts += [f"surfaces: {', '.join(shapes)}"] if shapes else []
+    alike: dict[str, list[str]] = {}
+    for name, shape in body.shapes.items():
+        said_of = {key: value for key, value in shape.describe().items() if key not in AXES}
+        alike.setdefault(_text(said_of), []).append(name)
+    parts += [f"{'surface' if len(own) == 1 else 'surfaces'} {names(own)}: {text}" for text, own in alike.items()]
     parts += [f"{_words(key)} {_text(said[key])}" for key in OF_BODIES if np.any(said.get(key, 0.0))]
     return [Figure("", ", ".join(parts), inline=True)]
 
@@ -58,7 +64,9 @@ def item_text(item: Mapping[str, Any]) -> str:
 
 def _facts(item: Mapping[str, Any]) -> str:
     """Keys and values, without what is not given."""
-    shown = {key: value for key, value in item.items() if key not in ASIDE and value not in (None, [], {})}
+    if {*item} > {*SIGNAL}:
+        return f"{_facts({key: value for key, value in item.items() if key not in SIGNAL})}, {_signal(item)}"
+    shown = {key: value for key, value in item.items() if key not in ASIDE and not _is_empty(value)}
     return ", ".join(f"{_words(key)} {_text(value)}" for key, value in shown.items())
 
 
@@ -77,7 +85,7 @@ def _place(port: Any) -> str:
 def _text(value: Any) -> str:
     """A value of a description in words."""
     if isinstance(value, Mapping):
-        if "breaks" in value and "coefficients" in value:
+        if {*value} == {*SIGNAL}:
             return _signal(value)
         kind, facts = _words(str(value.get("kind", ""))), _facts(value)
         return f"{kind} ({facts})" if kind and facts else kind or f"({facts})"
@@ -95,6 +103,10 @@ def _signal(signal: Mapping[str, Any]) -> str:
         return _text(float(pieces[0, 0]))
     low, high = pieces[:, 0].min(), pieces[:, 0].max()
     return f"varying in time, {low:.6g} to {high:.6g} at its {len(pieces)} breaks"
+
+
+def _is_empty(value: Any) -> bool:
+    return value is None or (isinstance(value, Sequence | Mapping) and all(v is None for v in value))
 
 
 def _is_number(value: Any) -> bool:
