@@ -15,8 +15,8 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from warpffrf import __version__
 from warpffrf.model.files.paths import check_ending, checked_output_path, written_whole
+from warpffrf.model.reduced.body import library_versions
 
 ENDINGS = (".html", ".htm")
 DPI = 130  # of collections
@@ -44,7 +44,7 @@ nav a {{ margin-right: 1em; color: inherit; }} .bad {{ color: var(--bad); }} .go
 table {{ border-collapse: collapse; margin: 0.5em 0; }} table + table {{ margin-top: 1.5em; }}
 caption {{ text-align: left; color: var(--dim); padding-bottom: 0.2em; }}
 th, td {{ text-align: left; vertical-align: top; padding: 0.2em 1em 0.2em 0; border-bottom: 1px solid var(--line);
-  min-width: 5em; }}
+  min-width: 5.8em; }}
 thead th {{ color: var(--dim); font-weight: 600; }} tbody th {{ font-weight: 500; min-width: 6.2em; }}
 tbody th[colspan] {{ background: var(--soft); padding: 0.3em 0.5em; font-weight: 600; }}
 .dense {{ overflow-x: auto; }} .dense th, .dense td {{ min-width: 0; padding-right: 0.8em; overflow-wrap: normal;
@@ -77,9 +77,10 @@ def write_page(path: str | os.PathLike[str], what: str, text: Callable[[], str],
 
 def document(title: str, *parts: str) -> str:
     """A page with its heading."""
+    version = library_versions(("warpffrf",))["warpffrf"]
     head = (
         '<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
-        f'<meta name="generator" content="warpffrf {escape(__version__)}">'
+        f'<meta name="generator" content="warpffrf {escape(version)}">'
         f"<title>{escape(title)}</title><style>{STYLE}</style>"
     )
     body = "\n".join([f"<h1>{escape(title)}</h1>", *parts])

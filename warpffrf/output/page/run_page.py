@@ -206,7 +206,7 @@ def _energy(result: Any, report: Report) -> list[str]:
     rows = []
     for line, values in result.energy.items():
         if np.any(np.nan_to_num(values)):
-            rows.append((line.replace("_", " "), f"{values[-1]:.6g}", ENERGY_MEANINGS.get(line, "")))
+            rows.append((line.replace("_", " "), f"{values[-1]:.5g}", ENERGY_MEANINGS.get(line, "")))
     return [
         html.table(("quantity", "value"), [(figure.label, figure.text) for figure in report.energy], "Balance"),
         html.table(("line", "at the end [J]", "meaning"), rows, "Ledger"),

@@ -89,8 +89,10 @@ def _text(value: Any) -> str:
             return _signal(value)
         kind, facts = _words(str(value.get("kind", ""))), _facts(value)
         return f"{kind} ({facts})" if kind and facts else kind or f"({facts})"
+    if _is_number(value):
+        return f"{0.0 if abs(value) < ROUND_OFF else value:.6g}"
     if isinstance(value, str) or not isinstance(value, Sequence):
-        return f"{0.0 if abs(value) < ROUND_OFF else value:.6g}" if _is_number(value) else str(value)
+        return str(value)
     if len(value) > MOST and all(_is_number(v) for v in value):
         return f"{len(value)} numbers"
     return f"({', '.join(_text(v) for v in value)})"
