@@ -128,7 +128,10 @@ def table(head: Sequence[str], rows: Iterable[Sequence[Any]], caption: str = "")
     body = "".join(f"<tr>{_cells([escape(str(value)) for value in row], len(head))}</tr>\n" for row in rows)
     said = f"<caption>{escape(caption)}</caption>" if caption else ""
     found = f"<table>{said}<thead><tr>{names}</tr></thead>\n<tbody>{body}</tbody></table>"
-    return f'<div class="dense" tabindex="0">{found}</div>' if len(head) > MOST_COLUMNS else found
+    if len(head) <= MOST_COLUMNS:
+        return found
+    label = escape(caption or f"table of {', '.join(head)}", quote=True)
+    return f'<div class="dense" role="region" aria-label="{label}" tabindex="0">{found}</div>'
 
 
 def _cells(cells: Sequence[str], columns: int) -> str:
