@@ -111,14 +111,14 @@ def main(out: str | Path = "out/two_rollers", *, quick: bool = False, progress: 
     stem = Path(out) / "two_rollers"
     scene = build(QUICK if quick else FULL, progress=progress)
     result = wf.simulate(scene, DURATION, step=STEP, start="equilibrium", progress=progress)
-    result.save(f"{stem}.h5", overwrite=True)
+    print(result.report())
+    result.save(f"{stem}.h5", overwrite=True)  # after the report, so that the file has the error budget
     wf.record(result, f"{stem}.rrd", max_frames=60 if quick else 300, overwrite=True)
     result.summary().savefig(f"{stem}.png")
 
     contact = result.contact(PAIR)
     rows = np.flatnonzero(result.time >= result.time[-1] - SETTLED)
     width, peak = np.mean([(h.half_width, h.peak_pressure) for h in map(contact.hertz, rows.tolist())], axis=0)
-    print(result.report())
     print(f"contact force {settled(result, contact.force_magnitude):10.2f} N    "
           f"statics {static_force(scene, result, LOAD_AFTER):9.2f}")  # fmt: skip
     print(f"half-width    {settled(result, contact.half_width) * 1e6:10.2f} um   Hertz {width * 1e6:11.2f}")

@@ -63,7 +63,19 @@ def coarse(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize(
     "command",
-    [[], ["demo"], ["reduce"], ["info"], ["run"], ["modes"], ["campbell"], ["compare"], ["plot"], ["spectrum"]],
+    [
+        [],
+        ["demo"],
+        ["reduce"],
+        ["info"],
+        ["run"],
+        ["modes"],
+        ["campbell"],
+        ["compare"],
+        ["plot"],
+        ["spectrum"],
+        ["report"],
+    ],
     ids=lambda c: "-".join(c) or "main",
 )
 def test_help_explains_every_option(command: list[str], capsys: pytest.CaptureFixture) -> None:

@@ -1,4 +1,4 @@
-"""`warpffrf compare` and `warpffrf plot` on results files of the smallest runs."""
+"""`warpffrf report`, `compare` and `plot` on results files of the smallest runs."""
 
 from __future__ import annotations
 
@@ -8,11 +8,23 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
+from page_reader import Page
 from warpffrf import cli
 from warpffrf.output.plots.figure import about_kinds, drawable
 from warpffrf.output.plots.panels import HISTORY_PLOTS
 
 STEPS = 20
+STONE = """
+[scene]
+gravity = [0, 0, -9.81]
+[bodies.stone]
+mass = 2.0
+inertia_tensor = [0.01, 0.01, 0.01]
+[simulate]
+duration = 0.02
+step = 1e-3
+start = "initial"
+"""
 
 
 def fall(path: Path, gravity: float) -> Path:
@@ -64,6 +76,35 @@ def test_a_plot_is_written(files: tuple[Path, Path], tmp_path: Path, capsys: pyt
     ):
         assert cli.main(arguments) == 1
         assert error in capsys.readouterr().err
+
+
+def test_a_page_of_a_run_is_written(files: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    target = tmp_path / "earth.html"
+    assert cli.main(["report", str(files[0]), "-o", str(target)]) == 0
+    assert f"written to {target}" in capsys.readouterr().out
+    page = Page(target.read_text(encoding="utf-8"))
+    result = wf.Result.load(files[0])
+    assert "Run: earth" in page.text and ["gravity", "(0, 0, -9.81) m/s2"] in page.rows
+    assert ["energy scale", f"{result.energy_scale:.6g} J, the largest energy of the run"] in page.rows
+    for arguments, error in (
+        (["report", str(files[0]), "-o", str(target)], "--overwrite"),
+        (["report", str(files[0]), "-o", str(tmp_path / "earth.txt")], ".html"),
+        (["report", str(tmp_path / "moon.h5"), "-o", str(tmp_path / "moon.html")], "does not exist"),
+        (["info", str(files[0]), "--page", str(tmp_path / "earth2.html")], "warpffrf report"),
+    ):
+        assert cli.main(arguments) == 1
+        assert error in capsys.readouterr().err
+    assert cli.main(["report", str(files[0]), "-o", str(target), "--overwrite"]) == 0
+
+
+def test_the_errors_of_a_run_are_in_its_file(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    """What the report of `run` prints, a page of the file shows."""
+    scene = tmp_path / "stone.toml"
+    scene.write_text(STONE, encoding="utf-8")
+    assert cli.main(["run", str(scene), "--out", str(tmp_path / "out")]) == 0
+    result = wf.Result.load(tmp_path / "out" / "stone.h5")
+    (line,) = [line for line in result.error_budget() if line.of == "motion of body 'stone'"]
+    assert f"body 'stone': motion {100.0 * line.size:.2g} % (time step)" in capsys.readouterr().out
 
 
 def test_kinds_are_listed(files: tuple[Path, Path], capsys: pytest.CaptureFixture) -> None:

@@ -100,7 +100,7 @@ def _hdf5(path: Path, page: Path | None, overwrite: bool, pairs: Pairs) -> str:
 def _no_page(page: Path | None, path: Path) -> None:
     if page is not None:
         raise InputError(
-            f"{path.name} is neither a reduced body nor a sweep, and only those have a page; leave out --page"
+            f"{path.name} is neither a reduced body nor a sweep; leave out --page (the page of a run: warpffrf report)"
         )
 
 
@@ -108,24 +108,25 @@ def _reduced_body(path: Path, page: Path | None, overwrite: bool) -> str:
     from warpffrf.model.reduced.body import ReducedBody
 
     body = ReducedBody.load(path)
-    lines = [body.info(), _box(body.surface.points), *_inertia(body.inertia)]
+    lines = [body.info(), f"  {'box':<15} {_box(body.surface.points)}", *_inertia(body.inertia)]
     if page is not None:
         lines.append(f"quality page written to {body.quality_page(page, overwrite=overwrite)}")
     return "\n".join(lines)
 
 
 def _results(path: Path, pairs: Pairs) -> str:
-    from warpffrf.output.report.fold import Block, folded
+    from warpffrf.output.report.fold import Entry, Figure, folded
     from warpffrf.output.result import Result
 
     result = Result.load(path)
-    blocks = []
+    entries = []
     for body in result.view.bodies.values():
-        lines = [f"body '{body.name}': {body.mass:.6g} kg, {'rigid' if body.reduced is None else 'flexible'}"]
+        kind = "rigid" if body.reduced is None else "flexible"
+        figures = [Figure("", f"{body.mass:.6g} kg, {kind}", inline=True)]
         if body.reduced is not None:
-            lines.append(_box(body.reduced.surface.points))
-        blocks.append(Block(body.name, lines))
-    bodies = [line for lines in folded(blocks, "body", pairs) for line in lines]
+            figures.append(Figure("box", _box(body.reduced.surface.points)))
+        entries.append(Entry("body", (body.name,), figures))
+    bodies = [line for entry in folded(entries, pairs) for line in entry.lines()]
     return "\n".join([f"results {path.name}", *bodies, result.report(pairs=pairs)])
 
 
@@ -149,7 +150,7 @@ def _vector(values: np.ndarray) -> str:
 
 def _box(points: np.ndarray) -> str:
     size = np.ptp(points, axis=0)
-    return f"  box             {' x '.join(f'{s:.6g}' for s in size)} m"
+    return f"{' x '.join(f'{s:.6g}' for s in size)} m"
 
 
 def _inertia(inertia: np.ndarray) -> list[str]:

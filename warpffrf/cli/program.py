@@ -1,5 +1,5 @@
-"""The command line: `warpffrf demo | example | run | modes | campbell | reduce | info | compare | plot | spectrum |
-view | picture | study | sweep`.
+"""The command line: `warpffrf demo | example | run | modes | campbell | reduce | info | report | compare | plot |
+spectrum | view | picture | study | sweep`.
 
 Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2, Ctrl-C or SIGTERM with exit
 code 130 if no results are kept; none prints a traceback. Results are printed to stdout, progress and warnings to

@@ -1,4 +1,4 @@
-"""The commands `warpffrf compare`, `warpffrf plot` and `warpffrf spectrum`: evaluation of results files."""
+"""The commands `warpffrf report`, `compare`, `plot` and `spectrum`: evaluation of results files."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from warpffrf.cli.errors import one_line_errors
+from warpffrf.cli.global_options import Asked
 
 OVERWRITE = typer.Option("--overwrite", help="Replace an existing picture.")
 THEME = typer.Option(metavar="NAME", help="Of the picture: light or dark.")
@@ -15,7 +16,24 @@ WIDTH = typer.Option(metavar="METRES", help="Of the picture: width in print, suc
 
 
 def add_result_commands(app: typer.Typer) -> None:
-    """Add `compare`, `plot` and `spectrum` to `app`."""
+    """Add `report`, `compare`, `plot` and `spectrum` to `app`."""
+
+    @app.command("report")
+    def report_page(
+        file: Annotated[Path, typer.Argument(metavar="FILE", help="Results file (.h5).")],
+        out: Annotated[Path, typer.Option("--out", "-o", metavar="HTML", help="The page to write: .html.")],
+        overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing page.")] = False,
+    ) -> None:
+        """Write a run as one self-contained HTML page: model, figures with their errors, plots, settings.
+
+        It opens in any browser, without a network, and prints on A4. The report as text: warpffrf info FILE.
+
+        Example: warpffrf report press.h5 -o press.html
+        """
+        with one_line_errors():
+            from warpffrf.output.result import Result
+
+            print(f"written to {Result.load(file).page(out, overwrite=overwrite, progress=not Asked.quiet)}")
 
     @app.command("compare")
     def compare_results(

@@ -59,6 +59,9 @@ def run_scene_file(
         for call, result in results.items():
             if not Asked.quiet:
                 print(f"{call}\n{result.report(pairs=Asked.pairs)}")
+                for file in result.written:
+                    if file.what == "results":  # again, with the error budget of the report
+                        result.save(file.path, overwrite=True)
         if any(result.status != "completed" or result.unwritten for result in results.values()):
             raise typer.Exit(1)
 

@@ -4,6 +4,7 @@ nothing."""
 from __future__ import annotations
 
 import hashlib
+import importlib
 import json
 from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -87,6 +88,12 @@ class Scene(reprs.Shown):
     def _facts(self) -> dict[str, Any]:
         kinds = ("bodies", *_ADDED, "bearings")
         return {kind: reprs.names(getattr(self, kind)) for kind in kinds if getattr(self, kind)}
+
+    def _picture(self) -> str:
+        """The bodies at their initial pose; the output package is imported by name, as it imports the model."""
+        if not self.bodies:
+            return ""
+        return importlib.import_module("warpffrf.output.initial_pose").initial_pose(self)._picture()
 
     def add_body(
         self,

@@ -387,13 +387,30 @@ class Result(reprs.Shown):
         time              0 to 0.002 s, 11 rows saved
         ...
         """
-        from warpffrf.output.report.report import report_text
+        from warpffrf.output.report.report import report_of
 
-        return report_text(self, progress, pairs)
+        return report_of(self, progress, pairs).text()
+
+    def page(self, path: str | os.PathLike[str], *, overwrite: bool = False, progress: bool = True) -> Path:
+        """Write one self-contained HTML page of the run to `path` (.html): what was modelled, the figures of the
+        report with the error of each, plots and maps, error budget, energy, neglected effects, settings and versions.
+        progress: as of `report`. Raises InputError for another ending, a path that cannot be written, and an existing
+        file, unless `overwrite` is set and warpffrf wrote it.
+
+        >>> page = result.page("run.html", progress=False)
+        """
+        from warpffrf.output.page.run_page import write_run_page
+
+        return write_run_page(self, path, overwrite=overwrite, progress=progress)
 
     def _facts(self) -> dict[str, Any]:
         end = f"{self.time[-1]:.6g} s" if len(self.time) else "no step saved"
         return {**self.history.shown(), "end": end}
+
+    def _picture(self) -> str:
+        from warpffrf.output.plots.notebook import picture_html
+
+        return picture_html(self)
 
     def __repr__(self) -> str:
         end = f"{self.time[-1]:.6g} s" if len(self.time) else "no step saved"

@@ -5,6 +5,7 @@ import logging
 import subprocess
 import sys
 import threading
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -167,3 +168,27 @@ def test_the_clock_of_a_bar_begins_with_its_first_step(monkeypatch: pytest.Monke
     untimed = progress.Progress("compile kernels", 34, enabled=True, unit="module", timed=False)
     assert untimed.bar is not None and "<" not in str(untimed.bar)
     untimed.close()
+
+
+def test_a_notebook_has_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its standard error is no terminal; without widgets the bar is text, and nothing is said of missing widgets."""
+    import types
+
+    said = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", said)
+    assert progress.Progress("simulate", 10, enabled=True).bar is None
+    for name in ("tqdm.auto", "tqdm.autonotebook"):  # which look where they are when they are imported
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    monkeypatch.setitem(sys.modules, "ipykernel.zmqshell", types.ModuleType("ipykernel.zmqshell"))
+    monkeypatch.setitem(sys.modules, "IPython", types.SimpleNamespace(get_ipython=object))
+    monkeypatch.setitem(sys.modules, "ipywidgets", None)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        bar = progress.Progress("simulate", 10, enabled=True)
+    assert bar.bar is not None and not bar.logs
+    bar.update(4)
+    bar.update(6)
+    assert bar.bar.n == 6 and "simulate" in said.getvalue()
+    bar.close()
+    for name in ("tqdm.auto", "tqdm.autonotebook"):
+        sys.modules.pop(name, None)

@@ -1,11 +1,14 @@
 """How objects show themselves: one short line at a prompt, a small table in a notebook, documented names alone."""
 
+import base64
 import inspect
+import io
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
 import warpffrf as wf
 from warpffrf.model.messages import reprs
@@ -62,9 +65,31 @@ def test_descriptions_show_themselves_in_short() -> None:
 def test_notebooks_get_tables() -> None:
     for name, thing in described().items():
         if name != "material":
-            table = thing._repr_html_()
-            assert table.startswith("<table>") and table.endswith("</table>") and len(table) < 2000, name
+            table, _, picture = thing._repr_html_().partition("</table>")
+            assert table.startswith("<table>") and len(table) < 2000, name
             assert f"<b>{type(thing).__name__}</b>" in table
+            assert picture.startswith("<img") if name == "scene" else not picture
+
+
+def pixels(shown: str) -> np.ndarray:
+    """(height, width, 4) of the picture in a notebook."""
+    return imread(io.BytesIO(base64.b64decode(shown.partition("base64,")[2].partition('"')[0])))
+
+
+def test_notebooks_get_pictures_of_scenes_and_results(result: Result) -> None:
+    """A scene as it stands now, without a run; the last row of a run; nothing where nothing is there."""
+    scene: Any = described()["scene"]
+    before = pixels(scene._repr_html_())
+    assert before.shape == (360, 480, 4) and np.ptp(before[..., :3]) > 0.3
+    scene.body("upper").position = (0, 0, 0.2)
+    assert np.any(pixels(scene._repr_html_()) != before)
+    assert "the bodies at 0.02 s" in result._repr_html_() and np.ptp(pixels(result._repr_html_())[..., :3]) > 0.3
+    assert "<img" not in wf.Scene()._repr_html_()
+
+
+def test_what_cannot_be_drawn_is_shown_as_a_table(history: History) -> None:
+    history.bodies["upper"].position[:] = np.nan
+    assert Result(history)._repr_html_().endswith("</table>")
 
 
 def test_names_of_the_user_are_escaped() -> None:

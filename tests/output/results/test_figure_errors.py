@@ -17,7 +17,7 @@ from warpffrf.model.reduced.mesh_error import own_mesh_error
 from warpffrf.online.history.history import BudgetLine
 from warpffrf.output.budget import budget
 from warpffrf.output.budget.balance import given_by_loads
-from warpffrf.output.budget.figures import UNKNOWN, figure_text, figures, total
+from warpffrf.output.budget.figures import UNKNOWN, error_text, errors, figures, total
 
 PAIR = f"contact {rollers.PAIR!r}"
 APPROACH = 2e-5
@@ -153,10 +153,10 @@ def test_sources_are_independent() -> None:
         BudgetLine(UNKNOWN, "torque of film 'x'", np.nan, "no second grid"),
         BudgetLine("a", "work of friction", 0.01, ""),
     ]
-    assert figure_text(lines) == [
-        ("film 'x'", "film 'x': force 5 % (b); not estimated: torque (no second grid)"),
-        ("", "run: work of friction 1 % (a)"),
-    ]
+    assert {owner: error_text(kinds) for owner, kinds in errors(lines).items()} == {
+        "film 'x'": "force 5 % (b); not estimated: torque (no second grid)",
+        "": "work of friction 1 % (a)",
+    }
 
 
 def test_micro_slip_is_not_rolling() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.output.report.fold import FEWEST, Block, folded, folded_notes
+from warpffrf.output.report.fold import FEWEST, Entry, Figure, folded, folded_notes
 from warpffrf.output.result import Result
 
 COUNT = 6
@@ -84,24 +84,29 @@ def test_all_are_there_when_they_are_asked_for(result: Result) -> None:
         result.report(pairs="each")  # pyright: ignore[reportArgumentType]
 
 
+def said(text: str) -> Figure:
+    return Figure("", text, inline=True)
+
+
 def test_one_that_differs_stays_by_itself() -> None:
-    """In a word, in the number of its lines, or in its sort; and few are not folded."""
-    lines = [[f"thing 'a {n}': {n}.5 mm2, {-n} m/s2 and {n}e-3 um by Hertz's '{n}x'"] for n in range(FEWEST + 2)]
-    blocks = [Block(f"a {n}", text) for n, text in enumerate(lines)]
-    odd = Block("a 9", ["thing 'a 9': 9.5 mm2, -9 m/s2 and 9e-3 um by Hertz's '9x'", "  warning: of no use"])
-    other = Block("a 8", lines[0], sort="another")
-    found = folded([*blocks, odd, other], "thing")
-    assert found == [
-        [
-            f"{FEWEST + 2} things 'a 0' to 'a {FEWEST + 1}': 0.5 ('a 0') to {FEWEST + 1}.5 ('a {FEWEST + 1}') mm2, "
-            f"-{FEWEST + 1} ('a {FEWEST + 1}') to 0 ('a 0') m/s2 and 0e-3 ('a 0') to {FEWEST + 1}e-3 "
-            f"('a {FEWEST + 1}') um by Hertz's '#x'"
-        ],
-        list(odd.lines),
-        list(other.lines),
+    """In a word, in the number of its figures, or in its sort; and few are not folded."""
+    texts = [f"{n}.5 mm2, {-n} m/s2 and {n}e-3 um by Hertz's '{n}x'" for n in range(FEWEST + 2)]
+    entries = [Entry("thing", (f"a {n}",), [said(text)]) for n, text in enumerate(texts)]
+    odd = Entry(
+        "thing", ("a 9",), [said("9.5 mm2, -9 m/s2 and 9e-3 um by Hertz's '9x'"), Figure("warning", "of no use")]
+    )
+    other = Entry("thing", ("a 8",), [said(texts[0])], sort="another")
+    group, *rest = folded([*entries, odd, other])
+    assert group.names == tuple(f"a {n}" for n in range(FEWEST + 2))
+    assert group.lines() == [
+        f"{FEWEST + 2} things 'a 0' to 'a {FEWEST + 1}': 0.5 ('a 0') to {FEWEST + 1}.5 ('a {FEWEST + 1}') mm2, "
+        f"-{FEWEST + 1} ('a {FEWEST + 1}') to 0 ('a 0') m/s2 and 0e-3 ('a 0') to {FEWEST + 1}e-3 "
+        f"('a {FEWEST + 1}') um by Hertz's '#x'"
     ]
-    assert folded(blocks[: FEWEST - 1], "thing") == lines[: FEWEST - 1]
-    assert folded(blocks, "thing", "all") == lines
+    assert rest == [odd, other]
+    assert odd.lines() == [f"thing 'a 9': {odd.figures[0].text}", "  warning         of no use"]
+    assert folded(entries[: FEWEST - 1]) == entries[: FEWEST - 1]
+    assert folded(entries, "all") == entries
 
 
 def test_notes_that_say_the_same_are_one() -> None:
@@ -116,6 +121,8 @@ def test_notes_that_say_the_same_are_one() -> None:
 
 
 def test_what_is_not_a_number_is_counted() -> None:
-    blocks = [Block(f"a{n}", [f"x 'a{n}': {v}"]) for n, v in enumerate(["nan", "1", "2", "nan"])]
-    assert folded(blocks, "x") == [["4 xs 'a0' to 'a3': 1 ('a1') to 2 ('a2'), 2 nan"]]
-    assert folded([Block(b.name, [b.lines[0].replace("1", "2")]) for b in blocks[1:3]] * 2, "x")[0][0].endswith("2")
+    entries = [Entry("body", (f"a{n}",), [said(v)]) for n, v in enumerate(["nan", "1", "2", "nan"])]
+    (found,) = folded(entries)
+    assert found.lines() == ["4 bodies 'a0' to 'a3': 1 ('a1') to 2 ('a2'), 2 nan"]
+    same = [Entry("body", entry.names, [said("2")]) for entry in entries[1:3]] * 2
+    assert folded(same)[0].figures[0].text == "2"

@@ -1,4 +1,4 @@
-"""Progress with the remaining time: a bar on a terminal, periodic log lines elsewhere.
+"""Progress with the remaining time: a bar on a terminal and in a notebook, periodic log lines elsewhere.
 
 The remaining time is extrapolated from the rate since the first count. Earlier work, such as compilation of kernels,
 occurs once and is not part of a step.
@@ -33,13 +33,14 @@ import signal
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from types import FrameType
 from typing import Any
 
-from tqdm import tqdm
+from tqdm import TqdmWarning, tqdm
 
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.reprs import printable
@@ -60,14 +61,14 @@ class Progress:
         self.label, self.total, self.unit, self.done, self.timed = label, total, unit, done, timed
         self.first: tuple[int, float] | None = None  # done, and when, as the first of them was counted
         self.next = time.monotonic() + FIRST_LINE
-        terminal = sys.stderr is not None and sys.stderr.isatty()  # None: a process without a standard error
+        make = _bar()
         self.bar = None
-        if enabled and terminal:
-            self.bar = tqdm(
+        if enabled and make is not None:
+            self.bar = make(
                 total=total, initial=done, desc=printable(label), unit=unit, leave=False,
                 bar_format=None if timed else UNTIMED,
             )  # fmt: skip
-        self.logs = enabled and not terminal
+        self.logs = enabled and make is None
 
     def update(self, done: int) -> None:
         """Set the number of units done so far."""
@@ -93,6 +94,17 @@ class Progress:
         """End the display."""
         if self.bar is not None:
             self.bar.close()
+
+
+def _bar() -> type[tqdm] | None:
+    """The bar of a terminal, or of a notebook, which has widgets with ipywidgets and text without; None elsewhere."""
+    if "ipykernel.zmqshell" in sys.modules:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", TqdmWarning)  # without ipywidgets
+            from tqdm.auto import tqdm as bar
+        return bar
+    terminal = sys.stderr is not None and sys.stderr.isatty()  # None: a process without a standard error
+    return tqdm if terminal else None
 
 
 notes = logging.getLogger("warpffrf.notes")  # of finished runs: a report has them too

@@ -1,4 +1,5 @@
-"""Representations of objects: one line at a prompt and in messages, a small table in a notebook.
+"""Representations of objects: one line at a prompt and in messages, a small table in a notebook, of scenes and results
+with a picture.
 
 A class returns its main properties by `_facts`, name -> value, in few words; arrays are shown by their shapes. Both
 representations follow from that, so that none prints the numbers of a mesh or of a run.
@@ -9,6 +10,7 @@ movements.
 
 from __future__ import annotations
 
+import logging
 import unicodedata
 from dataclasses import fields
 from html import escape
@@ -17,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from warpffrf.model.renamed import RENAMED
 
 LONGEST = 60  # characters of a list of names
+log = logging.getLogger("warpffrf")
 
 
 class Shown:
@@ -43,13 +46,22 @@ class Shown:
         parts = [repr(facts.pop("name"))] if "name" in facts else []
         return f"{type(self).__name__}({', '.join([*parts, *(f'{key}={value}' for key, value in facts.items())])})"
 
+    def _picture(self) -> str:
+        """A picture beside the table in a notebook, as HTML; "" if there is none. Errors are logged."""
+        return ""
+
     def _repr_html_(self) -> str:
         cell = '<{0} style="text-align:left">{1}</{0}>'
         rows = "".join(
             f"<tr>{cell.format('th', escape(key))}{cell.format('td', escape(str(value)))}</tr>"
             for key, value in self._facts().items()
         )
-        return f"<table><caption><b>{escape(type(self).__name__)}</b></caption>{rows}</table>"
+        try:
+            picture = self._picture()
+        except Exception:  # what is shown must not stop the cell of a notebook
+            log.debug("%s: no picture", type(self).__name__, exc_info=True)
+            picture = ""
+        return f"<table><caption><b>{escape(type(self).__name__)}</b></caption>{rows}</table>{picture}"
 
 
 class Item(Shown):

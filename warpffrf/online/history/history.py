@@ -17,20 +17,23 @@ from warpffrf.model.bodies import Port
 from warpffrf.model.errors import unknown_name
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.status import Status
+from warpffrf.model.reduced.body import library_versions
 from warpffrf.online.history.interface_motion import point_motion, turned
 
-ENERGY_LINES = (
-    "kinetic",  # rigid motion and global modes
-    "strain",  # global modes
-    "contact",  # local modes and surface layers, 1/2 s.G.s; lumped contacts
-    "potential",  # gravity and springs
-    "force_work",  # cumulative work of applied forces
-    "drive_work",  # cumulative work of prescribed joint motion
-    "damping",  # cumulative energy removed by dampers and modal damping, positive
-    "contact_grid",  # cumulative change of the contact energy not balanced by any wrench (grid defect)
-    "numerical",  # closes the balance; negative values are numerical dissipation
-    "friction",  # cumulative work of friction, never positive
-)
+ENERGY_MEANINGS = {
+    "kinetic": "rigid motion and global modes",
+    "strain": "global modes",
+    "contact": "local modes and surface layers, 1/2 s.G.s; lumped contacts",
+    "potential": "gravity and springs",
+    "force_work": "cumulative work of applied forces",
+    "drive_work": "cumulative work of prescribed joint motion",
+    "damping": "cumulative energy removed by dampers and modal damping, positive",
+    "contact_grid": "cumulative change of the contact energy not balanced by any wrench (grid defect)",
+    "numerical": "closes the balance; negative values are numerical dissipation",
+    "friction": "cumulative work of friction, never positive",
+}
+ENERGY_LINES = tuple(ENERGY_MEANINGS)
+VERSIONED = ("warpffrf", "warp-lang", "numpy", "scipy")  # packages whose versions a run states
 
 
 _NOT_RECORDED = np.zeros(0)  # default of arrays that are not given
@@ -287,6 +290,7 @@ class History(reprs.Shown):
     film_checks: dict[str, Any] = field(default_factory=dict)  # by film, `online.diagnosis.film_notes`, likewise
     film_grids: dict[str, Any] = field(default_factory=dict)  # by film, `online.diagnosis.film_grid`, likewise
     budget: list[BudgetLine] = field(default_factory=list)  # the errors of the run, once evaluated
+    versions: dict[str, str] = field(default_factory=lambda: library_versions(VERSIONED))  # of the run, by package
     stopping: bool = False  # True if Ctrl-C was pressed while the run finished: nothing further may start
 
     def motion(

@@ -341,28 +341,10 @@ class BearingResult(reprs.Shown):
 
     def report(self, row: int = -1) -> str:
         """The table as text, with the motion of the inner ring."""
-        table = self.table(row).items()
-        shown = {name: _rounded(values, NO_TILT if "deg" in name else 0.0) for name, values in table}
-        shown = {name: values for name, values in shown.items() if np.any(np.nan_to_num(values))}
-        moved = UM * _rounded(self.displacement[row])
-        tilt = 1e3 * _rounded(self.tilt[row][:2], NO_TILT)
-        loaded = int(np.count_nonzero(_rounded(self.outer_load[row])))
-        lines = [
-            f"bearing {self.name!r} at {self.time[row]:.6g} s: {loaded} of {len(self.elements)} {self.kind}s loaded",
-            f"inner ring moved by ({', '.join(f'{x:.5g}' for x in moved)}) um, tilted by "
-            f"({', '.join(f'{x:.4g}' for x in tilt)}) mrad",
-            *self._warnings(row, loaded),
-        ]
-        if "friction [W]" in shown:
-            lines.append(
-                f"friction: {self.friction_torque[row]:.5g} N m on the inner ring, {shown['friction [W]'].sum():.5g} W"
-            )
+        lines, shown = printed(self, row)
         lines.append("  ".join([f"{'':>3}", *(f"{name:>17}" for name in shown)]))
         for i in range(len(self.elements)):
-            numbers = (values[i] for values in shown.values())
-            lines.append(
-                "  ".join([f"{i + 1:>3}", *("-".rjust(17) if np.isnan(x) else f"{x:>17.5g}" for x in numbers)])
-            )
+            lines.append("  ".join([f"{i + 1:>3}", *(f"{cells[i]:>17}" for cells in shown.values())]))
         return "\n".join(lines)
 
     def _warnings(self, row: int, loaded: int) -> list[str]:
@@ -480,6 +462,26 @@ def _rounded(values: np.ndarray, least: float = 0.0) -> np.ndarray:
     """`values` with round-off of the largest, and values below `least`, set to zero."""
     size = np.abs(values)
     return np.where(size <= max(ROUND_OFF * np.nan_to_num(size).max(initial=0.0), least), 0.0, values)
+
+
+def printed(bearing: BearingResult, row: int) -> tuple[list[str], dict[str, list[str]]]:
+    """What a report states of a saved step: load, motion of the inner ring, warnings and friction as sentences, and the
+    columns of the table that are not zero, name with unit -> text of each element."""
+    shown = {name: _rounded(v, NO_TILT if "deg" in name else 0.0) for name, v in bearing.table(row).items()}
+    shown = {name: values for name, values in shown.items() if np.any(np.nan_to_num(values))}
+    moved = UM * _rounded(bearing.displacement[row])
+    tilt = 1e3 * _rounded(bearing.tilt[row][:2], NO_TILT)
+    count, loaded = len(bearing.elements), int(np.count_nonzero(_rounded(bearing.outer_load[row])))
+    lines = [
+        f"bearing {bearing.name!r} at {bearing.time[row]:.6g} s: {loaded} of {count} {bearing.kind}s loaded",
+        f"inner ring moved by ({', '.join(f'{x:.5g}' for x in moved)}) um, tilted by "
+        f"({', '.join(f'{x:.4g}' for x in tilt)}) mrad",
+        *bearing._warnings(row, loaded),
+    ]
+    if "friction [W]" in shown:
+        torque = f"{bearing.friction_torque[row]:.5g} N m on the inner ring"
+        lines.append(f"friction: {torque}, {shown['friction [W]'].sum():.5g} W")
+    return lines, {name: ["-" if np.isnan(x) else f"{x:.5g}" for x in values] for name, values in shown.items()}
 
 
 @dataclass(frozen=True)

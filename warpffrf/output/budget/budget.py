@@ -92,7 +92,10 @@ def why_not(result: Any) -> str:
     """The reason why there is no budget of `result`, or ""."""
     history = result.history
     if history.samples is None or not hasattr(history.scene, "contacts"):
-        return "it requires the process of the run, and an integrator other than those for checks"
+        return (
+            "it requires the process of the run (result.report() before result.save()), and an integrator other than "
+            "those for checks"
+        )
     if len(history.time) < (1 if history.samples.static else 2):
         return "no step was saved"
     return ""
@@ -108,32 +111,42 @@ def largest_of_each(lines: Sequence[BudgetLine]) -> list[BudgetLine]:
     return list(found.values())
 
 
-def budget_text(lines: Sequence[BudgetLine]) -> list[str]:
-    """The lines of a report: the largest of each source, and the largest of all."""
-    text = ["error budget      largest of each source, estimated without a reference run"]
-    largest = []
+def worst_lines(lines: Sequence[BudgetLine]) -> list[BudgetLine]:
+    """The line with the largest effect of each source; one that was not found where there is no other."""
+    worst = []
     for source in dict.fromkeys(line.source for line in lines if line.source != UNKNOWN):
         every = [line for line in lines if line.source == source]
         own = [line for line in every if is_main(line)] or every
-        found = [line for line in own if line.found]
-        if not found:
-            text.append(f"  {source:<27} not found: {own[0].basis}" + (f"; {own[0].cure}" if own[0].cure else ""))
-            continue
-        worst = max(found, key=lambda line: line.size)
-        largest.append(worst)
-        text.append(f"  {source:<27} {percent(worst.size)} of {_named(worst.of)} ({worst.basis})")
-    if largest:
-        worst = max(largest, key=lambda line: line.size)
-        if worst.size >= FLOOR and worst.cure:
-            text.append(f"  largest                     {worst.source}, {percent(worst.size)}; cure: {worst.cure}")
-        elif worst.size < FLOOR:
-            text.append(f"  largest                     all estimates are {SMALL}")
-    return text
+        worst.append(max((line for line in own if line.found), key=lambda line: line.size, default=own[0]))
+    return worst
 
 
-def _named(quantity: str) -> str:
-    """The quantity as text."""
-    return quantity if quantity.startswith("all ") else f"the {quantity}"
+def effect(line: BudgetLine) -> str:
+    """The size of a line and the quantity that it refers to."""
+    if not line.found:
+        return "not found"
+    return f"{percent(line.size)} of {line.of if line.of.startswith('all ') else f'the {line.of}'}"
+
+
+def conclusion(worst: Sequence[BudgetLine]) -> str:
+    """The largest of all sources, and its cure; "" without a size or a cure."""
+    found = [line for line in worst if line.found]
+    if not found:
+        return ""
+    largest = max(found, key=lambda line: line.size)
+    if largest.size < FLOOR:
+        return f"all estimates are {SMALL}"
+    return f"{largest.source}, {percent(largest.size)}; cure: {largest.cure}" if largest.cure else ""
+
+
+def budget_text(lines: Sequence[BudgetLine]) -> list[str]:
+    """The lines of a report: the largest of each source, and the largest of all."""
+    text, worst = ["error budget      largest of each source, estimated without a reference run"], worst_lines(lines)
+    for line in worst:
+        why = f" ({line.basis})" if line.found else f": {line.basis}" + (f"; {line.cure}" if line.cure else "")
+        text.append(f"  {line.source:<27} {effect(line)}{why}")
+    said = conclusion(worst)
+    return [*text, *([f"  largest                     {said}"] if said else [])]
 
 
 def percent(size: float) -> str:

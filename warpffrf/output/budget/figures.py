@@ -13,8 +13,8 @@ A quantity without an estimate for its grid or mesh gets a line that states this
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -251,28 +251,45 @@ def _why(name: str, result: Any) -> str:
     return "there is no second run to compare with"
 
 
-def figure_text(lines: Sequence[BudgetLine]) -> list[tuple[str, str]]:
-    """(owner, line of the report) of the printed quantities: all sources together, as independent ones, and the
-    largest; then the sources that are not estimated, and why."""
-    owners: dict[str, dict[str, list[BudgetLine]]] = {}
+@dataclass(frozen=True)
+class Error:
+    """Estimated error of one quantity, a fraction: all sources together, as independent ones, and the largest of them;
+    NaN and "" if none is known. missing: why a source is not estimated, or ""."""
+
+    size: float
+    source: str
+    missing: str
+
+    def __str__(self) -> str:
+        return f"{100.0 * self.size:.2g} % ({self.source})" if self.source else ""
+
+
+def errors(lines: Sequence[BudgetLine]) -> dict[str, dict[str, Error]]:
+    """owner -> kind -> error of each quantity; the owner "" is the whole run."""
+    found: dict[str, dict[str, list[BudgetLine]]] = {}
     for line in lines:
         kind, owner = kind_and_owner(line.of)
-        owners.setdefault(owner, {}).setdefault(kind, []).append(line)
-    found = []
-    for owner, kinds in owners.items():
-        told, missing = [], dict[str, list[str]]()
-        for kind, own in kinds.items():
-            known = [line for line in own if line.found]
-            if unknown := [line for line in own if not line.found]:
-                missing.setdefault(unknown[0].basis, []).append(kind)
-            if not known:
-                continue
-            worst = max(known, key=lambda line: line.size)
-            told.append(f"{kind} {100.0 * total(known):.2g} % ({worst.source})")
-        text = [", ".join(told)] if told else []
-        text += [f"not estimated: {', '.join(kinds)} ({why})" for why, kinds in missing.items()]
-        found.append((owner, f"{owner or 'run'}: " + "; ".join(text)))
-    return found
+        found.setdefault(owner, {}).setdefault(kind, []).append(line)
+    return {owner: {kind: _error(own) for kind, own in kinds.items()} for owner, kinds in found.items()}
+
+
+def _error(lines: Sequence[BudgetLine]) -> Error:
+    known, unknown = [line for line in lines if line.found], [line for line in lines if not line.found]
+    missing = unknown[0].basis if unknown else ""
+    if not known:
+        return Error(np.nan, "", missing)
+    return Error(total(known), max(known, key=lambda line: line.size).source, missing)
+
+
+def error_text(kinds: Mapping[str, Error]) -> str:
+    """The errors of the quantities of one owner, by kind, and those that are not estimated, with the reason."""
+    told = [f"{kind} {error}" for kind, error in kinds.items() if error.source]
+    missing: dict[str, list[str]] = {}
+    for kind, error in kinds.items():
+        if error.missing:
+            missing.setdefault(error.missing, []).append(kind)
+    text = [", ".join(told)] if told else []
+    return "; ".join([*text, *(f"not estimated: {', '.join(own)} ({why})" for why, own in missing.items())])
 
 
 def total(lines: Sequence[BudgetLine]) -> float:

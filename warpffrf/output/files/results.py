@@ -103,7 +103,7 @@ from warpffrf.output.geometry.scene_view import (
 )
 
 FORMAT = "warpffrf-results"
-SCHEMA_VERSION = 4
+SCHEMA_VERSION = 5
 SUFFIXES = (".h5", ".hdf5")
 COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
 _GROUPS = (
@@ -138,6 +138,7 @@ def put_result(file: Any, result: Any, *, bodies: bool = True, packing: dict[str
     file.attrs["counters"] = json.dumps({k: float(v) for k, v in history.counters.items()})
     file.attrs["notes"] = json.dumps(list(history.notes))
     file.attrs["options"] = json.dumps(history.options)
+    file.attrs["versions"] = json.dumps(history.versions)
     file.attrs["budget"] = json.dumps(
         [{**vars(line), "size": line.size if line.found else None} for line in history.budget]
     )
@@ -243,6 +244,7 @@ def get_history(file: Any, scene: SceneView | None = None) -> History:
         notes=[str(note) for note in json.loads(file.attrs["notes"])],
         options={str(k): str(v) for k, v in json.loads(file.attrs["options"]).items()},
         budget=[_budget_line(line) for line in json.loads(file.attrs["budget"])],
+        versions={str(k): str(v) for k, v in json.loads(file.attrs["versions"]).items()},
         sensors=_get_sensors(file),
         checkpoint={unquote(k): read(file, f"checkpoint/{k}") for k in hdf5_parts.names(file, "checkpoint")},
         **run,

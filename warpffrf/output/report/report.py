@@ -1,10 +1,10 @@
-"""The text report of a run.
+"""The report of a run: its statements, which `Report.text` prints and the page of the run tabulates.
 
-Items. Lines of the report on lumped contacts, oil films, small-sliding contacts, joints, force elements and sensors:
+Items. Entries of the report on lumped contacts, oil films, small-sliding contacts, joints, force elements and sensors:
 the final value and the largest one.
 
-Counters. Lines of the report on solver statistics, in plain words. Keys of `History.counters` are mapped to these
-words. Counters of events that need not occur, such as halved steps, are listed only if they are not zero.
+Counters. Solver statistics, in plain words, to which keys of `History.counters` are mapped. Counters of events that
+need not occur, such as halved steps, are listed only if they are not zero.
 
 Round-off is not printed as a figure: lengths of 1e-16 m are set to zero.
 """
@@ -12,16 +12,18 @@ Round-off is not printed as a figure: lengths of 1e-16 m are set to zero.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import Any, get_args
 
 import numpy as np
 
 from warpffrf.model.errors import InputError, suggestion
+from warpffrf.online.history.history import BudgetLine
 from warpffrf.output.budget.budget import budget_text
-from warpffrf.output.budget.figures import UNKNOWN, figure_text
+from warpffrf.output.budget.figures import UNKNOWN, error_text, errors
 from warpffrf.output.contact.hertz import HertzPoint, flexible_sides, hertz
 from warpffrf.output.geometry.scene_view import PairView
-from warpffrf.output.report.fold import Block, Pairs, folded, folded_notes
+from warpffrf.output.report.fold import Entry, Figure, Pairs, folded, folded_notes
 
 KINDS = {
     "line": "a line across the width",
@@ -33,114 +35,158 @@ KINDS = {
 CARRIERS = {"nodes": "nodes of the contact grid", "cells": "cells of the patch"}
 
 
-def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") -> str:
+@dataclass(frozen=True)
+class Report:
+    """What a report states, in its order: status and counters, contacts with finite sliding at the last saved step,
+    other items, energy, error budget, and notes."""
+
+    run: list[Figure]
+    contacts: list[Entry]
+    items: list[Entry]
+    energy: list[Figure]
+    budget: list[BudgetLine]
+    notes: list[str]
+    pairs: Pairs
+
+    def text(self) -> str:
+        """Plain text, one fact per line."""
+        lines = _listed(self.run)
+        lines += [line for entry in self.contacts for line in entry.lines()]
+        for kind in dict.fromkeys(entry.kind for entry in self.items):
+            own = [line for entry in self.items if entry.kind == kind for line in entry.lines()]
+            more = 0 if self.pairs == "all" else max(len(own) - MOST_LINES, 0)
+            lines += own[: len(own) - more]
+            lines += [f'... and {more} more lines of {kind}s; use report(pairs="all")'] if more else []
+        lines += [*_listed(self.energy), *self._budget_lines()]
+        return "\n".join([*lines, *(["notes"] if self.notes else []), *(f"  - {note}" for note in self.notes)])
+
+    def _budget_lines(self) -> list[str]:
+        if not self.budget or self.unknown:
+            return [f"error budget      {self.unknown}"] if self.unknown else []
+        head = "estimated error of each result: all sources together, and the largest of them"
+        told = [f"  {line}" for entry in self.errors() for line in entry.lines()]
+        return [*budget_text(self.budget), head, *told]
+
+    @property
+    def unknown(self) -> str:
+        """The reason why there is no error budget, or ""."""
+        one = len(self.budget) == 1 and self.budget[0].source == UNKNOWN
+        return self.budget[0].basis if one else ""
+
+    def errors(self) -> list[Entry]:
+        """The error of each quantity, by owner; similar owners grouped."""
+        entries = []
+        for owner, kinds in errors(self.budget).items():
+            kind, _, name = owner.partition(" '")
+            names = (name.removesuffix("'"),) if name else ()
+            entries.append(Entry(kind or "run", names, [Figure("", error_text(kinds), inline=True)]))
+        kinds = list(dict.fromkeys(entry.kind for entry in entries))
+        return folded(sorted(entries, key=lambda entry: kinds.index(entry.kind)), self.pairs)
+
+
+def report_of(result: Any, progress: bool = False, pairs: Pairs = "folded") -> Report:
     """Status, counters, contacts at the last saved step with the Hertz solution, joints, forces, sensors, energy
-    balance and notes: plain text, one fact per line. progress: report the progress of the error budget, if it is
-    computed here. pairs: similar entries are "folded" into one, or "all" are listed (`fold`)."""
+    balance, error budget and notes. progress: report the progress of the error budget, if it is computed here. pairs:
+    similar entries are "folded" into one, or "all" are listed (`fold`). Raises InputError for another word."""
     if pairs not in get_args(Pairs):
         raise InputError(f"report: pairs is {pairs!r}{suggestion(str(pairs), get_args(Pairs))}")
     history = result.history
-    lines = [f"status            {result.status}" + (f": {result.message}" if result.message else "")]
+    notes = folded_notes(history.notes, pairs)
+    run = [Figure("status", f"{result.status}" + (f": {result.message}" if result.message else ""))]
     if len(result.time) == 0:
-        return "\n".join([*lines, "no step was saved", *_notes(history, pairs)])
-    lines.append(f"time              {result.time[0]:.6g} to {result.time[-1]:.6g} s, {len(result.time)} rows saved")
-    lines += counter_lines(history)
-    lines += [f"{file.what:<17} {file}" for file in result.written]
+        return Report([*run, Figure("no step was saved", "")], [], [], [], [], notes, pairs)
+    run.append(Figure("time", f"{result.time[0]:.6g} to {result.time[-1]:.6g} s, {len(result.time)} rows saved"))
+    run += counter_figures(history)
+    run += [Figure(file.what, str(file)) for file in result.written]
     contacts = [
-        Block(name, _contact_lines(result.contact(name)), same_surfaces(result.view.pairs[name]))
+        Entry("contact", (name,), _contact(result.contact(name)), sort=same_surfaces(result.view.pairs[name]))
         for name in result.finite_sliding_names
     ]
-    lines += [line for block in folded(contacts, "contact", pairs) for line in block]
-    lines += item_lines(result, pairs)
-    lines.append(f"energy scale      {result.energy_scale:.6g} J, the largest energy of the run")
+    items, budget = folded(_items(result), pairs), result.error_budget(progress=progress)
+    return Report(run, folded(contacts, pairs), items, _energy(result), budget, notes, pairs)
+
+
+def _listed(figures: Iterable[Figure]) -> list[str]:
+    return [f"{figure.label:<17} {figure.text}".rstrip() for figure in figures]
+
+
+def _energy(result: Any) -> list[Figure]:
+    """Scale and residual of the energy balance, work of friction, and fluctuation due to contact grids."""
+    figures = [Figure("energy scale", f"{result.energy_scale:.6g} J, the largest energy of the run")]
     residual, idle = result.energy_residual, idle_energy(result)
     if result.energy_scale <= idle:
-        lines.append(
-            "energy residual   not computed: nothing moves, energies are round-off of forces times lengths, "
-            f"{idle:.2g} J"
-        )
+        text = f"not computed: nothing moves, energies are round-off of forces times lengths, {idle:.2g} J"
     else:
-        lines.append(
-            f"energy residual   {residual[-1]:+.3e} at the end, {np.ptp(residual):.3e} peak to peak, over the energy "
-            "scale"
-        )
-    defect = history.energy.get("contact_grid")
-    friction = history.energy.get("friction")
+        text = f"{residual[-1]:+.3e} at the end, {np.ptp(residual):.3e} peak to peak, over the energy scale"
+    figures.append(Figure("energy residual", text))
+    defect, friction = (result.energy.get(line) for line in ("contact_grid", "friction"))
     if friction is not None and np.any(np.nan_to_num(friction) != 0.0):
-        lines.append(f"friction          {friction[-1]:+.6g} J, work of friction since the start")
+        figures.append(Figure("friction", f"{friction[-1]:+.6g} J, work of friction since the start"))
     if result.finite_sliding_names and defect is not None and result.energy_scale > idle and np.isfinite(defect[-1]):
-        lines.append(
-            f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale, energy fluctuation "
-            "because the patch moves over discrete nodes"
-        )
-    return "\n".join([*lines, *_budget_lines(result, progress, pairs), *_notes(history, pairs)])
+        share = f"{defect[-1] / result.energy_scale:+.3e} of the energy scale"
+        text = f"{share}, energy fluctuation because the patch moves over discrete nodes"
+        figures.append(Figure("contact grid", text))
+    return figures
 
 
-def _budget_lines(result: Any, progress: bool, pairs: Pairs) -> list[str]:
-    """The error budget; it is computed here if necessary and possible."""
-    lines = result.error_budget(progress=progress)
-    if len(lines) == 1 and lines[0].source == UNKNOWN:
-        return [f"error budget      {lines[0].basis}"]
-    kinds: dict[str, list[Block]] = {}
-    for owner, line in figure_text(lines):
-        kind, _, name = owner.partition(" '")
-        kinds.setdefault(kind, []).append(Block(name.rstrip("'"), [line]))
-    figures = [f"  {block[0]}" for kind, blocks in kinds.items() for block in folded(blocks, kind, pairs)]
-    head = "estimated error of each result: all sources together, and the largest of them"
-    return [*budget_text(lines), head, *figures]
-
-
-def _contact_lines(contact: Any) -> list[str]:
-    head = f"contact '{contact.name}'"
-    friction = _friction_lines(contact) if contact.has_friction else []
+def _contact(contact: Any) -> list[Figure]:
+    friction = _friction(contact) if contact.has_friction else []
     if not contact.touching[-1]:
-        return [f"{head}: open in the last row", *friction]
+        return [Figure("", "open in the last row", inline=True), *friction]
     width, middle = contact.half_widths[-1] * 1e6, without_round_off(contact.center_of_pressure[-1], LENGTH) * 1e6
-    lines = [
-        f"{head}: last row, {KINDS[contact.patch_kind]}",
-        f"  force           {contact.force_magnitude[-1]:.6g} N",
-        f"  half-width      {contact.half_width[-1] * 1e6:.5g} um",
-        f"  patch           {width[0]:.5g} um along the arc, {width[1]:.5g} um along the axis, area "
-        f"{contact.patch_area[-1] * 1e6:.5g} mm2, centre at {middle[0]:.4g} and {middle[1]:.4g} um",
-        f"  peak pressure   {contact.mid_peak_pressure[-1] / 1e6:.5g} MPa {_section(contact)}, "
-        f"{contact.peak_pressure[-1] / 1e6:.5g} MPa anywhere",
-        f"  approach        {without_round_off(contact.approach[-1], LENGTH) * 1e6:.5g} um",
-        f"  loaded          {int(contact.active_nodes[-1])} {CARRIERS[contact.loaded]}",
+    patch = f"{width[0]:.5g} um along the arc, {width[1]:.5g} um along the axis, area "
+    patch += f"{contact.patch_area[-1] * 1e6:.5g} mm2, centre at {middle[0]:.4g} and {middle[1]:.4g} um"
+    peak = f"{contact.mid_peak_pressure[-1] / 1e6:.5g} MPa {_section(contact)}, "
+    peak += f"{contact.peak_pressure[-1] / 1e6:.5g} MPa anywhere"
+    approach = without_round_off(contact.approach[-1], LENGTH) * 1e6
+    return [
+        Figure("", f"last row, {KINDS[contact.patch_kind]}", inline=True),
+        Figure("force", f"{contact.force_magnitude[-1]:.6g} N", ("force",)),
+        Figure("half-width", f"{contact.half_width[-1] * 1e6:.5g} um", ("half-widths",)),
+        Figure("patch", patch, ("half-widths",)),
+        Figure("peak pressure", peak, ("peak pressure",)),
+        Figure("approach", f"{approach:.5g} um", ("approach",)),
+        Figure("loaded", f"{int(contact.active_nodes[-1])} {CARRIERS[contact.loaded]}"),
+        Figure("Hertz", _hertz(contact)),
+        *_stress(contact),
+        *friction,
     ]
+
+
+def _hertz(contact: Any) -> str:
+    """The Hertz solution at the last load, or the reason why there is none."""
     try:
         found = hertz(contact, -1)
     except InputError as error:
-        return [*lines, f"  Hertz           not computed: {error}", *_stress_lines(contact), *friction]
+        return f"not computed: {error}"
     if isinstance(found, HertzPoint):
         a, b = found.semi_axes
         values = f"semi-axes {a * 1e6:.5g} and {b * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa, approach "
-        values += f"{found.approach * 1e6:.5g} um at the computed load {found.load:.5g} N"
-    else:
-        values = f"half-width {found.half_width * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa "
-        values += f"at the computed line load {found.line_load / 1e3:.5g} N/mm at mid-width"
-    return [*lines, f"  Hertz           {values}", *_stress_lines(contact), *friction]
+        return values + f"{found.approach * 1e6:.5g} um at the computed load {found.load:.5g} N"
+    values = f"half-width {found.half_width * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa "
+    return values + f"at the computed line load {found.line_load / 1e3:.5g} N/mm at mid-width"
 
 
-def _stress_lines(contact: Any) -> list[str]:
+def _stress(contact: Any) -> list[Figure]:
     """Accuracy of the stresses below a line contact, for bodies with stress points."""
     with_stress = {body.name for body, _ in flexible_sides(contact.view) if body.reduced.stress}
     if contact.patch_kind != "line" or not with_stress:
         return []
-    return [
-        f"  stress below    {e.reason}"
-        if e.reason
-        else f"  stress below    of '{name}' von Mises to {e.von_mises:.1%}, its depth to {e.depth:.0%} "
+    texts = [
+        e.reason
+        or f"of '{name}' von Mises to {e.von_mises:.1%}, its depth to {e.depth:.0%} "
         f"({e.spacings:.2g} spacings of nodes in the half-width)"
         for name, e in contact.stress_errors(-1).items()
         if name in with_stress
     ]
+    return [Figure("stress below", text) for text in texts]
 
 
 def _section(contact: Any) -> str:
     return "through the centre" if contact.patch_kind == "point" else "at mid-width"
 
 
-def _friction_lines(contact: Any) -> list[str]:
+def _friction(contact: Any) -> list[Figure]:
     friction = contact.friction
     shares = friction.stick_area[-1], friction.slip_area[-1]
     creepage, warning = without_round_off(friction.creepage[-1], SHARE), friction.warning()
@@ -155,55 +201,45 @@ def _friction_lines(contact: Any) -> list[str]:
         )
         per_metre += "friction power over the rolling speed"
     adhesion = f", area of adhesion {shares[0] / sum(shares):.0%}" if sum(shares) > 0.0 else ""
-    lines = [
-        f"  traction        {np.linalg.norm(force):.6g} N tangential, "
-        f"{friction.traction_coefficient[-1]:.5g} of the load",
-        f"  creep forces    Fx {force[0]:+.5g} N longitudinal, Fy {force[1]:+.5g} N lateral, "
-        f"Mz {moment:+.4g} N m of spin, on '{contact.view.first_body.name}'",
-        f"  creepage        {rolls}",
-        f"  T-gamma         {per_metre}",
-        f"  stick, slip     {shares[0] * 1e6:.5g} and {shares[1] * 1e6:.5g} mm2{adhesion}",
-        f"  friction power  {friction.power[-1]:.5g} W, largest of the run {np.nanmax(friction.power):.5g} W",
-        f"  wear index      {friction.wear_peak[-1] / 1e6:.5g} W/mm2 at most, {friction.wear_rate[-1]:.5g} W in all "
-        "(pressure times slip speed)",
-        f"  cells per step  {friction.cells_per_step[-1]:.3g}, largest of the run "
-        f"{np.nanmax(friction.cells_per_step):.3g}",
+    traction = f"{np.linalg.norm(force):.6g} N tangential, {friction.traction_coefficient[-1]:.5g} of the load"
+    creep = f"Fx {force[0]:+.5g} N longitudinal, Fy {force[1]:+.5g} N lateral, "
+    creep += f"Mz {moment:+.4g} N m of spin, on '{contact.view.first_body.name}'"
+    power = f"{friction.power[-1]:.5g} W, largest of the run {np.nanmax(friction.power):.5g} W"
+    wear = f"{friction.wear_peak[-1] / 1e6:.5g} W/mm2 at most, {friction.wear_rate[-1]:.5g} W in all "
+    cells = f"{friction.cells_per_step[-1]:.3g}, largest of the run {np.nanmax(friction.cells_per_step):.3g}"
+    return [
+        Figure("traction", traction, ("traction",)),
+        Figure("creep forces", creep, ("traction",)),
+        Figure("creepage", rolls, ("creepage",)),
+        Figure("T-gamma", per_metre),
+        Figure("stick, slip", f"{shares[0] * 1e6:.5g} and {shares[1] * 1e6:.5g} mm2{adhesion}"),
+        Figure("friction power", power, ("friction power",)),
+        Figure("wear index", f"{wear}(pressure times slip speed)", ("wear index",)),
+        Figure("cells per step", cells),
+        *([] if warning is None else [Figure("warning", warning)]),
     ]
-    return lines if warning is None else [*lines, f"  warning         {warning}"]
-
-
-def _notes(history: Any, pairs: Pairs) -> list[str]:
-    return ["notes"] + [f"  - {note}" for note in folded_notes(history.notes, pairs)] if history.notes else []
 
 
 STICK = 1  # friction state
 MOST_LINES = 20  # lines of one kind: a report should fit on one screen
 
 
-def item_lines(result: Any, pairs: Pairs = "folded") -> list[str]:
-    """One line per lumped contact, oil film, joint, force element and sensor of a run with saved rows, and several per
-    contact with small sliding; similar ones grouped, and at most `MOST_LINES` of a kind, unless `pairs` is "all".
-    Stresses are omitted: they are evaluated only on request."""
+def _items(result: Any) -> list[Entry]:
+    """One entry per lumped contact, oil film, contact with small sliding, joint, force element and sensor of a run with
+    saved rows. Stresses are omitted: they are evaluated only on request."""
     history = result.history
     beside = max(largest_force(history), *(_largest_torque(getattr(history, kind)) for kind in ("joints", "forces")))
-    kinds = {
-        "lumped contact": {
-            name: Block(name, [_lumped(name, contact)], same_surfaces(result.view.lumped[name]))
+    return [
+        *(
+            Entry("lumped contact", (name,), _lumped(contact), sort=same_surfaces(result.view.lumped[name]))
             for name, contact in history.lumped_contacts.items()
-        },
-        "film": {name: Block(name, [_film(name, film, history.time)]) for name, film in history.films.items()},
-        "contact": {name: Block(name, _small_sliding(result.contact(name))) for name in result.small_sliding_names},
-        "joint": {name: Block(name, [_joint(name, joint, beside)]) for name, joint in history.joints.items()},
-        "force": {name: Block(name, [_force(name, force, beside)]) for name, force in history.forces.items()},
-        "sensor": {name: Block(name, [_sensor(name, sensor)]) for name, sensor in history.sensors.items()},
-    }
-    found: list[str] = []
-    for kind, blocks in kinds.items():
-        lines = [line for block in folded(list(blocks.values()), kind, pairs) for line in block]
-        more = 0 if pairs == "all" else max(len(lines) - MOST_LINES, 0)
-        found += lines[: len(lines) - more]
-        found += [f'... and {more} more lines of {kind}s; use report(pairs="all")'] if more else []
-    return found
+        ),
+        *(Entry("film", (name,), _film(film, history.time)) for name, film in history.films.items()),
+        *(Entry("contact", (name,), _small_sliding(result.contact(name))) for name in result.small_sliding_names),
+        *(Entry("joint", (name,), _joint(joint, beside)) for name, joint in history.joints.items()),
+        *(Entry("force", (name,), _force(force, beside)) for name, force in history.forces.items()),
+        *(Entry("sensor", (name,), _sensor(one), unit=one.unit) for name, one in history.sensors.items()),
+    ]
 
 
 def _largest_torque(owners: dict[str, Any]) -> float:
@@ -224,57 +260,67 @@ def _size(vectors: Any, unit: str, beside: float = 0.0) -> str:
     return f"{lengths[-1]:.5g} {unit} (largest {np.max(lengths):.5g})"
 
 
-def _joint(name: str, joint: Any, beside: float) -> str:
-    line = f"joint '{name}': reaction {_size(joint.force, 'N', beside)}, {_size(joint.torque, 'N m', beside)}"
+def _joint(joint: Any, beside: float) -> list[Figure]:
+    reaction = f"{_size(joint.force, 'N', beside)}, {_size(joint.torque, 'N m', beside)}"
+    figures = [Figure("reaction", reaction, ("reaction", "reaction torque"), inline=True)]
     for coordinate in joint.names:
         unit = "rad" if coordinate.endswith("rotation") else "m"
-        line += f"; {coordinate.replace('_', ' ')} {joint.named(coordinate)[-1]:.6g} {unit}"
-    return line
+        value = f"{joint.named(coordinate)[-1]:.6g} {unit}"
+        figures.append(Figure(coordinate.replace("_", " "), value, inline=True))
+    return figures
 
 
-def _lumped(name: str, contact: Any) -> str:
-    line = f"lumped contact '{name}': force {_size(contact.force, 'N')}"
+def _lumped(contact: Any) -> list[Figure]:
     approach = without_round_off(contact.approach, LENGTH) * 1e6
-    line += f"; approach {approach[-1]:.5g} um (largest {np.max(approach):.5g})"
+    figures = [
+        Figure("force", _size(contact.force, "N"), ("force",), inline=True),
+        Figure("approach", f"{approach[-1]:.5g} um (largest {np.max(approach):.5g})", ("approach",), inline=True),
+    ]
     if np.any(contact.friction_force != 0.0):
-        line += f"; friction {_size(contact.friction_force, 'N')}, slip {_size(contact.slip_velocity, 'm/s')}"
+        friction = f"{_size(contact.friction_force, 'N')}, slip {_size(contact.slip_velocity, 'm/s')}"
+        figures.append(Figure("friction", friction, inline=True))
     if np.any(contact.moment != 0.0):
-        line += f"; moment against rolling and pivoting {_size(contact.moment, 'N m')}"
-    return line
+        figures.append(Figure("moment against rolling and pivoting", _size(contact.moment, "N m"), inline=True))
+    return figures
 
 
-def _film(name: str, film: Any, time: Any) -> str:
+def _film(film: Any, time: Any) -> list[Figure]:
     pressure, gap, power = film.largest_pressure * 1e-6, film.smallest_gap * 1e6, film.friction_power
-    line = f"film '{name}': force {_size(film.force, 'N')}"
-    line += f"; peak pressure {pressure[-1]:.5g} MPa (largest {np.max(pressure):.5g})"
-    line += f"; smallest film {gap[-1]:.5g} um (least {np.min(gap):.5g})"
-    line += f"; friction power {power[-1]:.5g} W (largest {np.max(power):.5g})"
-    if np.any(np.isnan(film.feed_flow)):
-        return line
-    return line + f"; feeds {_mean(film.feed_flow, time) * 1e6:.5g} cm3/s on average"
+    figures = [
+        Figure("force", _size(film.force, "N"), ("force",)),
+        Figure("peak pressure", f"{pressure[-1]:.5g} MPa (largest {np.max(pressure):.5g})", ("largest pressure",)),
+        Figure("smallest film", f"{gap[-1]:.5g} um (least {np.min(gap):.5g})", ("smallest gap",)),
+        Figure("friction power", f"{power[-1]:.5g} W (largest {np.max(power):.5g})", ("friction power",)),
+    ]
+    if not np.any(np.isnan(film.feed_flow)):
+        flow = f"{_mean(film.feed_flow, time) * 1e6:.5g} cm3/s on average"
+        figures.append(Figure("feeds", flow, ("feed flow",)))
+    return [replace(figure, inline=True) for figure in figures]
 
 
-def _small_sliding(contact: Any) -> list[str]:
+def _small_sliding(contact: Any) -> list[Figure]:
     """Force and pressure, cells by state, slip and its energy loss, and sources of uncertainty."""
     force, peak = contact.normal_force, contact.peak_pressure * 1e-6
     count, area = contact.counts[-1], contact.slip_area * 1e6
-    line = f"contact '{contact.name}': normal force {force[-1]:.5g} N (largest {np.max(force):.5g})"
-    line += f"; peak pressure {peak[-1]:.5g} MPa (largest {np.max(peak):.5g})"
-    line += f"; of {contact.cells} cells {count[0]} open, {count[1]} stick, {count[2]} slip"
+    first = [
+        Figure("normal force", f"{force[-1]:.5g} N (largest {np.max(force):.5g})", ("force",), inline=True),
+        Figure("peak pressure", f"{peak[-1]:.5g} MPa (largest {np.max(peak):.5g})", ("peak pressure",), inline=True),
+        Figure("", f"of {contact.cells} cells {count[0]} open, {count[1]} stick, {count[2]} slip", inline=True),
+    ]
     ratio = contact.shift_distance / contact.size
     row, cell = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     slid, turned = (np.linalg.norm(values[-1]) for values in (contact.sliding, contact.turning))
     zone = contact.slip_zone()
     largest = contact.shift_distance[row, cell] * 1e6
-    slips = f"  slid            largest {largest:.5g} um, {ratio[row, cell]:.2g} of the cell"
+    slips = f"largest {largest:.5g} um, {ratio[row, cell]:.2g} of the cell"
     slips += f"; as a whole {slid * 1e6:.5g} um and {turned:.3g} rad at the end"
-    warnings = [f"  warning         {warning}" for warning in contact.warnings()]
+    warnings = [Figure("warning", warning) for warning in contact.warnings()]
     if contact.friction == 0.0:
-        return [line, slips, *warnings]
+        return [*first, Figure("slid", slips), *warnings]
     slips += f"; slipping area {area[-1]:.5g} mm2 (largest {np.max(area):.5g})"
     across = f", {zone.across:.2g} across" if np.isfinite(zone.across) else ""
-    loss = f"  loss            {contact.loss[-1]:.5g} J by friction, in {zone.cells} cells{across}"
-    return [line, slips, loss, *warnings]
+    loss = f"{contact.loss[-1]:.5g} J by friction, in {zone.cells} cells{across}"
+    return [*first, Figure("slid", slips), Figure("loss", loss, ("loss",)), *warnings]
 
 
 def _mean(values: Any, time: Any) -> float:
@@ -283,17 +329,19 @@ def _mean(values: Any, time: Any) -> float:
     return float(np.trapezoid(values, time) / span if span > 0.0 else np.mean(values))
 
 
-def _force(name: str, force: Any, beside: float) -> str:
-    line = f"force '{name}': {_size(force.force, 'N', beside)}, {_size(force.torque, 'N m', beside)}"
-    if force.friction is None:
-        return line
-    ends = "sticks" if force.friction.state[-1] == STICK else "slips"
-    return f"{line}; {ends} at the end, stuck in {np.mean(force.friction.state == STICK):.3g} of the saved rows"
+def _force(force: Any, beside: float) -> list[Figure]:
+    loads = f"{_size(force.force, 'N', beside)}, {_size(force.torque, 'N m', beside)}"
+    figures = [Figure("", loads, ("load", "torque"), inline=True)]
+    if force.friction is not None:
+        ends = "sticks" if force.friction.state[-1] == STICK else "slips"
+        stuck = f"{ends} at the end, stuck in {np.mean(force.friction.state == STICK):.3g} of the saved rows"
+        figures.append(Figure("", stuck, inline=True))
+    return figures
 
 
-def _sensor(name: str, sensor: Any) -> str:
+def _sensor(sensor: Any) -> list[Figure]:
     last = ", ".join(f"{c} {v:.5g}" for c, v in zip(sensor.components, np.asarray(sensor.values)[-1], strict=True))
-    return f"sensor '{name}' [{sensor.unit}]: {last}"
+    return [Figure("", last, ("values",), inline=True)]
 
 
 TOLD = {  # name of a counter -> its words in a report; always listed
@@ -330,25 +378,23 @@ MEANINGS = {
 IN_NEWTON = {"max_iterations", "mean_iterations"}
 
 
-def counter_lines(history: Any) -> list[str]:
-    """One line per counter."""
+def counter_figures(history: Any) -> list[Figure]:
+    """One figure per counter."""
     counters = history.counters
-    lines, brackets = [], set(IN_BRACKETS.values())
+    figures, brackets = [], set(IN_BRACKETS.values())
     if len(history.iterations) > 1:
         every_step = counters.get("steps", 0) <= len(history.iterations) - 1  # otherwise rows sum over steps
-        lines.append(
-            f"newton            mean {history.iterations[1:].mean():.2f}, "
-            f"largest {int(history.iterations[1:].max())} iterations per {'step' if every_step else 'saved row'}"
-        )
+        text = f"mean {history.iterations[1:].mean():.2f}, largest {int(history.iterations[1:].max())} iterations per "
+        figures.append(Figure("newton", text + ("step" if every_step else "saved row")))
     for name, value in counters.items():
-        if name in brackets or (name in IN_NEWTON and lines) or (name in WHERE_THERE and not value):
+        if name in brackets or (name in IN_NEWTON and figures) or (name in WHERE_THERE and not value):
             continue
         words = TOLD.get(name) or WHERE_THERE.get(name) or name.replace("_", " ")
         meaning = EXPLAINED.get(name) or MEANINGS.get(name, "")
         if (inner := IN_BRACKETS.get(name, "")) in counters:
             meaning = f"{counters[inner]:.6g} of them {EXPLAINED[inner]}"
-        lines.append(f"{words:<17} {value:.6g}" + (f", {meaning}" if meaning else ""))
-    return lines
+        figures.append(Figure(words, f"{value:.6g}" + (f", {meaning}" if meaning else "")))
+    return figures
 
 
 LENGTH = 1e-14  # m: far below an atom; round-off of lengths of 0.1 m is about 1e-17
