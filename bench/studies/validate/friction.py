@@ -24,7 +24,7 @@ from scenes.drilling_ball import SPIN_MOMENT, drilling
 from scenes.half_space import PAIR, STEEL, STEP, ball, cylinder, pushed, rolling, simulated
 from scenes.rolling_pairs import FRICTION as ROLLERS_FRICTION
 from scenes.rolling_pairs import PLANE_STEEL, line_contact
-from studies.rolling import patch_rolling, rolling_bodies, rolling_steady
+from studies.rolling import carter, patch_rolling, rolling_bodies, rolling_steady
 from studies.validate.case import Row, case
 from warpffrf.model import laws
 from warpffrf.model.material import Material
@@ -132,6 +132,15 @@ def carter_half_plane() -> Iterator[Row]:
         found, crept, line = _carter(radius, a, creepage, 8)
         theirs = CarterRolling(line, FRICTION, crept).share
         yield Row(f"Q/μP, prescribed for {share:g}", found, theirs, 0.01)
+
+
+@case(ROOM, CARTER)
+def carter_prescribed_force() -> Iterator[Row]:
+    """C6: creepage of two steel cylinders of R 50 mm at a prescribed force, μ 0.3, by the friction law in body-fixed
+    cells by itself (tests/references/half_space), 8 cells in the half-width"""
+    for share, theirs in zip(carter.SHARES, (0.26703, 0.58377, 0.99656, 1.7938), strict=True):
+        error = carter.creepage_error(share, 8, 16)
+        yield Row(f"creepage at Q/μP = {share:g}", theirs * (1.0 + error), theirs, 0.02, "1e-3")
 
 
 @case(ROOM, f"{CONTACT}, example of Carter, which gives 0.648 with 50 cells; closed form 0.64")
