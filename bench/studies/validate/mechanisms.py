@@ -84,7 +84,7 @@ def hht_integrator() -> Iterator[Row]:
     """D8: HHT with α = -0.3 on an oscillator: roots at infinite frequency, order between 1,000 and 2,000 steps"""
     integrator = HHT(-0.3)
     found: Any = np.sort(np.real(roots_at_infinity(integrator.coefficients)))
-    for ours, theirs in zip(found, (-0.538, -0.538, -0.429), strict=True):
-        yield Row("root at infinity", ours, theirs, 5e-4, scale=1.0)
+    for number, (ours, theirs) in enumerate(zip(found, (-0.538, -0.538, -0.429), strict=True), start=1):
+        yield Row(f"root {number} at infinity", ours, theirs, 5e-4, scale=1.0)
     e = errors(integrator.coefficients, [1000, 2000])
     yield Row("order", float(np.log2(e[0] / e[1])), 2.0, 0.01, scale=1.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scenes.drilling_ball import SPEED, SPIN_MOMENT, drilling
+from studies.rolling.drilling_ball import SPEED, SPIN_MOMENT, drilling
 
 MOMENT = 0.01  # of mu p summed over cells, five in a half-width: 0.5 % is found
 BALANCE = 1e-6  # relative: of records of one state
