@@ -43,6 +43,7 @@ MODULES = {
     "small_sliding_nodes": "studies.small_sliding.nodes",
     "speed_error": "studies.speed_error_pages.page",
     "stability": "studies.hard_cases",
+    "validate": "studies.validate",
 }
 
 

@@ -23,7 +23,7 @@ PARTS = {  # modules of pages that are written by several
 }
 WRITERS = {"page", "_page", "section", "figures_section", "engine_table"}  # functions that return text of a page
 SHORT = 25  # characters; shorter texts are units and words between figures
-SINGLE = [name for name in MODULES if name not in ("speed_error", "stability")]
+SINGLE = [name for name in MODULES if name not in ("speed_error", "stability", "validate")]
 
 
 def texts(module: str) -> list[str]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from scenes.rollers import STEEL
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model.contact import Contact
@@ -11,6 +13,7 @@ from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import ContactGrid, reduce
+from warpffrf.online.history.history import History
 
 RADIUS, MASS, LOAD, STIFFNESS, SPEED = 0.05, 4.0, 200.0, 2e4, 0.1  # m, kg (of the slide), N, N/m, m/s
 
@@ -46,3 +49,18 @@ def on_belt(body: ReducedBody, friction: Any, *, stiffness: float = STIFFNESS, l
     scene.add(forces.JointSpringDamper(along, stiffness=stiffness))
     scene.add(Contact(wheel["rim"], belt["top"], friction=friction, name="pair"))
     return scene
+
+
+def maxima(t: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Times and values (n, 2) of the maxima of x, by parabolas through three points."""
+    i = np.flatnonzero((x[1:-1] > x[:-2]) & (x[1:-1] >= x[2:])) + 1
+    bend, rise = x[i + 1] - 2.0 * x[i] + x[i - 1], 0.5 * (x[i + 1] - x[i - 1])
+    return np.column_stack([t[i] - (t[1] - t[0]) * rise / bend, x[i] - 0.5 * rise**2 / bend])
+
+
+def cycle(history: History, step: float, since: float) -> tuple[float, float]:
+    """Mean amplitude [m] and period [s] after the time `since` [s], from rows at whole steps [s]."""
+    whole = np.flatnonzero(np.isclose(history.time / step, np.round(history.time / step)))
+    t, x = history.time[whole], history.bodies["slide"].position[whole, 0]
+    tops, bottoms = maxima(t[t > since], x[t > since]), maxima(t[t > since], -x[t > since])
+    return float(0.5 * (tops[:, 1].mean() + bottoms[:, 1].mean())), float(np.diff(tops[:, 0]).mean())

@@ -179,18 +179,18 @@ def of_x(body: ReducedBody, gap: Callable[[Array], Array]) -> Profile:
     return Profile(lambda theta: gap(start + sign * theta))
 
 
-def slider_rows(cells: int = 64) -> list[Row]:
-    """A plane slider, gaps 2 to 1: the runner comes from where it is wide."""
+def slider_rows(cells: int = 64, ratio: float = 2.0) -> list[Row]:
+    """A plane slider, gaps `ratio` to 1: the runner comes from where it is wide."""
     length, low, speed = 0.02, 20e-6, 1.0
     body = wide(length, cells)
-    form = of_x(body, lambda x: low * (0.5 - x / length))
+    form = of_x(body, lambda x: (ratio - 1.0) * low * (0.5 - x / length))
     scene, guide = above(
         body, FACE, height=low, velocity=(speed, 0, 0), cavitation="full_sommerfeld", ambient_pressure=1.0, form_a=form
     )
     found = sliding(scene, guide, speed)
     force = trapezoid(along_x(body)[0], middle(body, found.films["film"].pressure[-1]))
-    exact = plane_slider(2.0 * low, low, length, viscosity=VISCOSITY, speed=speed)
-    return [Row("plane slider, gaps 2 to 1", f"{cells} cells", "force", force / exact - 1.0, 1e-3)]
+    exact = plane_slider(ratio * low, low, length, viscosity=VISCOSITY, speed=speed)
+    return [Row(f"plane slider, gaps {ratio:g} to 1", f"{cells} cells", "force", force / exact - 1.0, 1e-3)]
 
 
 def cylinder_rows(cells: int = 192) -> list[Row]:

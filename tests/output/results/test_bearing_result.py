@@ -9,77 +9,58 @@ import numpy as np
 import pytest
 
 from references.closed_forms.elliptic import EllipticContact
+from scenes.published_bearings import E206, E210, MM, p7, p8
 from warpffrf.model import forces, laws
 from warpffrf.model.bearings import BallGeometry, PocketCage, RollerGeometry, RollingContact
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints import Fixed
-from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium, simulate
 
 matplotlib.use("Agg")
-MM = 1e-3
-E210, E206 = Material(210e9, 0.3, 7850.0), Material(206e9, 0.3, 7850.0)
 LIFE = 5e-3  # P7: promised
 PRESSURE = 1e-2  # P8: promised
 
 
-def p7(clearance: float, radial: float, axial: float) -> Result:
-    scene = Scene()
-    bearing = scene.add_ball_bearing(
-        "b",
-        BallGeometry(
-            elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, osculation=(0.52, 0.53), clearance=clearance,
-        ),
-        first=(0, 0, 1), outer=scene.ground, materials=E210,
-    )  # fmt: skip
-    scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, axial, radial), name="load"))
+def at_rest(scene: Scene) -> Result:
     return equilibrium(scene, progress=False)
 
 
 @pytest.fixture(scope="module")
 def radial() -> Result:
-    return p7(0.0, 1e3, 0.0)
+    return at_rest(p7(0.0, 1e3, 0.0)[0])
 
 
 @pytest.fixture(scope="module")
 def skew() -> Result:
-    return p7(10e-6, 1e3, 1e3)
+    return at_rest(p7(10e-6, 1e3, 1e3)[0])
 
 
 @pytest.fixture(scope="module")
 def ball_209() -> Result:
-    scene = Scene()
-    bearing = scene.add_ball_bearing(
-        "209",
-        BallGeometry(
-            elements=9, ball_diameter=12.7 * MM, pitch_diameter=0.5 * (52.291 + 77.706) * MM, osculation=6.6 / 12.7,
-            clearance=15e-6, shoulders=(1.5 * MM, 0.25 * MM),
-        ),
-        first=(0, 0, 1), outer=scene.ground, materials=E206,
-    )  # fmt: skip
-    scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 0.0, 8900.0), name="load"))
-    return equilibrium(scene, progress=False)
+    return at_rest(p8(shoulders=(1.5 * MM, 0.25 * MM))[0])
 
 
 def test_published_reference_lives(radial: Result) -> None:
     """P7, 23.4 kN of dynamic capacity."""
-    found = radial.bearing("b").reference_life(23400.0)
+    found = radial.bearing("bearing").reference_life(23400.0)
     assert found.revolutions == pytest.approx(13163.0, rel=LIFE)
-    assert p7(10e-6, 1e3, 0.0).bearing("b").reference_life(23400.0).revolutions == pytest.approx(10795.8, rel=LIFE)
-    axial = p7(0.0, 0.0, 1e3).bearing("b")
+    assert at_rest(p7(10e-6, 1e3, 0.0)[0]).bearing("bearing").reference_life(23400.0).revolutions == pytest.approx(
+        10795.8, rel=LIFE
+    )
+    axial = at_rest(p7(0.0, 0.0, 1e3)[0]).bearing("bearing")
     assert axial.reference_life(23400.0).revolutions == pytest.approx(2222.7, rel=1e-4)
     assert axial.reference_life(23400.0).inner_load == pytest.approx(axial.inner_load[-1].mean(), rel=1e-6)
 
 
 def test_basic_life(radial: Result) -> None:
-    life = radial.bearing("b").basic_life(23400.0)
+    life = radial.bearing("bearing").basic_life(23400.0)
     assert life.revolutions == pytest.approx(23.4**3, rel=1e-6) and life.load == pytest.approx(1e3)
     with pytest.raises(InputError, match="give X and Y of the catalogue"):
-        radial.bearing("b").basic_life(23400.0, X=0.0)
+        radial.bearing("bearing").basic_life(23400.0, X=0.0)
     with pytest.raises(InputError, match="turning must be"):
-        radial.bearing("b").reference_life(23400.0, turning="both")
+        radial.bearing("bearing").reference_life(23400.0, turning="both")
 
 
 def test_published_patches(ball_209: Result) -> None:
@@ -108,13 +89,13 @@ def test_what_a_shoulder_cuts_off(ball_209: Result) -> None:
 
 def test_columns_of_the_table(skew: Result) -> None:
     """Loads and angles balance the force on the ring; the frame counts from the first ball, along z here."""
-    found = skew.bearing("b")
+    found = skew.bearing("bearing")
     np.testing.assert_allclose(found.force[-1], (-1e3, 0.0, -1e3), atol=1e-5)
     Q, alpha, phi = found.inner_load[-1], found.inner_angle[-1], found.angle[-1]
     assert np.sum(Q * np.sin(alpha)) == pytest.approx(1e3, rel=1e-6)
     assert np.sum(Q * np.cos(alpha) * np.cos(phi)) == pytest.approx(1e3, rel=1e-3)  # and what leans on the pockets
     np.testing.assert_allclose(found.outer_angle[-1], alpha, atol=1e-3)
-    position = skew.body("b inner ring").position[-1]
+    position = skew.body("bearing inner ring").position[-1]
     np.testing.assert_allclose(found.displacement[-1], (position[2], position[0], position[1]), atol=1e-15)
     assert abs(found.tilt[-1, 1]) == pytest.approx(2.715e-3, rel=1e-3)
     assert found.cage_force[-1, 1] == pytest.approx(-found.cage_force[-1, 6], rel=1e-6)
@@ -145,18 +126,18 @@ def test_a_roller_of_laminae() -> None:
 
 def test_stiffness_is_the_slope_of_equilibria(skew: Result) -> None:
     """Symmetric, and a newton more moves the ring by what it says."""
-    found = skew.bearing_stiffness("b")
+    found = skew.bearing_stiffness("bearing")
     assert found.asymmetry < 1e-6
     scene = skew.scene
     assert found.left_out == (("gravity",) if np.any(scene.gravity) else ())
-    scene.add(forces.PointForce(scene.bearing("b").elements[0].at((0, 0, 0)), (0.0, 0.0, 1e-3), name="small"))
-    assert "forces on elements" in skew.bearing_stiffness("b").left_out
+    scene.add(forces.PointForce(scene.bearing("bearing").elements[0].at((0, 0, 0)), (0.0, 0.0, 1e-3), name="small"))
+    assert "forces on elements" in skew.bearing_stiffness("bearing").left_out
     scene.forces.pop()
-    more = forces.PointForce(scene.bearing("b").inner.at((0, 0, 0)), (0.0, 0.0, 1.0), name="more")  # pyright: ignore[reportAttributeAccessIssue]
+    more = forces.PointForce(scene.bearing("bearing").inner.at((0, 0, 0)), (0.0, 0.0, 1.0), name="more")  # pyright: ignore[reportAttributeAccessIssue]
     scene.forces.append(more)
-    moved = equilibrium(scene, progress=False).bearing("b")
+    moved = equilibrium(scene, progress=False).bearing("bearing")
     scene.forces.remove(more)
-    before = skew.bearing("b")
+    before = skew.bearing("bearing")
     change = np.concatenate([moved.displacement[-1] - before.displacement[-1], moved.tilt[-1] - before.tilt[-1]])
     change[5] = 0.0  # nothing holds it
     force = found.matrix @ change
@@ -166,7 +147,7 @@ def test_stiffness_is_the_slope_of_equilibria(skew: Result) -> None:
 
 def test_one_patch_is_that_of_another_derivation(radial: Result) -> None:
     """Carlson's integrals instead of Legendre's."""
-    found = radial.bearing("b")
+    found = radial.bearing("bearing")
     across, along = found.geometry.curvatures("outer", 0.0)  # pyright: ignore[reportAttributeAccessIssue]
     modulus = 0.5 * E210.plane_strain_modulus
     exact = EllipticContact(found.outer_load[-1, 0], 1.0 / float(across), 1.0 / float(along), modulus)

@@ -9,18 +9,15 @@ import pytest
 from scipy.optimize import brentq
 
 from references.closed_forms.ball_bearing import BallBearing
+from scenes.published_bearings import MM, P7, P10_CLEARANCE, P10_LENGTH, P10_LOAD, UM, p7, p8, p9, p10
 from warpffrf.model import forces, laws
 from warpffrf.model.bearings import BallGeometry, Bearing, RollerGeometry, RollingContact
-from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, find_equilibrium
 
-MM, UM = 1e-3, 1e-6
-E210, E206 = Material(210e9, 0.3, 7850.0), Material(206e9, 0.3, 7850.0)
 PUBLISHED = 5e-3  # P7: promised
 LOADS = 1e-2  # P8 to P10, above 1 kN: promised
 EXACT = 5e-4  # what bodies in space have beyond the same equations in a plane: squares of deflections over radii
-P7 = {"elements": 7, "ball_diameter": 11.5 * MM, "pitch_diameter": 43.5 * MM, "osculation": (0.52, 0.53)}
 CASES = {  # diametral clearance, radial, axial force; published deflections radial, axial [m] and tilt [rad]
     "radial": (0.0, 1e3, 0.0, 15.1101 * UM, None, None),
     "clearance": (10 * UM, 1e3, 0.0, 21.223 * UM, None, None),
@@ -33,16 +30,6 @@ GUESS = {"radial": (15e-6, 0, 0), "clearance": (15e-6, 0, 0), "axial": (0, 1e-4,
 def by_the_book(clearance: float) -> BallBearing:
     D = P7["ball_diameter"]
     return BallBearing(7, D, P7["pitch_diameter"], 0.52 * D, 0.53 * D, clearance, 210e9)
-
-
-def loaded(case: str) -> tuple[Scene, Bearing]:
-    clearance, radial, axial = CASES[case][:3]
-    scene = Scene()
-    bearing = scene.add_ball_bearing(
-        "bearing", BallGeometry(**P7, clearance=clearance), first=(0, 0, 1), outer=scene.ground, materials=E210
-    )
-    scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, axial, radial), name="load"))
-    return scene, bearing
 
 
 def loads(history: History, bearing: Bearing, side: str) -> np.ndarray:
@@ -69,7 +56,7 @@ def test_the_equations_give_the_published_deflections(case: str) -> None:
 @pytest.mark.parametrize("case", ["radial", "clearance", "axial"])
 def test_published_deflections(case: str) -> None:
     """P7 of the cases with published values."""
-    scene, bearing = loaded(case)
+    scene, bearing = p7(*CASES[case][:3])
     history = find_equilibrium(scene)
     assert history.status == "completed", history.message
     clearance, radial, axial, *published = CASES[case]
@@ -87,7 +74,7 @@ def test_published_deflections(case: str) -> None:
 def test_published_deflections_with_tilt() -> None:
     """P7, radial and axial load, free tilt. The published equations are of first order in the tilt: bodies in space lie
     1.6 % (radial), 0.03 % (axial) and 1.0 % (tilt) from them, and on the exact kinematics of rigid rings."""
-    scene, bearing = loaded("both")
+    scene, bearing = p7(*CASES["both"][:3])
     history = find_equilibrium(scene)
     assert history.status == "completed", history.message
     found = np.array(motion(history, bearing))
@@ -100,16 +87,7 @@ def test_published_deflections_with_tilt() -> None:
 
 def test_209_ball_bearing() -> None:
     """P8: 8.9 kN radial, 15 um of clearance."""
-    scene = Scene()
-    bearing = scene.add_ball_bearing(
-        "209",
-        BallGeometry(
-            elements=9, ball_diameter=12.7 * MM, pitch_diameter=0.5 * (52.291 + 77.706) * MM, osculation=6.6 / 12.7,
-            clearance=15 * UM,
-        ),
-        first=(0, 0, 1), outer=scene.ground, materials=E206,
-    )  # fmt: skip
-    scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 0.0, 8900.0), name="load"))
+    scene, bearing = p8()
     history = find_equilibrium(scene)
     assert history.status == "completed", history.message
     found = loads(history, bearing, "outer")
@@ -120,16 +98,7 @@ def test_209_ball_bearing() -> None:
 
 def test_218_angular_contact_bearing() -> None:
     """P9: 17.8 kN thrust turns 40 degrees into 41.5."""
-    scene = Scene()
-    bearing = scene.add_ball_bearing(
-        "218",
-        BallGeometry(
-            elements=16, ball_diameter=22.23 * MM, pitch_diameter=125.3 * MM, osculation=0.5232,
-            contact_angle=np.radians(40.0),
-        ),
-        outer=scene.ground, materials=E206,
-    )  # fmt: skip
-    scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 17800.0, 0.0), name="thrust"))
+    scene, bearing = p9()
     history = find_equilibrium(scene)
     assert history.status == "completed", history.message
     np.testing.assert_allclose(loads(history, bearing, "inner"), 1679.0, rtol=1e-3)
@@ -150,22 +119,13 @@ def palmgren_loads(count: int, clearance: float, load: float, stiffness: float) 
 
 def test_209_roller_bearing() -> None:
     """P10: Palmgren's law at each of the two contacts; rollers are free along and about their axes."""
-    scene = Scene()
-    clearance, length = 40.6 * UM, 9.6 * MM
-    bearing = scene.add_roller_bearing(
-        "N 209",
-        RollerGeometry(
-            elements=14, roller_diameter=10 * MM, roller_length=length, pitch_diameter=64 * MM, clearance=clearance,
-        ),
-        first=(0, 0, 1), outer=scene.ground, contact=RollingContact(law=laws.PalmgrenLine(length, 3)), materials=E206,
-    )  # fmt: skip
-    scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 0.0, 4450.0), name="load"))
+    scene, bearing = p10()
     history = find_equilibrium(scene)
     assert history.status == "completed", history.message
     found = loads(history, bearing, "outer")
     np.testing.assert_allclose(found[:2], (1956.0, 1384.0), rtol=LOADS)
-    both = (1e3 * (1e3 * length) ** 0.8 / (2.0 * 3.84e-5)) ** (10.0 / 9.0)
-    exact = palmgren_loads(14, clearance, 4450.0, both)
+    both = (1e3 * (1e3 * P10_LENGTH) ** 0.8 / (2.0 * 3.84e-5)) ** (10.0 / 9.0)
+    exact = palmgren_loads(14, P10_CLEARANCE, P10_LOAD, both)
     assert np.abs(found - exact).max() < EXACT * exact.max()
     assert np.count_nonzero(found) == 3
 

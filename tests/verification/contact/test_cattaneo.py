@@ -6,9 +6,7 @@ not zero.
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,15 +21,13 @@ from references.closed_forms import (
     tangential_compliance,
 )
 from references.half_space.bodies import half_plane, half_space
+from scenes.half_space import PAIR, STEEL, STEP, ball, cylinder, pushed, simulated
 from warpffrf.model.mesh import block
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import ContactGrid, reduce
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import static
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from half_space_scenes import PAIR, STEEL, STEP, ball, cylinder, pushed, simulated
 
 FRICTION = 0.3
 STICK = 1.0  # grid spacings, promised

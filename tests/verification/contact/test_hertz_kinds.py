@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from references.closed_forms import LineContact, PointContact, contact_modulus
 from references.closed_forms.elastic_sphere import approach_correction
 from references.half_space.bodies import half_plane, half_space
+from scenes.half_space import PAIR, STEEL, PatchMoments, ball, cylinder, pushed
 from warpffrf.model import surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.mesh import ball as ball_mesh
@@ -21,9 +19,6 @@ from warpffrf.online import Engine, History
 from warpffrf.online.history.record import history_from_rows
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from half_space_scenes import PAIR, STEEL, PatchMoments, ball, cylinder, pushed
 
 FORCE, HALF_WIDTH, PEAK = 0.01, 0.02, 0.01  # promised
 QUARTER = (0.0, np.sin(0.25 * np.pi), 0.0, np.cos(0.25 * np.pi))  # turns +x to -z

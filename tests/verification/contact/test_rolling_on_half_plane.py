@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from references.closed_forms import CarterRolling, LineContact, contact_modulus
 from references.half_space.bodies import half_plane
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from half_space_scenes import PAIR, STEEL, rolling, simulated
+from scenes.half_space import PAIR, STEEL, rolling, simulated
 
 FRICTION, SPEED, WIDTH = 0.3, 1.0, 0.01
 HALF_WIDTH = 1.5e-3  # m

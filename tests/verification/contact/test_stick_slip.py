@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from references.stick_slip import BeltOscillator, two_coefficients
-from scenes.block_on_belt import LOAD, MASS, SPEED, STIFFNESS, block, on_belt, wheel_body
+from scenes.block_on_belt import LOAD, MASS, SPEED, STIFFNESS, block, cycle, on_belt, wheel_body
 from warpffrf.model import joints, laws, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced.body import ReducedBody
@@ -38,13 +38,6 @@ def ran(scene: Scene, duration: float, step: float) -> History:
     return history
 
 
-def maxima(t: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Times and values (n, 2) of the maxima of x, by parabolas through three points."""
-    i = np.flatnonzero((x[1:-1] > x[:-2]) & (x[1:-1] >= x[2:])) + 1
-    bend, rise = x[i + 1] - 2.0 * x[i] + x[i - 1], 0.5 * (x[i + 1] - x[i - 1])
-    return np.column_stack([t[i] - (t[1] - t[0]) * rise / bend, x[i] - 0.5 * rise**2 / bend])
-
-
 def test_the_reference_has_its_closed_form() -> None:
     """A coefficient that drops at once, for the reference one that drops within 1e-7 of the speed."""
     case = BeltOscillator(MASS, STIFFNESS, LOAD, SPEED)
@@ -59,13 +52,9 @@ def test_stick_slip_on_a_belt(body: ReducedBody, name: str) -> None:
     case = BeltOscillator(MASS + body.mass, STIFFNESS, LOAD, SPEED)
     amplitude, period = case.cycle(lambda v: float(law.coefficient_at(v)))
     history = ran(on_belt(body, law), 0.65, STEP)
-    whole = np.flatnonzero(np.isclose(history.time / STEP, np.round(history.time / STEP)))
-    t, x = history.time[whole], history.bodies["slide"].position[whole, 0]
-    later = t > 0.25  # the first cycle begins where the run does
-    tops, bottoms = maxima(t[later], x[later]), maxima(t[later], -x[later])
-    found = 0.5 * (tops[:, 1].mean() + bottoms[:, 1].mean()), np.diff(tops[:, 0]).mean()
+    found = cycle(history, STEP, 0.25)  # the first cycle begins where the run does
     print(f"{name}: amplitude {found[0] / amplitude - 1.0:+.2e}, period {found[1] / period - 1.0:+.2e}")
-    assert len(tops) >= 3 and found == pytest.approx((amplitude, period), rel=CYCLE)
+    assert found == pytest.approx((amplitude, period), rel=CYCLE)
     pair = history.contacts["pair"]
     ratio = np.abs(pair.force[1:, 0] / pair.force[1:, 2])
     assert ratio.max() == pytest.approx(0.4, rel=1e-3)  # breaks away at the static coefficient
