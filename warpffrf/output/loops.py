@@ -42,6 +42,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.model.messages import reprs
 
 AXES = "xyz"
 
@@ -212,13 +213,17 @@ LOOP, LAST = "#9db4c6", "#1b6ca8"
 SECANT, TANGENT = "#1b6ca8", "#d1495b"
 
 
-@dataclass(frozen=True, eq=False)
-class Loop:
+@dataclass(frozen=True, eq=False, repr=False)
+class Loop(reprs.Shown):
     """One cycle: `time`, `force` and `displacement` (n,), as given; quantities as in the module docstring."""
 
     time: np.ndarray
     force: np.ndarray
     displacement: np.ndarray
+
+    def _facts(self) -> dict[str, Any]:
+        names = ("loss", "force_amplitude", "amplitude", "stiffness", "equivalent_damping")
+        return {name: f"{getattr(self, name):.4g}" for name in names}
 
     @cached_property
     def work(self) -> float:
@@ -294,8 +299,8 @@ class Stiffness:
         ax.legend(frameon=False, fontsize=8)
 
 
-@dataclass(frozen=True, eq=False)
-class Hysteresis:
+@dataclass(frozen=True, eq=False, repr=False)
+class Hysteresis(reprs.Shown):
     """Force (T,) against displacement (T,) over the saved times (T,) [s], with their labels and units;
     `Result.hysteresis` makes one."""
 
@@ -306,6 +311,10 @@ class Hysteresis:
     displacement_label: str = "displacement"
     force_unit: str = "N"
     displacement_unit: str = "m"
+
+    def _facts(self) -> dict[str, Any]:
+        time = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self.time) else "none"
+        return {"force": self.force_label, "displacement": self.displacement_label, "time": time}
 
     def loop(self, begin: float | None = None, end: float | None = None) -> Loop:
         """The cycle between two times [s], None: the whole history. Raises `InputError` for times outside of it."""

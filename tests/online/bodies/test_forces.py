@@ -247,6 +247,17 @@ def test_bearing_holds_a_spinning_rotor_still() -> None:
     assert history.forces["bearing"].force[:, 2] == pytest.approx(MASS * g, rel=1e-6)
 
 
+def test_bearing_may_be_a_damper_alone() -> None:
+    """Without stiffness a body coasts down, exp(-d t/m)."""
+    d, speed = 20.0, 0.5
+    scene = Scene()
+    body = scene.add_rigid_body(MASS, INERTIA, name="body", velocity=(speed, 0.0, 0.0))
+    scene.add(forces.BearingSpring(scene.ground, body, axis=(0, 1, 0), radial=0.0, radial_damping=d))
+    history = run_checked(scene, 0.2, 5e-4)
+    exact = speed * np.exp(-d / MASS * history.time)
+    assert history.bodies["body"].velocity[:, 0] == pytest.approx(exact, rel=1e-5)
+
+
 def test_cross_stiffness_drives_forward_whirl() -> None:
     """m z.. + d z. + (k - i c) z = 0 with z = x + i y: a forward whirl grows with Re(lambda); its work is the energy
     that comes in."""
@@ -494,6 +505,13 @@ def refused() -> dict[str, tuple[Any, str]]:
         "coupling": (
             lambda: forces.BearingSpring(scene.ground, port, axis=(0, 0, 1), radial=1.0, tilt=1.0, radial_tilt=2.0),
             "must be below",
+        ),
+        "no spring": (lambda: forces.BearingSpring(scene.ground, port, axis=(0, 0, 1), radial=0.0), "no stiffness or"),
+        "skew alone": (
+            lambda: forces.BearingSpring(
+                scene.ground, port, axis=(0, 0, 1), radial=0.0, cross=1.0, radial_damping=1.0
+            ),
+            "requires radial above zero",
         ),
         "no coordinate": (lambda: forces.TorsionalSpringDamper(ball, 1.0), "has none"),
         "which": (lambda: forces.JointSpringDamper(slide, 1.0), "coordinate="),

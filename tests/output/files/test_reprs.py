@@ -42,7 +42,8 @@ def described() -> dict[str, Any]:
     axle = scene.add(wf.joints.Revolute(scene.ground, lower["bore"], axis=(0, 1, 0), name="axle"))
     return {
         "material": steel, "mesh": mesh, "reduced": body, "scene": scene, "body": upper, "rigid": block,
-        "ground": scene.ground, "port": lower["bore"], "surface": lower["rim"], "joint": axle,
+        "ground": scene.ground, "on_body": body.contact_surfaces["rim"], "port": lower["bore"],
+        "surface": lower["rim"], "joint": axle,
         "drive": scene.add(wf.joints.Drive(axle, 1.0)),
         "force": scene.add(wf.forces.PointForce(upper["bore"], (0, 0, 1))),
         "spring": scene.add(wf.forces.TorsionalSpringDamper(axle, 1.0)),
@@ -117,7 +118,8 @@ def test_histories_show_shapes() -> None:
 def test_results_show_themselves_in_short(history: History) -> None:
     result = Result(history)
     pair = result.contact(result.contact_names[0])
-    for thing in (history, result, pair):
+    loops = result.hysteresis(np.sin(result.time), np.cos(result.time))
+    for thing in (history, result, pair, loops, loops.loop()):
         assert len(repr(thing)) <= SHORT and "array(" not in repr(thing), thing
         assert "<table>" in thing._repr_html_()
     assert f"rows={len(result.time)}" in repr(pair) and repr(pair).startswith("ContactResult('")

@@ -300,12 +300,12 @@ _SIGNS = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0])
 class BearingSpring(TwoPorts):
     """A bearing between two ports a and b, described by its stiffness and damping; b spins freely about `axis`.
 
-    axis: direction (3,), world, at the initial pose; the law's axes stay with the first port. radial [N/m], axial
-    [N/m], tilt [N m/rad], radial_tilt [N/rad] (force per tilt, moment per displacement, in the planes x-z and y-z:
-    d_x with theta_y, -d_y with theta_x), cross [N/m] (skew, as of an oil film: displacement along x
+    axis: direction (3,), world, at the initial pose; the law's axes stay with the first port. radial [N/m], 0 for a
+    damper alone, axial [N/m], tilt [N m/rad], radial_tilt [N/rad] (force per tilt, moment per displacement, in the
+    planes x-z and y-z: d_x with theta_y, -d_y with theta_x), cross [N/m] (skew, as of an oil film: displacement along x
     pushes along +y, one along y pushes along -x, which drives forward whirl about the axis; its work is counted as work
-    of forces). radial_damping, axial_damping [N s/m], tilt_damping, spin_damping [N m s/rad];
-    the last brakes the spin. point as in `Bushing`. Moments follow the sine of the tilt. Raises `InputError`.
+    of forces). radial_damping, axial_damping [N s/m], tilt_damping, spin_damping [N m s/rad]; the last brakes the spin.
+    point as in `Bushing`. Moments follow the sine of the tilt. Raises `InputError`.
     """
 
     kind = "bearing_spring"
@@ -335,7 +335,7 @@ class BearingSpring(TwoPorts):
         super().__init__(a, b, point, name)
         label = self.label
         self.axis = require_direction(axis, f"{label}: axis")
-        self.radial = require_number(radial, f"{label}: radial", positive=True)
+        self.radial = require_number(radial, f"{label}: radial", non_negative=True)
         self.axial = require_number(axial, f"{label}: axial", non_negative=True)
         self.tilt = require_number(tilt, f"{label}: tilt", non_negative=True)
         self.radial_tilt = require_number(radial_tilt, f"{label}: radial_tilt")
@@ -344,6 +344,10 @@ class BearingSpring(TwoPorts):
         self.axial_damping = require_number(axial_damping, f"{label}: axial_damping", non_negative=True)
         self.tilt_damping = require_number(tilt_damping, f"{label}: tilt_damping", non_negative=True)
         self.spin_damping = require_number(spin_damping, f"{label}: spin_damping", non_negative=True)
+        if not any(getattr(self, quantity) for quantity in self.quantities):
+            raise InputError(f"{label}: no stiffness or damping is given; give radial or radial_damping")
+        if self.cross and not self.radial:
+            raise InputError(f"{label}: cross {self.cross:g} N/m requires radial above zero")
         if self.radial_tilt and self.radial_tilt**2 >= self.radial * self.tilt:
             limit = np.sqrt(self.radial * self.tilt)
             raise InputError(

@@ -64,13 +64,14 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.half_space import FarSplines
+from warpffrf.model.messages import reprs
 from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.far_field import FarField
 from warpffrf.model.reduced.local_mass import LocalMass
 
 
-@dataclass(frozen=True, eq=False)
-class ContactSurface:
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactSurface(reprs.Shown):
     """A contact surface of a reduced body: its true shape, its grid, and the normal compliance (module docstring)."""
 
     name: str
@@ -90,6 +91,10 @@ class ContactSurface:
     far: FarField | None = (
         None  # for patches finer than the mesh, see `warpffrf.model.reduced.far_field`; None: not computed
     )
+
+    def _facts(self) -> dict[str, Any]:
+        grid = f"{self.grid.columns} x {self.grid.rows}"
+        return {"name": self.name, "shape": type(self.shape).__name__, "grid": grid}
 
     @property
     def local_modes(self) -> int:
