@@ -18,7 +18,7 @@ from printed import commands, python_blocks
 from warpffrf.cli import app
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = [ROOT / "README.md", *(ROOT / "docs" / f"{name}.md" for name in ("examples", "running", "features"))]
+PAGES = [ROOT / "README.md", *(ROOT / "docs" / f"{name}.md" for name in ("install", "examples", "running", "features"))]
 README = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)  # the front page and what it leads to
 HALF_WIDTH_TOLERANCE = 0.04  # four elements a half-width
 
