@@ -94,7 +94,7 @@ def darken(figure: Any) -> None:
     def other(color: Any) -> Any:
         return color if isinstance(color, str) and color in ("none", "auto") else darkened(color)[0]
 
-    done, ink, grid = set(), other("black"), other("0.75")
+    done, ink, grid = set(), other("black"), other("0.85")
     for ax in _axes_of(figure):
         for axis in (ax.xaxis, ax.yaxis):
             axis.set_tick_params(which="both", color=ink, labelcolor=ink, grid_color=grid)
@@ -114,7 +114,7 @@ def darken(figure: Any) -> None:
             edge, face, alpha = part.get_edgecolor(), part.get_facecolor(), part.get_alpha()
             part.set(edgecolor=other(edge), facecolor=other(face), alpha=alpha)
         elif isinstance(part, LineCollection | ContourSet):
-            part.set_edgecolor(darkened(part.get_edgecolor()))
+            part.set_edgecolor(list(darkened(part.get_edgecolor())))
         elif isinstance(part, ScalarMappable) and part.get_array() is not None:
             part.set_cmap(_dark_map(part.get_cmap()))
 
@@ -174,7 +174,7 @@ def _break(text: Any, length: float, room: float) -> bool:
     """Break the lines of a text of this length where there is less room."""
     if length <= room:
         return False
-    lines = text.get_text().split("\n")
+    lines = text.get_text().replace(" = ", "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}").split("\n")
     most = max(int(max(map(len, lines)) * room / length), FEWEST)
     broken = [part for line in lines for part in textwrap.wrap(line, most, break_long_words=False)]
     text.set_text("\n".join(broken))
