@@ -27,7 +27,8 @@ BODIES = "bodies"  # name of colour maps of bodies, which have the same colours 
 INCH = 0.0254  # m
 PANEL = 0.088  # m: narrowest panel with legible text
 FONTS, SHRUNK = (6.5, 8.5), 0.75  # points in print, and of the size on a screen
-BROADER = 1.15  # than its axes may a title be: it reaches over the labels of the axis
+BROADER = 1.0  # of its axes: longest line of a title
+COLUMN, POINTS = 5.0, 72.0  # heights of letters beside the text of a legend, and points in an inch
 FEWEST = 12  # letters in a line
 BELOW = -0.2  # of the height of axes: legends under their labels
 CORNERS = ("upper right", "upper left", "lower right", "lower left")
@@ -187,16 +188,24 @@ def _clear_legend(ax: Any) -> bool:
     if legend is None or ax.name != "rectilinear" or not ax.bbox.overlaps(legend.get_window_extent()):
         return False
     axes = [one for one in ax.figure.axes if one.bbox.bounds == ax.bbox.bounds]  # with its twin
-    if legend.get_window_extent().width > ax.bbox.width:
-        legend.set_ncols(1)
     if legend.get_window_extent().width < ax.bbox.width:
         for corner in (None, *CORNERS):
             if corner is not None:
                 legend.set_loc(corner)
             if not any(_covers(legend, one) for one in axes):
                 return False
-    legend.set_loc("upper center")
-    legend.set_bbox_to_anchor((0.5, BELOW), ax.transAxes)
+    texts = legend.get_texts()
+    size, color = texts[0].get_fontsize(), texts[0].get_color()
+    letter = size * ax.figure.dpi / POINTS
+    column = max(text.get_window_extent().width for text in texts) + COLUMN * letter
+    labels = ax.bbox.y0 - ax.xaxis.get_tightbbox().y0
+    below = ax.legend(
+        legend.legend_handles, [text.get_text() for text in texts], loc="upper center", bbox_to_anchor=(0.5, 0.0),
+        ncols=int(np.clip(ax.bbox.width / column, 1, len(texts))), fontsize=size, labelcolor=color, frameon=False,
+        borderaxespad=labels / letter,
+    )  # fmt: skip
+    if len(ax.figure.axes) == 1:  # a page keeps its height
+        ax.figure.set_figheight(ax.figure.get_figheight() + below.get_window_extent().height / ax.figure.dpi)
     return True
 
 
