@@ -204,6 +204,29 @@ def test_settings_are_shown_by_what_they_are(tmp_path: Path) -> None:
     assert goes_on.settings == {"start": ("a state at 0.002 s", "another state at 0.002 s")}
 
 
+def test_items_that_only_one_run_has_are_named_together() -> None:
+    """Beside a single one, which is a setting of its own."""
+    scene = swing(spring=True)
+    bob = scene.body("bob")
+    for n in range(5):
+        scene.add(wf.forces.PointForce(bob.at((0, 0, 0)), (0.0, 0.0, 1.0), name=f"push {n}"))
+    scene.add_rigid_body(1.0, (0.01, 0.01, 0.01), name="stone")
+    with_more, without = short(scene), short(swing(spring=True))
+    many = "push 0, push 1, push 2 and 2 more"
+    assert wf.compare(with_more, without).settings == {"force: only in A": (many, "-"), "body stone": ("given", "-")}
+    assert wf.compare(without, with_more).settings["force: only in B"] == ("-", many)
+
+
+def test_what_is_small_beside_its_like_comes_last(body: ReducedBody) -> None:
+    """A torque of 1e-5 of what the largest force makes about the machine, after a force that differs by 1 %."""
+    a, b = run_on(body), run_on(body)
+    contact = b.history.contacts[PAIR]
+    contact.force[:, 2] *= 1.01
+    contact.torque[:] = 1e-5 * 0.1 * np.abs(contact.force).max()
+    labels = [d.label for d in wf.compare(a, b).differences if not d.same]
+    assert labels.index(f"contact_force[{PAIR}]") < labels.index(f"contact_torque[{PAIR}]")
+
+
 def test_a_run_that_cannot_go_on_says_no_hash() -> None:
     options = {"scene": "ab" * 32, "start": f"a state at 0.002 s, {'12' * 16}", "step": "0.1"}
     others = {"scene": "cd" * 32, "start": f"a state at 0.001 s, {'34' * 16}", "step": "0.2"}

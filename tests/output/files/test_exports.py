@@ -52,7 +52,7 @@ def test_vtu_refuses_wrong_arguments(result: Result, tmp_path: Path) -> None:
 def test_every_plot_has_axes_with_units(result: Result) -> None:
     figure = result.summary()
     labelled = [axes for axes in figure.axes if axes.get_xlabel()]
-    assert len(labelled) == len(PLOTS)
+    assert len(labelled) == len(PLOTS) + 1  # and the energy
     for axes in labelled:
         assert "[" in axes.get_xlabel() and "[" in axes.get_ylabel()
         assert axes.has_data()

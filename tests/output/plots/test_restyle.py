@@ -67,7 +67,7 @@ def test_legends_cover_nothing_and_text_is_legible(width: float | None) -> None:
     for ax in figure.axes:
         assert not _covers(ax.get_legend(), ax)
         assert ax.title.get_window_extent().width < 1.2 * ax.bbox.width
-    sizes = [text.get_fontsize() for text in figure.findobj(Text) if text.get_text()]
+    sizes = [float(text.get_fontsize()) for text in figure.findobj(Text) if text.get_text()]
     assert width is None or (min(sizes) >= FONTS[0] and max(sizes) <= FONTS[1])
 
 

@@ -83,13 +83,14 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
 
         return mesh_error(self, finer, half_width, interface)
 
-    def quality_page(self, path: str | Path, *, overwrite: bool = False) -> Path:
-        """Write a picture of the body's quality: mode shapes, compliance decay, frequencies covered, key figures.
+    def quality_page(self, path: str | Path, *, theme: str = "light", overwrite: bool = False) -> Path:
+        """Write a picture of the body's quality: mode shapes, compliance decay, frequencies covered, key figures;
+        theme: "light" or "dark".
 
         The ending of `path` chooses the format (.png, .pdf, .svg). Raises `InputError` where it cannot be written, or
         exists and `overwrite` is not set.
         """
-        return _output("plots.quality_page").write_quality_page(self, path, overwrite=overwrite)
+        return _output("plots.quality_page").write_quality_page(self, path, theme=theme, overwrite=overwrite)
 
     def plot_modes(self, count: int = 8) -> Any:
         """A matplotlib Figure of the shapes of the first `count` elastic modes: deformed skins in colour, red at the

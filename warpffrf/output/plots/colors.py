@@ -178,6 +178,7 @@ def draw_bar(axes: Any, scale: ColorScale | ColorClasses) -> None:
             axes, cmap=colors, norm=BoundaryNorm(edges, len(scale.names)), orientation="horizontal",
             ticks=[float(n) for n in range(len(scale.names))],
         )  # fmt: skip
+        bar.minorticks_off()  # at the boundaries of classes
         bar.ax.set_xticklabels(scale.names)
     else:
         top = scale.top * scale.factor if scale.top > 0 else 1.0

@@ -16,7 +16,7 @@ from warpffrf.output.plots.bearing import BEARING_PLOTS, POLAR, the_bearing
 from warpffrf.output.plots.colors import FINEST, LEAST, about_zero, from_zero, instant, largest, no_finer, side_bar
 from warpffrf.output.plots.films import FILM_PLOTS, has_orbit
 from warpffrf.output.plots.friction import FRICTION_PLOTS, draw_depth, has_material, rubbing
-from warpffrf.output.plots.panels import HISTORY_PLOTS, draw_bars, draw_numbers, numbers_of, page, the_channel
+from warpffrf.output.plots.panels import HISTORY_PLOTS, STYLES, draw_bars, draw_numbers, numbers_of, page, the_channel
 from warpffrf.output.plots.picture import write_drawing, write_picture
 from warpffrf.output.plots.restyle import THEMES, columns_in, require_theme, restyle
 from warpffrf.output.plots.small_sliding import SMALL_SLIDING_PLOTS, the_small_sliding
@@ -25,7 +25,7 @@ RIPPLE = 1e-3  # %: smaller deviations are round-off or iteration tolerance
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
 MOST_INSIDE = 8  # curves named in a legend inside the axes; with more the legend is at the right
-COLORS, STYLES = 10, ("-", "--", ":", "-.")  # another line style after so many colours, so that none is used twice
+COLORS = 10  # of lines, before another line style
 LEGEND_ROWS = 16  # rows of a legend at the right
 PAGE_COLUMNS = 6  # columns of a legend below a page
 PAGE_PANELS, PAGE_PANEL = 3, (5.2, 4.1)  # most side by side, and inches

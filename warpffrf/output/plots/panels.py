@@ -30,6 +30,7 @@ COLUMNS = 3  # maximum side by side
 DPI = 110
 COLORS = ("#1b6ca8", "#d1495b", "#2a9d6f", "#b57f00", "#6d5aa8", "#4f5d6b")
 REFERENCE_DASH = (0, (5, 3))
+STYLES = ("-", "--", ":", "-.")  # another line style after all colours, so that no line is used twice
 MARKS = "os^D"
 
 
@@ -61,7 +62,8 @@ class Panel:
         """Draw on matplotlib axes."""
         axes: Any = ax
         for n, (name, (x, y)) in enumerate(self.curves.items()):
-            axes.plot(x, y, lw=1.4, color=COLORS[n % len(COLORS)], label=name)
+            style = STYLES[n // len(COLORS) % len(STYLES)]
+            axes.plot(x, y, style, lw=1.4, color=COLORS[n % len(COLORS)], label=name)
         for n, (name, (x, y)) in enumerate((self.reference or {}).items()):
             color = "black" if n == 0 else COLORS[-1 - n]
             axes.plot(x, y, lw=1.0, color=color, ls=REFERENCE_DASH, marker="o" if len(x) == 1 else None, label=name)
@@ -95,7 +97,7 @@ class Polar(Panel):
         super().draw(axes)
         axes.set(xlabel="", ylabel="")
         axes.set_title(f"{self.title} {self.y_label}", fontsize=10)
-        axes.legend(frameon=False, fontsize=8, loc="upper right", bbox_to_anchor=(1.25, 1.1))
+        axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.1))
 
 
 def save_panels(

@@ -15,6 +15,7 @@ from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.output.plots.figure import PROFILE, REFERENCE
 from warpffrf.output.plots.modes import MovedSkin, draw_shape, mode_skin, shapes_figure
 from warpffrf.output.plots.picture import write_picture
+from warpffrf.output.plots.restyle import restyle
 
 GALLERY = (2, 4)  # rows and columns of mode pictures
 FIRST_ELASTIC = 7  # modes 1 to 6 of a free body are rigid-body motions
@@ -26,10 +27,12 @@ MOST_SURFACES = 2  # contact surfaces in the plot of decay
 ALONG, OTHER = "#2a9d5c", "#8a5bb5"
 
 
-def write_quality_page(body: ReducedBody, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-    """Write the page to `path` (.png, .pdf, .svg); returns the path. Raises `InputError` if it cannot be written, or
-    exists and `overwrite` is not set."""
-    return write_picture(quality_figure(body), path, "quality page", overwrite=overwrite, dpi=DPI)
+def write_quality_page(
+    body: ReducedBody, path: str | os.PathLike[str], *, theme: str = "light", overwrite: bool = False
+) -> Path:
+    """Write the page to `path` (.png, .pdf, .svg), in the "light" or "dark" theme; returns the path. Raises
+    `InputError` if it cannot be written, or exists and `overwrite` is not set."""
+    return write_picture(restyle(quality_figure(body), theme), path, "quality page", overwrite=overwrite, dpi=DPI)
 
 
 def quality_figure(body: ReducedBody) -> Any:

@@ -27,7 +27,8 @@ BODIES = "bodies"  # name of colour maps of bodies, which have the same colours 
 INCH = 0.0254  # m
 PANEL = 0.088  # m: narrowest panel with legible text
 FONTS, SHRUNK = (6.5, 8.5), 0.75  # points in print, and of the size on a screen
-BROADER = 1.15  # than its axes may a title be: it reaches over the labels of the axis
+BROADER = 1.0  # of its axes: longest line of a title
+COLUMN, POINTS = 5.0, 72.0  # heights of letters beside the text of a legend, and points in an inch
 FEWEST = 12  # letters in a line
 BELOW = -0.2  # of the height of axes: legends under their labels
 CORNERS = ("upper right", "upper left", "lower right", "lower left")
@@ -94,7 +95,7 @@ def darken(figure: Any) -> None:
     def other(color: Any) -> Any:
         return color if isinstance(color, str) and color in ("none", "auto") else darkened(color)[0]
 
-    done, ink, grid = set(), other("black"), other("0.75")
+    done, ink, grid = set(), other("black"), other("0.85")
     for ax in _axes_of(figure):
         for axis in (ax.xaxis, ax.yaxis):
             axis.set_tick_params(which="both", color=ink, labelcolor=ink, grid_color=grid)
@@ -114,7 +115,7 @@ def darken(figure: Any) -> None:
             edge, face, alpha = part.get_edgecolor(), part.get_facecolor(), part.get_alpha()
             part.set(edgecolor=other(edge), facecolor=other(face), alpha=alpha)
         elif isinstance(part, LineCollection | ContourSet):
-            part.set_edgecolor(darkened(part.get_edgecolor()))
+            part.set_edgecolor(list(darkened(part.get_edgecolor())))
         elif isinstance(part, ScalarMappable) and part.get_array() is not None:
             part.set_cmap(_dark_map(part.get_cmap()))
 
@@ -174,7 +175,7 @@ def _break(text: Any, length: float, room: float) -> bool:
     """Break the lines of a text of this length where there is less room."""
     if length <= room:
         return False
-    lines = text.get_text().split("\n")
+    lines = text.get_text().replace(" = ", "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}").split("\n")
     most = max(int(max(map(len, lines)) * room / length), FEWEST)
     broken = [part for line in lines for part in textwrap.wrap(line, most, break_long_words=False)]
     text.set_text("\n".join(broken))
@@ -187,16 +188,24 @@ def _clear_legend(ax: Any) -> bool:
     if legend is None or ax.name != "rectilinear" or not ax.bbox.overlaps(legend.get_window_extent()):
         return False
     axes = [one for one in ax.figure.axes if one.bbox.bounds == ax.bbox.bounds]  # with its twin
-    if legend.get_window_extent().width > ax.bbox.width:
-        legend.set_ncols(1)
     if legend.get_window_extent().width < ax.bbox.width:
         for corner in (None, *CORNERS):
             if corner is not None:
                 legend.set_loc(corner)
             if not any(_covers(legend, one) for one in axes):
                 return False
-    legend.set_loc("upper center")
-    legend.set_bbox_to_anchor((0.5, BELOW), ax.transAxes)
+    texts = legend.get_texts()
+    size, color = texts[0].get_fontsize(), texts[0].get_color()
+    letter = size * ax.figure.dpi / POINTS
+    column = max(text.get_window_extent().width for text in texts) + COLUMN * letter
+    labels = ax.bbox.y0 - ax.xaxis.get_tightbbox().y0
+    below = ax.legend(
+        legend.legend_handles, [text.get_text() for text in texts], loc="upper center", bbox_to_anchor=(0.5, 0.0),
+        ncols=int(np.clip(ax.bbox.width / column, 1, len(texts))), fontsize=size, labelcolor=color, frameon=False,
+        borderaxespad=labels / letter,
+    )  # fmt: skip
+    if len(ax.figure.axes) == 1:  # a page keeps its height
+        ax.figure.set_figheight(ax.figure.get_figheight() + below.get_window_extent().height / ax.figure.dpi)
     return True
 
 

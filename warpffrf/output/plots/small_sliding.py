@@ -35,7 +35,8 @@ def state(contact: SmallSlidingResult, ax: Any, row: int) -> None:
     cells = _map(contact, ax, contact.state[row], STATE_COLORS, 1.0)
     cells.set(cmap=ListedColormap(STATE_COLORS), norm=BoundaryNorm(np.arange(len(STATES) + 1) - 0.5, len(STATES)))
     names = [f"{name}: {count}" for name, count in zip(STATES, contact.counts[row], strict=True)]
-    side_bar(ax, cells, ticks=np.arange(len(STATES)), format=lambda state, _: names[int(state)])
+    bar = side_bar(ax, cells, ticks=np.arange(len(STATES)), format=lambda state, _: names[int(state)])
+    bar.minorticks_off()  # at the boundaries of states
     ax.set_title(f"Contact '{contact.name}': open, stick, slip, {_at(contact, row)}", fontsize=10)
 
 
