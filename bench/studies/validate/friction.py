@@ -142,7 +142,7 @@ def carter_prescribed_force() -> Iterator[Row]:
     cells by itself (tests/references/half_space), 8 cells in the half-width"""
     for share, theirs in zip(carter.SHARES, (0.26703, 0.58377, 0.99656, 1.7938), strict=True):
         error = carter.creepage_error(share, 8, 16)
-        yield Row(f"creepage at Q/μP = {share:g}", theirs * (1.0 + error), theirs, 0.02, "1e-3")
+        yield Row(f"creepage in 10⁻³ at Q/μP = {share:g}", theirs * (1.0 + error), theirs, 0.02)
 
 
 @case(ROOM, f"{CONTACT}, example of Carter, which gives 0.648 with 50 cells; closed form 0.64")
@@ -150,7 +150,7 @@ def contact_carter() -> Iterator[Row]:
     """P2: a cylinder of R 500 mm on a plane, half-width 1 mm, creepage 2.4e-4, μ 0.3; a rigid cylinder on an exact
     half-plane, 16 cells in the half-width"""
     found, crept, _ = _carter(0.5, 1e-3, 2.4e-4, 16)
-    yield Row("creepage found", 1e3 * crept, 0.24, 0.01, "1e-3")
+    yield Row("creepage found, in 10⁻³", 1e3 * crept, 0.24, 0.01)
     yield Row("Fx/μN", found, 0.64, 0.015)
 
 
