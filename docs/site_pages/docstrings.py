@@ -24,7 +24,8 @@ def prose(text: str) -> str:
     parts = re.split(r"(``.+?``|`[^`]+`)", text, flags=re.DOTALL)
     for i, part in enumerate(parts):
         if i % 2 == 0:
-            parts[i] = re.sub(r"([*|\\])|(?<=\w)(_)(?!\w)", lambda m: "\\" + m.group(0), part)
+            escaped = re.sub(r"([*|\\])|(?<=\w)(_)(?!\w)", lambda m: "\\" + m.group(0), part)
+            parts[i] = "\\ " * (i > 0 and bool(re.match(r"\w", part))) + escaped  # a letter would keep a role open
         elif not LINK.fullmatch(part):
             parts[i] = f"``{part.strip('`')}``"
     return "".join(parts)

@@ -20,7 +20,7 @@ Each demo is one script of one or two hundred lines; what they print, and what i
 """
 CARD = """\
 :::{{grid-item-card}} {title}
-:img-top: ../../{stem}.png
+:img-top: ../../machines/{stem}.png
 :img-alt: {title}
 :link: {stem}
 :link-type: doc

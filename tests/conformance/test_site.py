@@ -48,6 +48,7 @@ def test_parameters_become_a_definition_list() -> None:
 
 def test_words_that_are_no_parameters_stay_prose() -> None:
     assert converted(["note: step is one."], {"step"}) == ["note: step is one.", ""]
+    assert converted(["every `n`th step"], set()) == ["every `n`\\ th step", ""]
 
 
 def test_formulas_are_literal_and_code_is_code() -> None:
