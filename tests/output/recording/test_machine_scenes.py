@@ -15,7 +15,7 @@ from shape_runs import grid_of, still
 import warpffrf as wf
 from warpffrf.model.surfaces import Bore, Cylinder
 from warpffrf.output.recording import recorder as recorder_module
-from warpffrf.output.recording.extent import extent, length_text, round_length, seen_along
+from warpffrf.output.recording.extent import HALF_FIELD, distance, extent, length_text, round_length, seen_along
 from warpffrf.output.recording.film_scene import LIFTED, MAP_SHAPE, FilmScene, _sorted
 from warpffrf.output.recording.frames import BodyFrames
 from warpffrf.output.recording.layout import MOST_PANELS, MOST_SECONDS, RUN_SECONDS, TURN_SECONDS, _emptiest, _speed
@@ -170,5 +170,14 @@ def test_directions_of_a_picture_along_an_axis() -> None:
 def test_the_view_contains_all_bodies(bearing: wf.Result) -> None:
     of: Any = SimpleNamespace(result=bearing, rows=np.array([0]), good=np.array([True]), bodies={})
     of.rigid = RigidBodies(of)
-    middle, radius = extent(of)
-    assert np.linalg.norm(of.rigid.meshes["ground"].points - middle, axis=1).max() == pytest.approx(radius, rel=0.02)
+    middle, points = extent(of)
+    ring = of.rigid.meshes["ground"].points - middle
+    radius = np.linalg.norm(ring, axis=1).max()
+    assert np.linalg.norm(points, axis=1).max() == pytest.approx(radius, rel=0.02)
+    for towards, aspect in ((np.array([0.1, -1.0, 0.2]), 1.0), (np.array([1.0, -1.0, 1.0]), 1.6)):
+        depth = towards / np.linalg.norm(towards)
+        right = np.cross([0.0, 0.0, 1.0], depth)
+        right /= np.linalg.norm(right)
+        away = distance(points, towards, np.array([0.0, 0.0, 1.0]), aspect) - ring @ depth  # of points from the eye
+        seen = np.stack([ring @ right / aspect, ring @ np.cross(depth, right)]) / away
+        assert 0.97 * HALF_FIELD < np.abs(seen).max() < 1.03 * HALF_FIELD

@@ -37,7 +37,7 @@ def test_scalars_are_those_of_the_result(result: Result, tmp_path: Path) -> None
     info = record(result, tmp_path / "run.rrd")
     contact = result.contact("lower-upper")
     plots = {
-        "force": contact.force_magnitude * 1e-3,
+        "force": contact.force_magnitude,
         "peak_pressure": contact.peak_pressure * 1e-6,
         "half_width": contact.half_width * 1e6,
     }

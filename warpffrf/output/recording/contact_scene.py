@@ -20,7 +20,7 @@ import numpy as np
 from warpffrf.model.sensors import Position, Stress
 from warpffrf.output.plots.colors import ColorClasses, ColorScale, field_scale, largest, map_axes_picture
 from warpffrf.output.recording import frames as fr
-from warpffrf.output.recording.extent import EYE, length_text, round_length
+from warpffrf.output.recording.extent import EYE, round_length
 from warpffrf.output.recording.glyphs import LEAST_SHOWN, MOST_LABELS, force_text
 from warpffrf.output.recording.patch_map import cell_map, map_window, pixels, pressure_map
 
@@ -30,6 +30,7 @@ ARROW_LENGTH = 0.6  # of the largest body, for the largest force of the run
 ARROW_CELLS = 1.5  # length of the arrow of the largest traction, in columns of cells
 ARROW_COLOR = (20, 20, 20)
 BAR_COLOR = (205, 90, 205)  # in no scale of pressure or displacement
+NARROW, LONG, CUT = 4.0, 24.0, 0.3  # what a close-up shows, in reaches of the map; place of the bar on a longer patch
 BESIDE, BAR_RADIUS = 0.03, 0.004  # of what a close-up shows: place and radius of its scale bar
 FIRST_COLOR, SECOND_COLOR = (60, 130, 230), (220, 115, 30)  # readable on black and on white
 FRICTION_FIELDS = ("traction", "state", "slip", "wear")
@@ -98,7 +99,9 @@ class ContactScene:
         self.fields = ("pressure", *(FRICTION_FIELDS if contact.has_friction else ()))
         self.window = map_window(contact, recorder.rows[recorder.good])
         self.height = fr.RELIEF_HEIGHT * 2.0 * self.window.reach
-        self.across = max(self.window.high - self.window.low, 4.0 * self.window.reach)  # m, of a close-up
+        wide, reach = self.window.high - self.window.low, self.window.reach
+        self.across = min(max(wide, NARROW * reach), LONG * reach)  # m, of a close-up
+        self.bar = round_length(reach)  # m, along the arc
 
     def world(self, *parts: str) -> str:
         """Entity below the patch's frame."""
@@ -121,17 +124,16 @@ class ContactScene:
         picture, self.corner = map_axes_picture((-reach, reach), (low, high), names, MAP_SHAPE)
         left, top = self.corner
         log(self.map("axes"), rr.Image(picture, draw_order=0.0, opacity=fr.BLENDED))
-        log(self.world(EYE), rr.Transform3D(scale=self.across))
-        middle = 0.5 * (float(self.contact.view.first.grid.z[0]) + float(self.contact.view.first.grid.z[-1]))
-        bar = 0.5 * round_length(window.reach)
-        words = f"{length_text(2 * bar)} along the arc"
-        edge = [[x, window.low - middle - BESIDE * self.across, 0.0] for x in (-bar, bar)]
-        log(self.world("scale"), rr.LineStrips3D(
-            [edge], colors=[BAR_COLOR], radii=BAR_RADIUS * self.across, labels=[words], show_labels=True
-        ))  # fmt: skip
         for field in self.fields:
             scale = 1.0 if field == "pressure" else float(COARSER)
             log(self.map(field), rr.Transform3D(translation=[left, top, 0.0], scale=scale))
+        log(self.world(EYE), rr.Transform3D(scale=self.across))
+        middle = 0.5 * (float(self.contact.view.first.grid.z[0]) + float(self.contact.view.first.grid.z[-1]))
+        end, half = window.low - middle - BESIDE * self.across, 0.5 * self.bar
+        at = (end, 0.0) if window.high - window.low <= self.across else (-CUT * self.across, self.height)
+        log(self.world("scale"), rr.LineStrips3D(
+            [[(x, *at) for x in (-half, half)]], colors=[BAR_COLOR], radii=BAR_RADIUS * self.across
+        ))  # fmt: skip
 
     def frame(self, i: int) -> None:
         """Log relief, maps and arrows of saved row i."""

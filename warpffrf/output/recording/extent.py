@@ -17,7 +17,8 @@ FRONT = np.array([0.55, -1.3, 0.45])  # towards the eye: from the front right, s
 ALONG, ASIDE, ABOVE = 1.3, 0.25, 0.15  # the same about the axis of a bearing
 UP = np.array([0.0, 0.0, 1.0])
 EYE = "eye"  # entity that scales a view
-FIELD = 2.2  # distance of the eye over the radius of what is seen, for the viewer's field of view
+HALF_FIELD = 0.47  # height of a view over twice the distance of what fills it: the viewer's 55 degrees, less a margin
+FIELD = 2.2  # distance of the eye over the radius of what is seen
 ROUND = (5.0, 2.0, 1.0)
 EMPTY = 0.05  # m, radius of a scene without bodies
 
@@ -43,8 +44,9 @@ def seen_along(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return right, np.cross(towards, right)
 
 
-def extent(recorder: Any) -> tuple[np.ndarray, float]:
-    """Middle (3,) [m] of all bodies over the frames, plates of the ground left out, and the radius [m] around it."""
+def extent(recorder: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Middle (3,) [m] of all bodies over the frames, plates of the ground left out, and their outermost points (n, 3)
+    [m] from there."""
     bodies = recorder.result.history.bodies
     meshes = {name: mesh.points for name, mesh in recorder.rigid.meshes.items() if recorder.rigid.bounded(name)}
     meshes |= {name: body.points for name, body in recorder.bodies.items()}
@@ -54,10 +56,21 @@ def extent(recorder: Any) -> tuple[np.ndarray, float]:
         for i in recorder.rows[recorder.good] for name, points in outer.items()
     ]  # fmt: skip
     if not places:
-        return np.zeros(3), EMPTY
+        return np.zeros(3), EMPTY * OUTWARDS.T
     found = np.concatenate(places)
     middle = 0.5 * (found.min(axis=0) + found.max(axis=0))
-    return middle, float(np.linalg.norm(found - middle, axis=1).max())
+    found = found - middle
+    return middle, found[np.unique(np.argmax(found @ OUTWARDS, axis=0))]
+
+
+def distance(points: np.ndarray, towards: np.ndarray, up: np.ndarray, aspect: float) -> float:
+    """Distance [m] of an eye from the middle, in a direction (3,), at which a view of a width over height shows all
+    `points` (n, 3) [m]."""
+    depth = towards / np.linalg.norm(towards)
+    right = np.cross(up, depth)
+    right /= np.linalg.norm(right)
+    x, y = points @ right, points @ np.cross(depth, right)
+    return float(np.max(points @ depth + np.maximum(np.abs(x) / aspect, np.abs(y)) / HALF_FIELD))
 
 
 def _directions(count: int) -> np.ndarray:

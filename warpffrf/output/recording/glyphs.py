@@ -17,7 +17,7 @@ JOINT_COLOR, LOAD_COLOR, LUMPED_COLOR = (50, 155, 85), (225, 100, 50), (80, 130,
 ARROW_LENGTH = 0.3  # of the scene's largest body, for the largest force of the run
 ARROW_RADIUS, POINT_RADIUS = 0.008, 0.012  # of the largest body
 TRIAD, TRIAD_RADIUS = 0.4, 0.012  # of the radius of what is shown: longest arrow, and its radius
-TRIAD_PLACE = np.array([-1.0, -0.6, -0.6])  # of the radius, from the middle
+TRIAD_PLACE = np.array([-0.25, -0.1, -0.1])  # of the radius, from the lowest corner
 TRIAD_COLORS = [(230, 80, 80), (90, 180, 90), (90, 130, 255)]  # x, y, z
 LEAST_SHOWN = 1e-3  # of the largest force: shorter arrows are dots
 MOST_LABELS = 8  # more names would hide the picture
@@ -45,13 +45,12 @@ class Glyphs:
         return owners[anchor.name].force if anchor.name in owners else None
 
     def static(self) -> None:
-        """Log the triad, to the left in front of what is shown."""
-        recorder = self.recorder
-        middle, radius = recorder.middle, recorder.radius
-        length = round_length(TRIAD * radius)
+        """Log the triad."""
+        recorder, radius = self.recorder, self.recorder.radius
+        origin, tips, label = triad(recorder.outermost)
         recorder.log_static(recorder.path("world", "triad"), recorder.rr.Arrows3D(
-            origins=[middle + radius * TRIAD_PLACE] * 3, vectors=length * np.eye(3), colors=TRIAD_COLORS,
-            radii=TRIAD_RADIUS * radius, labels=[f"x, {length_text(length)}", "y", "z"], show_labels=True,
+            origins=[recorder.middle + origin] * 3, vectors=tips - origin, colors=TRIAD_COLORS,
+            radii=TRIAD_RADIUS * radius, labels=[f"x, {label}", "y", "z"], show_labels=True,
         ))  # fmt: skip
 
     def frame(self, i: int) -> None:
@@ -88,6 +87,14 @@ class Glyphs:
         motion = self.result.history.bodies[anchor.body]
         local = anchor.local(self.result.view.bodies[anchor.body], motion.modal[i], self.recorder.factor)
         return motion.position[i] + rotate(motion.rotation[i], local[None])[0]
+
+
+def triad(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, str]:
+    """Origin (3,) [m] of the triad, to the left in front of `points` (n, 3) [m], tips (3, 3) [m] of its arrows, their
+    length as text."""
+    radius = float(np.linalg.norm(points, axis=1).max())
+    length, origin = round_length(TRIAD * radius), points.min(axis=0) + radius * TRIAD_PLACE
+    return origin, origin + length * np.eye(3), length_text(length)
 
 
 def force_text(value: float) -> str:

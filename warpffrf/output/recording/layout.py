@@ -24,12 +24,14 @@ from warpffrf.output.recording.contact_scene import (
     plot_kinds,
     relief_name,
 )
-from warpffrf.output.recording.extent import ABOVE, ALONG, ASIDE, EYE, FIELD, FRONT, UP, seen_along
+from warpffrf.output.recording.extent import ABOVE, ALONG, ASIDE, EYE, FRONT, UP, distance, length_text, seen_along
+from warpffrf.output.recording.glyphs import triad
 
 HEADROOM = 1.1  # of the largest value of a plot
 CLOSE_UP_DISTANCE = 0.9  # eye to patch, in widths of the body
 RUN_SECONDS, TURN_SECONDS, MOST_SECONDS = 12.0, 3.0, 60.0  # on the screen: a run at least, a turn, a run at most
 MOST_PANELS, MOST_CURVES = 6, 6  # at first sight; of a plot with a legend
+WIDE = 1.6  # width over height of the machine above other views
 CORNERS = {"LeftTop": (0, 1), "RightTop": (1, 1), "LeftBottom": (0, 0), "RightBottom": (1, 0)}
 CORNER = 0.45, 0.4  # part of a plot that a legend covers, along time and values
 
@@ -43,7 +45,6 @@ def blueprint(recorder: Any) -> Any:
     arrows = ["+ /world/joint_arrows/**", "+ /world/force_arrows/**", "+ /world/lumped_arrows/**"]
     inner = {name for bearing in result.view.bearings.values() for name in bearing["contacts"].values()}
     forces = [f"+ {recorder.path('world', 'forces', c.name)}/**" for c in contacts if c.name not in inner]
-    machine = _machine_view(recorder, forces or arrows)
     loaded = sorted(recorder.scenes, key=lambda scene: -float(scene.contact.force_magnitude.max(initial=0.0)))
     close_ups = [_close_up(recorder, scene, field) for scene in loaded for field in scene.fields]
     close_ups += [scene.close_up(field) for scene in recorder.film_scenes for field in scene.fields]
@@ -61,6 +62,7 @@ def blueprint(recorder: Any) -> Any:
     room = MOST_PANELS - 1 - len(below) - len(legends) - bool(maps)
     plots = [*plots, *machine_plots][:room] if len(result.time) > 1 else []
     rows = [rrb.Horizontal(*below)] if len(below) > 1 else below
+    machine = _machine_view(recorder, forces or arrows, WIDE if rows else 1.0)
     left = rrb.Vertical(machine, *rows, row_shares=[5, 4] if rows else [1])
     shares = [1.0 + legend_rows(recorder.scales)] * len(legends) + [4.0] * bool(maps) + [2.5] * len(plots)
     right = rrb.Vertical(*legends, *_tabs(maps), *plots, row_shares=shares)
@@ -103,7 +105,8 @@ def _kind(recorder: Any) -> str:
     )
 
 
-def _machine_view(recorder: Any, arrows: list[str]) -> Any:
+def _machine_view(recorder: Any, arrows: list[str], aspect: float = 1.0) -> Any:
+    """All bodies, and arrows, in a view of a width over height."""
     import rerun.blueprint as rrb
 
     bodies = [recorder.path("world", name) for name in recorder.result.view.bodies]
@@ -114,7 +117,7 @@ def _machine_view(recorder: Any, arrows: list[str]) -> Any:
         origin=recorder.path("world", EYE),
         contents=["+ /world/triad", *solids, *surfaces, *arrows, *[f"+ {frame}" for frame in frames]],
         name=f"Machine: elastic deformation magnified {recorder.factor:g} times" if recorder.bodies else "Machine",
-        eye_controls=_machine_eye(recorder),
+        eye_controls=_machine_eye(recorder, aspect),
         overrides={frame: rrb.EntityBehavior(visible=False) for frame in frames},  # pyright: ignore[reportArgumentType]
         line_grid=False,
     )
@@ -194,7 +197,7 @@ def _speed(result: Any) -> float:
     return duration / seconds if duration > 0.0 else 1.0
 
 
-def _machine_eye(recorder: Any) -> Any:
+def _machine_eye(recorder: Any, aspect: float) -> Any:
     """View from the front right, slightly above, or nearly along the axis of a bearing, of all bodies at all times."""
     import rerun.blueprint as rrb
 
@@ -202,7 +205,9 @@ def _machine_eye(recorder: Any) -> Any:
     for zone in recorder.load_zones[:1]:
         right, up = seen_along(zone.bearing.axes[0][2])
         towards = ALONG * np.cross(right, up) + ASIDE * right + ABOVE * up
-    place = FIELD * towards / np.linalg.norm(towards)
+    origin, tips, _ = triad(recorder.outermost)
+    away = distance(np.vstack([recorder.outermost, origin, tips]), towards, up, aspect) / recorder.radius
+    place = away * towards / np.linalg.norm(towards)
     return rrb.EyeControls3D(position=place, look_target=(0.0, 0.0, 0.0), eye_up=tuple(up))
 
 
@@ -214,7 +219,7 @@ def _close_up(recorder: Any, scene: Any, field: str) -> Any:
     return rrb.Spatial3DView(
         origin=scene.world(EYE),
         contents=[f"+ {scene.world(relief_name(field))}", f"+ {scene.world('scale')}", f"+ {first}/surface"],
-        name=f"{_titled(recorder, scene, field)}: close-up on '{scene.contact.view.first_body.name}'",
+        name=f"{_titled(recorder, scene, field)}: close-up, the bar is {length_text(scene.bar)} along the arc",
         eye_controls=rrb.EyeControls3D(
             position=CLOSE_UP_DISTANCE * np.array([0.75, -0.45, 0.5]), look_target=(0.0, 0.0, 0.0),
             eye_up=(0.0, 0.0, 1.0),

@@ -201,7 +201,8 @@ class _Recorder:
         shown = [np.linalg.norm(b.displacement[f], axis=-1) for b in bodies.values() for f in drawn]
         top = largest(shown)
         self.rigid = RigidBodies(self)
-        self.middle, self.radius = extent(self)
+        self.middle, self.outermost = extent(self)
+        self.radius = float(np.linalg.norm(self.outermost, axis=1).max())
         rigid = [float(np.ptp(m.points, axis=0).max()) for n, m in self.rigid.meshes.items() if n != GROUND]
         self.size = max([b.size for b in bodies.values()] + rigid, default=0.0) or self.radius
         smallest = min((b.size for b in bodies.values()), default=0.1)
