@@ -79,7 +79,8 @@ def test_the_stress_under_the_pad_is_that_of_finer_cells(tmp_path: Path, contact
     wf.examples.copy("machine", tmp_path)
     make = runpy.run_path(str(tmp_path / "make_machine.py"))
     (tmp_path / "machine.inp").write_text(make["deck"]((40, 40, 16)), encoding="utf-8")
-    said = run_example(1, tmp_path, ("max_frequency=50e3,", f"max_frequency=50e3, contact_fixed={contact_fixed},"))
+    width = "expected_half_width=0.5e-3"
+    said = run_example(1, tmp_path, (width, f"{width}, contact_fixed={contact_fixed}"))
     peak, stress = (float(x) for x in said.strip().splitlines()[-1].split())
     assert abs(stress / peak / SHORT_LINE_CONTACT - 1.0) < FINER_CELLS
 
