@@ -1,4 +1,4 @@
-"""The gallery: a page of each demo with its docstring, its picture and its script, and cards that lead to them."""
+"""The gallery: a page of each demo with its docstring, its picture and its script, and cards with the machines."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Each demo is one script of one or two hundred lines; what they print, and what i
 """
 CARD = """\
 :::{{grid-item-card}} {title}
-:img-top: ../../machines/{stem}.png
+:img-top: ../../{picture}
 :img-alt: {title}
 :link: {stem}
 :link-type: doc
@@ -54,7 +54,9 @@ def generate(app: Any) -> None:
         stem, title = script.stem, script.stem.replace("_", " ").capitalize()
         first = " ".join(text.split("\n\n")[0].split())
         write(folder / f"{stem}.md", PAGE.format(title=title, text=text, stem=stem, name=stem.replace("_", "-")))
-        index += CARD.format(title=title, stem=stem, first=first)
+        machine = f"machines/{stem}.png"  # not of demos without bodies
+        picture = machine if (root / "docs" / machine).is_file() else f"{stem}.png"
+        index += CARD.format(title=title, stem=stem, first=first, picture=picture)
         stems.append(stem)
     write(folder / "index.md", index + "::::\n\n```{toctree}\n:hidden:\n\n" + "\n".join(stems) + "\n```\n")
 
