@@ -64,7 +64,7 @@ def cylinder_on_plane() -> Iterator[Row]:
     yield _row(half, "force, half of Sommerfeld's", 4.0)
 
 
-@case(ROOM, "J. Boussinesq and O. Reynolds: double series of a rectangle; a long plate μLB³V/h³")
+@case(ROOM, "Reynolds' equation: double series of a rectangle; a long plate μLB³V/h³")
 def squeezed_plates() -> Iterator[Row]:
     """F5: a square plate that comes down, 32 x 32 cells, and the middle row of a long one, 64 cells"""
     (square,) = study.squeeze_rows()

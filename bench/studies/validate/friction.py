@@ -35,7 +35,7 @@ from warpffrf.output.simulate import static
 ROOM = "Friction"
 FRICTION, QUARTER, UM = 0.3, 4, 1e6  # -, steps to a peak, of a metre
 MINDLIN = "C. Cattaneo, Rend. Lincei 27 (1938); R. D. Mindlin, J. Appl. Mech. 16 (1949) 259"
-CARTER = "F. W. Carter, Proc. R. Soc. A 112 (1926) 151; K. L. Johnson, Contact Mechanics (1985), eq. 8.48"
+CARTER = "F. W. Carter, Proc. R. Soc. A 112 (1926) 151; K. L. Johnson, Contact Mechanics (1985), section 8.3"
 KALKER = "J. J. Kalker, On the rolling contact of two elastic bodies, thesis, Delft (1967), table of coefficients"
 CONTACT = "E. A. H. Vollebregt, User guide for CONTACT, VORtech"
 
@@ -56,7 +56,7 @@ def _loss(result: Result, exact: MindlinLine | MindlinPoint, width: float) -> tu
     return found, exact.cycle_loss(0.5 * float(Q[QUARTER] - Q[3 * QUARTER]))
 
 
-@case(ROOM, f"{MINDLIN}; Johnson, section 7.2(d)")
+@case(ROOM, f"{MINDLIN}; Johnson, section 7.2")
 def cattaneo_line() -> Iterator[Row]:
     """C4 in two dimensions: a rigid cylinder shifted to Q = 0.5 μP on an exact elastic half-plane and through a cycle,
     32 cells in the half-width"""
@@ -75,7 +75,7 @@ def cattaneo_line() -> Iterator[Row]:
     yield Row("loss per cycle", lost, theirs, 0.03, "J/m")
 
 
-@case(ROOM, f"{MINDLIN}; R. D. Mindlin and H. Deresiewicz, J. Appl. Mech. 20 (1953) 327; Johnson, eqs. 7.41 to 7.58")
+@case(ROOM, f"{MINDLIN}; R. D. Mindlin and H. Deresiewicz, J. Appl. Mech. 20 (1953) 327; Johnson, sections 7.2 and 7.4")
 def cattaneo_point() -> Iterator[Row]:
     """C4, C5: a rigid ball of R 10 mm under 100 N shifted to Q = 0.5 μP on an exact elastic half-space, 12 cells in
     the radius of the patch"""
@@ -203,7 +203,7 @@ def gross_slip() -> Iterator[Row]:
     yield Row("angle between force and slip", angle, 0.0, 0.05, "°", 1.0)
 
 
-@case(ROOM, "Hertz's pressure in full slip: M = (3π/16) μPa; A. I. Lurie, Spatial Problems of the Theory of Elasticity")
+@case(ROOM, "Hertz's pressure in full slip, integrated: M = (3π/16) μPa")
 def drilling_ball() -> Iterator[Row]:
     """A steel ball that turns about the normal of its contact with a plane, five cells in the half-width"""
     friction: Any = drilling().contact("pair").friction
