@@ -30,7 +30,7 @@ from warpffrf.output.recording.glyphs import triad
 HEADROOM = 1.1  # of the largest value of a plot
 CLOSE_UP_DISTANCE = 0.9  # eye to patch, in widths of the body
 RUN_SECONDS, TURN_SECONDS, MOST_SECONDS = 12.0, 3.0, 60.0  # on the screen: a run at least, a turn, a run at most
-MOST_PANELS, MOST_CURVES = 6, 6  # at first sight; of a plot with a legend
+MOST_PANELS, MOST_CURVES = 6, 4  # at first sight; of a plot with a legend
 WIDE = 1.6  # width over height of the machine above other views
 CORNERS = {"LeftTop": (0, 1), "RightTop": (1, 1), "LeftBottom": (0, 0), "RightBottom": (1, 0)}
 CORNER = 0.45, 0.4  # part of a plot that a legend covers, along time and values
