@@ -12,7 +12,6 @@ from recordings import columns
 
 import warpffrf as wf
 from warpffrf.model.reduced.inertia import GeometricStiffness, InertiaTerms
-from warpffrf.output.geometry.inertia_box import inertia_box
 from warpffrf.output.geometry.scene_view import Anchor, BodyView
 from warpffrf.output.recording.contact_scene import machine_series, plot_kinds
 from warpffrf.output.recording.recorder import record
@@ -31,30 +30,6 @@ def result() -> wf.Result:
     scene.add(wf.forces.PointForce(bar.at((0.2, 0, 0)), (0, 0, -3.0), name="weight"))
     scene.add(wf.sensors.Position(bar.at((0.5, 0, 0)), name="end"))
     return wf.simulate(scene, STEPS * 1e-3, step=1e-3, progress=False)
-
-
-def test_the_box_has_the_inertia_of_the_body() -> None:
-    """A tilted cuboid of known sides: mass m, I_x = m (b^2 + c^2)/3 about its own axes."""
-    m, half = 3.0, np.array([0.4, 0.2, 0.1])
-    J = np.diag(m / 3.0 * (np.sum(half**2) - half**2))
-    A = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]
-    box = inertia_box(BodyView("b", None, m, np.array([1.0, 2.0, 3.0]), A @ J @ A.T))
-    assert np.sort(box.half) == pytest.approx(np.sort(half), rel=1e-12)
-    x, y, z, w = box.rotation
-    Q = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    local = np.diag(m / 3.0 * (np.sum(box.half**2) - box.half**2))
-    assert Q @ local @ Q.T == pytest.approx(A @ J @ A.T, abs=1e-12)
-
-
-def test_a_disc_is_drawn_with_some_thickness() -> None:
-    box = inertia_box(BodyView("disc", None, 1.0, np.zeros(3), np.diag([0.25, 0.25, 0.5])))
-    assert 0.0 < box.half.min() < 0.1 * box.half.max()
 
 
 def test_an_anchor_follows_the_motion_of_its_interface(body: Any) -> None:
