@@ -48,9 +48,12 @@ nb_execution_timeout = 600
 nb_execution_in_temp = True
 nb_merge_streams = True  # prints of a cell in one block
 
+WIDE = ("docs/verification", "docs/method/symbols", "docs/arrays", "docs/made/quantities")  # pages of wide tables
 html_theme = "pydata_sphinx_theme"
 html_title = f"warpffrf {release}"
 html_extra_path = ["site_pages/root"]  # the first page of the folder leads to that of the site
+html_static_path = ["site_pages/static"]
+html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sourcelink = False
 html_theme_options = {
@@ -59,5 +62,7 @@ html_theme_options = {
     "navbar_align": "left",
     "footer_start": ["copyright"],
     "footer_end": [],
-    "secondary_sidebar_items": ["page-toc"],
+    "secondary_sidebar_items": {"**": ["page-toc"], **dict.fromkeys(WIDE, [])},
+    "header_links_before_dropdown": 7,
 }
+html_sidebars = dict.fromkeys((*WIDE, "docs/install", "docs/reading_a_report"), [])
