@@ -90,13 +90,14 @@ def results() -> Iterator[Public]:
     from warpffrf.output.contact.cell_result import CellContactResult
     from warpffrf.output.contact.friction import FrictionResult
     from warpffrf.output.contact.result import ContactResult, FilmResult
+    from warpffrf.output.loops import Hysteresis, Loop
     from warpffrf.output.modes_result import Modes
     from warpffrf.output.small_sliding import SmallSlidingResult
     from warpffrf.output.spectrum import Spectrum
 
     for kind in (
         BodyHistory, ForceHistory, JointHistory, LumpedHistory, SensorHistory, Comparison, CellContactResult,
-        FilmResult, FrictionResult, ContactResult, SmallSlidingResult, Modes, Spectrum,
+        FilmResult, FrictionResult, ContactResult, SmallSlidingResult, Modes, Spectrum, Hysteresis, Loop,
     ):  # fmt: skip
         yield Public(f"{kind.__module__}.{kind.__name__}", kind)
 

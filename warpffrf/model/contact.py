@@ -52,10 +52,10 @@ class Contact(reprs.Item):
     contact half-width; "contact_fixed", on cells that move with the patch, for meshes of any size (bodies reduced on
     coarse meshes, or with contact_fixed=True); "auto", the latter where bodies and options allow it, as reported in the
     notes of a run.
-    cell_error: admissible contribution of the patch cells to the relative error of force and largest pressure; after a
-    run a note reports the change with finer cells at some saved steps. kinematics: computation of the gap: "auto",
-    parallel-axes kinematics for rollers whose axes are parallel at the start, which is fast; otherwise, or with
-    "closest_point", at points of both surfaces, which also holds for axes that tilt later. cells: strips across and
+    cell_error: admissible contribution of the patch cells to the relative error of force and largest pressure, 0.0005
+    to 0.02; after a run a note reports the change with finer cells at some saved steps. kinematics: computation of the
+    gap: "auto", parallel-axes kinematics for rollers whose axes are parallel at the start, which is fast; otherwise, or
+    with "closest_point", at points of both surfaces, which also holds for axes that tilt later. cells: strips across,
     rows along, None: chosen for that error. capacity: largest number of active nodes, None: chosen automatically.
     overlap [m]: admissible overlap of the surfaces at the start of a run, None for a small fraction of their radius.
     name: default "<first body>-<second body>". Raises `InputError` for incompatible surfaces, laws and

@@ -25,7 +25,7 @@ from warpffrf.model.joints import Drive, Joint
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
-from warpffrf.model.placement.gap import closing_distance
+from warpffrf.model.placement.gap import closing_distance, passed
 from warpffrf.model.placement.nearest import joined_bodies, shift_bodies
 from warpffrf.model.sensors import Sensor
 
@@ -281,9 +281,9 @@ class Scene(reprs.Shown):
         """Translate the second body of `contact` along `along` (world) until the smallest undeformed gap is `gap` [m].
 
         A negative gap is an interference, accommodated by deformation. Returns the distance moved [m]. The true
-        surfaces are used; of several solutions the first one from far out on the side of `along` is taken, for a pin in
-        a bore the first one from its position. If the second body is the ground, the first body is moved in the
-        opposite direction.
+        surfaces are used; of several solutions the first one from far out on the side of `along` is taken, with a
+        warning where the body passes the other one, for a pin in a bore the first one from its position. If the second
+        body is the ground, the first body is moved in the opposite direction.
 
         with_bodies: bodies that move with it. None: those that joints carry along, so that an assembly stays together:
         a follower with its roller, but not the guide along which it slides (`assembly.joined_bodies`). If joints also
@@ -296,6 +296,7 @@ class Scene(reprs.Shown):
                 "by position, or scene.place(...)"
             )
         distance = closing_distance(contact, along, gap)
+        warn(passed(contact, along, distance))
         shift = distance * require_direction(along, "close_gap: along")
         a, b = (port.body for port in contact.ports)
         body, stays, shift = (a, b, -shift) if isinstance(b, Ground) else (b, a, shift)

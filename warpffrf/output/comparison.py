@@ -236,8 +236,8 @@ class Comparison:
         self, path: str | os.PathLike[str], labels: Sequence[str] | None = None, *, theme: str = "light",
         width: float | None = None, overwrite: bool = False,
     ) -> Path:  # fmt: skip
-        """Write `figure` of the same arguments as .png, .pdf or .svg. Raises InputError for a path that cannot be
-        written and for an existing file, unless `overwrite` is set and warpffrf wrote it."""
+        """Write `figure` of the same labels, theme and width [m] as .png, .pdf or .svg. Raises InputError for a path
+        that cannot be written and for an existing file, unless `overwrite` is set and warpffrf wrote it."""
         return write_picture(self.figure(labels, theme=theme, width=width), path, "compare", overwrite=overwrite)
 
 

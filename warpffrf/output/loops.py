@@ -34,6 +34,7 @@ displacement are linear between saved steps; for a smooth loop of n equal steps 
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -208,6 +209,9 @@ def piece(time: np.ndarray, values: np.ndarray, begin: float, end: float, label:
     return (np.concatenate([[begin], time[inside], [end]]), np.concatenate([ends[:1], values[inside], ends[1:]]))
 
 
+log = logging.getLogger("warpffrf")
+
+CLOSED = 0.05  # of the range: cycles that are open by more are reported
 STANDS = 1e-9  # of the range of displacements: smaller steps have no tangent stiffness
 LOOP, LAST = "#9db4c6", "#1b6ca8"
 SECANT, TANGENT = "#1b6ca8", "#d1495b"
@@ -222,7 +226,7 @@ class Loop(reprs.Shown):
     displacement: np.ndarray
 
     def _facts(self) -> dict[str, Any]:
-        names = ("loss", "force_amplitude", "amplitude", "stiffness", "equivalent_damping")
+        names = ("loss", "force_amplitude", "amplitude", "stiffness", "equivalent_damping", "open")
         return {name: f"{getattr(self, name):.4g}" for name in names}
 
     @cached_property
@@ -238,17 +242,17 @@ class Loop(reprs.Shown):
 
     @property
     def force_amplitude(self) -> float:
-        """Half the range of the force."""
+        """Half the range of the force [N, N m]."""
         return 0.5 * float(np.ptp(self.force))
 
     @property
     def amplitude(self) -> float:
-        """Half the range of the displacement."""
+        """Half the range of the displacement [m, rad]."""
         return 0.5 * float(np.ptp(self.displacement))
 
     @property
     def stiffness(self) -> float:
-        """Secant stiffness between the reversals, F_a/x_a; NaN without motion."""
+        """Secant stiffness between the reversals, F_a/x_a [N/m, N m/rad]; NaN without motion."""
         return self.force_amplitude / self.amplitude if self.amplitude > 0.0 else float("nan")
 
     @property
@@ -263,7 +267,7 @@ class Loop(reprs.Shown):
 
     @property
     def open(self) -> float:
-        """Distance between begin and end over the range, of displacement or force, whichever is larger: 0 for a closed
+        """Distance between begin and end over the range [-], of displacement or force, whichever is larger: 0 for a closed
         loop; above a few hundredths loss and damping are not meaningful."""
         apart = [
             abs(float(v[-1] - v[0])) / float(np.ptp(v)) for v in (self.force, self.displacement) if np.ptp(v) > 0.0
@@ -301,8 +305,9 @@ class Stiffness:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Hysteresis(reprs.Shown):
-    """Force (T,) against displacement (T,) over the saved times (T,) [s], with their labels and units;
-    `Result.hysteresis` makes one."""
+    """A `force` (T,) [N, N m] against a `displacement` (T,) [m, rad] over the saved times (T,) [s], made by
+    `Result.hysteresis`.
+    force_label, displacement_label, force_unit, displacement_unit: words on axes."""
 
     time: np.ndarray
     force: np.ndarray
@@ -317,21 +322,31 @@ class Hysteresis(reprs.Shown):
         return {"force": self.force_label, "displacement": self.displacement_label, "time": time}
 
     def loop(self, begin: float | None = None, end: float | None = None) -> Loop:
-        """The cycle between two times [s], None: the whole history. Raises `InputError` for times outside of it."""
+        """The cycle between the times `begin` and `end` [s], None: the whole history; a warning where it is not closed.
+        Raises `InputError` for times outside of it."""
         begin = float(self.time[0]) if begin is None else begin
         end = float(self.time[-1]) if end is None else end
+        loop = self._loop(begin, end)
+        if loop.open > CLOSED:
+            log.warning(
+                "hysteresis: the cycle from %.4g to %.4g s is open by %.2g of its range, so that its loss and damping "
+                "are not meaningful; take times that are a period apart, or a later cycle", begin, end, loop.open
+            )  # fmt: skip
+        return loop
+
+    def _loop(self, begin: float, end: float) -> Loop:
         time, both = piece(self.time, np.stack([self.force, self.displacement], axis=1), begin, end, "hysteresis")
         return Loop(time, both[:, 0], both[:, 1])
 
     def cycles(self, cycles: float | Sequence[float] | np.ndarray) -> list[Loop]:
-        """Each cycle, for a period [s] or between times [s] as in `SmallSlidingResult.loss_per_cycle`."""
+        """Each cycle; cycles: their period [s], or times [s], as in `SmallSlidingResult.loss_per_cycle`."""
         edges = cycle_times(self.time, cycles, "hysteresis")
-        return [self.loop(float(begin), float(end)) for begin, end in zip(edges[:-1], edges[1:], strict=True)]
+        return [self._loop(float(begin), float(end)) for begin, end in zip(edges[:-1], edges[1:], strict=True)]
 
     def stiffness(self, begin: float | None = None, end: float | None = None) -> Stiffness:
-        """Secant and tangent stiffness between two times [s], such as a slowly increasing load. Raises `InputError` for
-        times outside of the run."""
-        part = self.loop(begin, end)
+        """Secant and tangent stiffness between the times `begin` and `end` [s], such as of a slowly increasing load.
+        Raises `InputError` for times outside of the run."""
+        part = self._loop(float(self.time[0] if begin is None else begin), float(self.time[-1] if end is None else end))
         F, x = part.force, part.displacement
         least = STANDS * float(np.ptp(x))
         moved, step = x - x[0], np.diff(x)
@@ -342,8 +357,8 @@ class Hysteresis(reprs.Shown):
         return Stiffness(F, x, secant, tangent, label, f"{self.force_unit}/{self.displacement_unit}")
 
     def draw(self, ax: Any, cycles: float | Sequence[float] | np.ndarray | None = None) -> None:
-        """Draw force against displacement on matplotlib axes; with `cycles` the last cycle is drawn on top, with its
-        loss and equivalent damping. `save_panels` accepts it like other plots."""
+        """Draw force against displacement on matplotlib axes `ax`; with `cycles`, a period or times [s], the last cycle
+        is drawn on top, with its loss and equivalent damping. `save_panels` accepts it like other plots."""
         ax.plot(self.displacement, self.force, lw=1.0, color=LOOP if cycles is not None else LAST)
         title = "Hysteresis"
         if cycles is not None:

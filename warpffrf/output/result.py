@@ -441,7 +441,7 @@ class Result(reprs.Shown):
         self, *, contact: str | None = None, film: str | None = None, row: int | None = None, theme: str = "light",
         width: float | None = None,
     ) -> Figure:  # fmt: skip
-        """A matplotlib Figure with every plot for which the run has data; contact, film, row, theme, width: as of
+        """A matplotlib Figure with every plot for which the run has data; contact, film, row, theme, width [m]: as of
         `plot`. Raises InputError as `plot`.
 
         >>> result.summary(theme="dark").savefig("summary.png")

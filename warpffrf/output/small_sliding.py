@@ -306,8 +306,8 @@ class SmallSlidingResult(reprs.Shown):
         if zone.coarse:
             found.append(
                 f"the slip zone is {zone.across:.2g} cells across, {zone.cells} in all; below {ACROSS:g} the loss "
-                "per cycle is uncertain: make cells smaller there, "
-                "reduce(contact={...: surfaces.Matched(size=, growth=)})"
+                "per cycle is uncertain: make the facets of the mesh smaller there; cells are facets, or with "
+                "surfaces.Matched(size=) several of them"
             )
         return found
 

@@ -175,6 +175,20 @@ def test_closing_a_rigid_plate_onto_a_roller(flexible) -> None:
         scene.close_gap(contact, along=(1, 0, 0), gap=1e-3)
 
 
+@pytest.mark.parametrize(("height", "along"), [(-0.07, (0, 0, 1)), (0.07, (0, 0, -1))])
+def test_a_body_that_passes_the_other_one_is_reported(flexible, height, along, caplog) -> None:
+    """From either side; from its own side there is nothing to report."""
+    roller, rigid = surfaces.Cylinder(radius=0.05, **ALONG_Y), surfaces.Cylinder(radius=0.01, **ALONG_Y)
+    scene, contact = with_rigid(flexible(roller), rigid, position=(0.0, 0.0, height))
+    assert scene.close_gap(contact, along=along) == pytest.approx(0.13, abs=1e-9)
+    (record,) = caplog.records
+    assert "'b' by 0.13 m past 'a', to its other side" in record.message
+    assert f"along=({0}, {0}, {-along[2]})" in record.message
+    caplog.clear()
+    scene.close_gap(contact, along=along)
+    assert not caplog.records
+
+
 def test_a_plate_reached_the_wrong_way(flexible) -> None:
     scene, contact = on_ground(flexible(BALL), FLOOR, position=(0, 0, 0.1))
     with pytest.raises(InputError, match="never brings the gap"):

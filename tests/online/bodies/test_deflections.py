@@ -139,7 +139,7 @@ def test_pictures_that_lack_the_way_of_interfaces() -> None:
         scene = cantilever((0.0, 0.0, 0.5 * BENDING), kind=kind)
         shares += [one.second for one in deflections(scene, equilibrium(scene).history.bodies)]
     assert shares[1] == pytest.approx(shares[0], rel=0.1) and shares[0] > 0.02
-    assert "use stiffening='membrane' in reduce" in line
+    assert "use ReductionOptions(stiffening='membrane') in reduce" in line
     assert not about(equilibrium(cantilever((0, 0, 0.01 * BENDING), kind=True)).history.notes, "its pictures omit")
 
 
@@ -147,7 +147,7 @@ def test_pictures_that_lack_the_way_of_interfaces() -> None:
     ("kind", "cure"),
     [
         ("membrane", "use stiffening=True in add_body"),
-        (False, "use stiffening='membrane' in reduce and stiffening=True in add_body"),
+        (False, "use ReductionOptions(stiffening='membrane') in reduce and stiffening=True in add_body"),
     ],
 )
 def test_linear_bodies_that_deflect_by_their_thickness(kind, cure) -> None:

@@ -178,7 +178,7 @@ def test_stiffening_that_is_missing() -> None:
     """Softening without the stiffening that comes with it would be worse than neither."""
     for level in ("constant", "full"):
         (line,) = indicator_lines(sized(level, 0.3, 0.05, 0.0), {"a": level})
-        assert line.endswith("rotation stiffens as much as that softens: stiffening=True in reduce and add_body")
+        assert line.endswith("softens: ReductionOptions(stiffening=True) in reduce, stiffening=True in add_body")
         (line,) = indicator_lines(sized(level, 0.3, 0.05, 0.0), {"a": level}, {"a"})
         assert "stiffens" not in line
 

@@ -51,6 +51,15 @@ def test_a_jenkins_element_loses_four_bounds_times_its_slide() -> None:
     assert second.equivalent_damping == pytest.approx(2.0 / np.pi * (1.0 - bound / (k * X)), rel=1e-4)
 
 
+def test_a_cycle_that_is_not_closed_is_reported(caplog: pytest.LogCaptureFixture) -> None:
+    x = 1e-3 * np.sin(2.0 * np.pi * TIME)
+    found = driven(jenkins(1e6, 300.0, x), x)
+    found.loop(1.0, 2.0)
+    assert not caplog.records
+    assert found.loop(0.0, 1.0).open > 0.1  # the first loading is in it
+    assert "the cycle from 0 to 1 s is open by" in caplog.text
+
+
 def test_the_box_is_the_most_and_a_spring_the_least() -> None:
     x = np.sin(2.0 * np.pi * TIME)
     assert driven(np.sign(np.cos(2.0 * np.pi * TIME)), x).cycles(1.0)[1].equivalent_damping == pytest.approx(

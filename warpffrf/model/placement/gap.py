@@ -149,6 +149,23 @@ def closing_distance(contact: Contact, along: Any, gap: float) -> float:
     return s
 
 
+def passed(contact: Contact, along: Any, distance: float) -> list[str]:
+    """A doubt about bodies with outside forms that moving by `distance` [m] along the direction `along` takes to the
+    other side of each other; none otherwise."""
+    a, b = contact.a.body, contact.b.body
+    if contact.a.on_ground or contact.b.on_ground or _inside(contact):
+        return []
+    direction = require_direction(along, "close_gap: along")
+    before = float(np.dot(np.subtract(b.position, a.position), direction))
+    if before * (before + distance) >= 0.0:
+        return []
+    return [
+        f"contact {contact.name!r}: close_gap moved {b.name!r} by {distance:.4g} m past {a.name!r}, to its other side; "
+        f"if it should stay where it is, give along={shown_direction(-direction)}, or the contact its surfaces in the "
+        "other order"
+    ]
+
+
 def closing_direction(contact: Contact, theta: float, z: float) -> str | None:
     """A direction for `closing_distance`, as text, of overlapping surfaces with the deepest point at theta, z of the
     first: along its normal there, or against it. None where neither leads to contact."""

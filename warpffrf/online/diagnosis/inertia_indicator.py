@@ -188,7 +188,8 @@ def indicator_lines(sizes: Sequence[TermSize], levels: Mapping[str, str], stiffe
             line += f"; {better!r} is sufficient"
         softened = next((s.on_modes for s in own if s.term == "deformed inertia"), 0.0)
         if softened > FLAG and body not in stiffened:
-            line += "; rotation stiffens as much as that softens: stiffening=True in reduce and add_body"
+            line += "; rotation stiffens as much as that softens: "
+            line += "ReductionOptions(stiffening=True) in reduce, stiffening=True in add_body"
         lines.append(line)
     return lines
 
@@ -205,7 +206,7 @@ def unheld_lines(scene: Scene, bodies: Mapping[str, BodyHistory]) -> list[str]:
         missing = speed**2 * known["centrifugal_left_out"]
         found = _largest(motion.modal) / np.sqrt(0.5 * np.trace(body.inertia))
         if missing > max(NOTICEABLE, FLAG * found):
-            cure = "a larger inertia_modes" if known.get("centrifugal") else "centrifugal=True"
+            cure = "a larger inertia_modes" if known.get("centrifugal") else "ReductionOptions(centrifugal=True)"
             lines.append(
                 f"body {body.name!r}: rotation at {speed:.3g} rad/s deforms it by up to {missing:.1e} of its size in "
                 f"shapes outside its modes with inertia terms; reduce it with {cure}"
@@ -356,7 +357,7 @@ def _lines(body: Body, one: Deflection, touched: bool, at_rest: bool) -> list[st
     if one.second > FLAG and motion_of(body) is None:
         lines.append(
             f"{name}: its interfaces move by up to {percent(one.second)} of the deflection by second-order motion "
-            "that its pictures omit; use stiffening='membrane' in reduce"
+            "that its pictures omit; use ReductionOptions(stiffening='membrane') in reduce"
         )
     if one.second > FLAG and touched:
         lines.append(
@@ -376,4 +377,5 @@ def _lines(body: Body, one: Deflection, touched: bool, at_rest: bool) -> list[st
 def _cure(body: Body) -> str:
     known = body.flexible.inertia_terms
     has = known is not None and known.stiffening is not None and known.stiffening.membrane is not None
-    return "stiffening=True in add_body" if has else "stiffening='membrane' in reduce and stiffening=True in add_body"
+    reduced = "" if has else "ReductionOptions(stiffening='membrane') in reduce and "
+    return f"{reduced}stiffening=True in add_body"

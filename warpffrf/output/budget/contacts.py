@@ -288,7 +288,7 @@ def inertia_lines(result: Any, engine: Engine) -> list[BudgetLine]:
             lines.append(BudgetLine(INERTIA, of, size, f"{names}, on the motion found", "inertia='full'"))
         softened = next((s.on_modes for s in own if s.term == "deformed inertia"), 0.0)
         if not body.stiffening:
-            cure = "stiffening=True in reduce and add_body"
+            cure = "ReductionOptions(stiffening=True) in reduce, stiffening=True in add_body"
             lines.append(BudgetLine(STIFFENING, of, float(min(softened, 1.0)), "as the deformed inertia", cure))
     return lines
 
