@@ -86,6 +86,7 @@ def top_level() -> Iterator[Public]:
 def results() -> Iterator[Public]:
     """Classes of what public calls give back, which users hold without naming them."""
     from warpffrf.online.history.history import BodyHistory, ForceHistory, JointHistory, LumpedHistory, SensorHistory
+    from warpffrf.output.bearings.bearing_result import BearingResult
     from warpffrf.output.comparison import Comparison
     from warpffrf.output.contact.cell_result import CellContactResult
     from warpffrf.output.contact.friction import FrictionResult
@@ -97,7 +98,7 @@ def results() -> Iterator[Public]:
 
     for kind in (
         BodyHistory, ForceHistory, JointHistory, LumpedHistory, SensorHistory, Comparison, CellContactResult,
-        FilmResult, FrictionResult, ContactResult, SmallSlidingResult, Modes, Spectrum, Hysteresis, Loop,
+        FilmResult, FrictionResult, ContactResult, SmallSlidingResult, Modes, Spectrum, Hysteresis, Loop, BearingResult,
     ):  # fmt: skip
         yield Public(f"{kind.__module__}.{kind.__name__}", kind)
 

@@ -267,8 +267,8 @@ class Loop(reprs.Shown):
 
     @property
     def open(self) -> float:
-        """Distance between begin and end over the range [-], of displacement or force, whichever is larger: 0 for a closed
-        loop; above a few hundredths loss and damping are not meaningful."""
+        """Distance between begin and end over the range [-], of displacement or force, whichever is larger: 0 for a
+        closed loop; above a few hundredths loss and damping are not meaningful."""
         apart = [
             abs(float(v[-1] - v[0])) / float(np.ptp(v)) for v in (self.force, self.displacement) if np.ptp(v) > 0.0
         ]

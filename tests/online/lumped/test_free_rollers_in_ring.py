@@ -67,6 +67,7 @@ def test_rollers_off_the_middle_stay_and_are_named_with_what_drives_them(ring: R
     assert roller.position[0, 1] == pytest.approx(OFF, abs=STAYS)
     drive = -off.contacts["r outer 1"].force[0, 1]
     assert drive == pytest.approx(LOAD * abs(2.0 * roller.rotation[0, 0]), rel=1e-3)  # the tilt about x
+    assert any("rollers are rigid, 'outer' flexible" in note and "1.4 times" in note for note in middle.notes)
     note = next(note for note in off.notes if "free to slide along" in note)
     assert "'r roller 1'" in note and f"although {drive:.2g} N drive 'r roller 1'" in note
 

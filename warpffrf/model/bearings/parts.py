@@ -177,8 +177,9 @@ def ring_surface(
 class Materials:
     """Materials of a bearing: `material` of rings and elements, `element_material` of other elements.
 
-    element_body: the reduced body of every element, whose contact is distributed, None for rigid elements
-    (`warpffrf.model.bearings.elements`). Raises `InputError` for invalid materials.
+    element_body: the reduced body of every element, whose contact is distributed, None for rigid elements, whose
+    contacts with a flexible ring have the compliance of the ring alone (`warpffrf.model.bearings.elements`).
+    Raises `InputError` for invalid materials.
     """
 
     material: Material = STEEL

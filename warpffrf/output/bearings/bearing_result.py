@@ -303,7 +303,8 @@ class BearingResult(reprs.Shown):
     # --- the whole
 
     def basic_life(self, capacity: float, row: int = -1, *, X: float = 1.0, Y: float = 0.0) -> BasicLife:
-        """Basic rating life of ISO 281 at the load of a saved step: capacity [N], factors X and Y of the catalogue.
+        """Basic rating life of ISO 281 at the load of the saved step `row`: capacity [N], factors X and Y of a
+        catalogue.
 
         Raises `InputError` if the equivalent load is zero.
         """
@@ -311,8 +312,8 @@ class BearingResult(reprs.Shown):
         return basic_life(self.kind, capacity, float(np.hypot(F[0], F[1])), float(F[2]), X=X, Y=Y)
 
     def reference_life(self, capacity: float, row: int = -1, *, turning: str = "inner") -> ReferenceLife:
-        """Reference rating life of ISO/TS 16281 from the loads of the balls, or of the rollers' laminae, at a saved
-        step (`model.bearings.bearing`); capacity [N], turning: the ring that rotates relative to the load. Raises
+        """Reference rating life of ISO/TS 16281 from the loads of the balls, or of the rollers' laminae, at the saved
+        step `row` (`model.bearings.bearing`); capacity [N], turning: the ring that rotates relative to the load. Raises
         `InputError` for rollers in distributed contact, which have no laminae."""
         if isinstance(self.geometry, BallGeometry):
             return reference_life(self.geometry, capacity, self.inner_load[row], self.outer_load[row], turning=turning)
@@ -320,7 +321,7 @@ class BearingResult(reprs.Shown):
         return reference_life(self.geometry, capacity, inner, outer, turning=turning)
 
     def table(self, row: int = -1) -> dict[str, np.ndarray]:
-        """Values of every element at a saved step: column name with unit -> (Z,)."""
+        """Values of every element at the saved step `row`: column name with unit -> (Z,)."""
         columns = {
             "angle [deg]": np.degrees(self.angle[row]),
             "inner load [N]": self.inner_load[row], "outer load [N]": self.outer_load[row],
@@ -340,7 +341,11 @@ class BearingResult(reprs.Shown):
         return columns
 
     def report(self, row: int = -1) -> str:
-        """The table as text, with the motion of the inner ring."""
+        """The table at the saved step `row` as text, with the motion of the inner ring. Raises `InputError` without saved steps."""
+        if not len(self.time):
+            raise InputError(
+                f"bearing {self.name!r}: no step was saved ({self.history.status}: {self.history.message})"
+            )
         lines, shown = printed(self, row)
         lines.append("  ".join([f"{'':>3}", *(f"{name:>17}" for name in shown)]))
         for i in range(len(self.elements)):
@@ -474,7 +479,7 @@ def printed(bearing: BearingResult, row: int) -> tuple[list[str], dict[str, list
     count, loaded = len(bearing.elements), int(np.count_nonzero(_rounded(bearing.outer_load[row])))
     lines = [
         f"bearing {bearing.name!r} at {bearing.time[row]:.6g} s: {loaded} of {count} {bearing.kind}s loaded",
-        f"inner ring moved by ({', '.join(f'{x:.5g}' for x in moved)}) um, tilted by "
+        f"inner ring moved against the outer one, since the initial pose, by ({', '.join(f'{x:.5g}' for x in moved)}) um, tilted by "
         f"({', '.join(f'{x:.4g}' for x in tilt)}) mrad",
         *bearing._warnings(row, loaded),
     ]
