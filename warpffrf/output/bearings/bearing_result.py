@@ -341,7 +341,8 @@ class BearingResult(reprs.Shown):
         return columns
 
     def report(self, row: int = -1) -> str:
-        """The table at the saved step `row` as text, with the motion of the inner ring. Raises `InputError` without saved steps."""
+        """The table at the saved step `row` as text, with the motion of the inner ring. Raises `InputError` without
+        saved steps."""
         if not len(self.time):
             raise InputError(
                 f"bearing {self.name!r}: no step was saved ({self.history.status}: {self.history.message})"
@@ -479,8 +480,8 @@ def printed(bearing: BearingResult, row: int) -> tuple[list[str], dict[str, list
     count, loaded = len(bearing.elements), int(np.count_nonzero(_rounded(bearing.outer_load[row])))
     lines = [
         f"bearing {bearing.name!r} at {bearing.time[row]:.6g} s: {loaded} of {count} {bearing.kind}s loaded",
-        f"inner ring moved against the outer one, since the initial pose, by ({', '.join(f'{x:.5g}' for x in moved)}) um, tilted by "
-        f"({', '.join(f'{x:.4g}' for x in tilt)}) mrad",
+        f"inner ring moved against the outer one, since the initial pose, by ({', '.join(f'{x:.5g}' for x in moved)}) um, "
+        f"tilted by ({', '.join(f'{x:.4g}' for x in tilt)}) mrad",
         *bearing._warnings(row, loaded),
     ]
     if "friction [W]" in shown:
