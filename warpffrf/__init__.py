@@ -46,7 +46,6 @@ if TYPE_CHECKING:
     from warpffrf.output.comparison import compare
     from warpffrf.output.modes_result import eigenmodes
     from warpffrf.output.options import RunOptions
-    from warpffrf.output.plots.restyle import restyle
     from warpffrf.output.recording.recorder import record
     from warpffrf.output.result import Result
     from warpffrf.output.simulate import equilibrium, simulate, static
@@ -93,7 +92,6 @@ __all__ = [
     "quiet",
     "record",
     "reduce",
-    "restyle",
     "run_scene",
     "sensors",
     "signals",
@@ -143,7 +141,6 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "quiet": ("warpffrf.model.messages.progress", "quiet"),
     "record": ("warpffrf.output.recording.recorder", "record"),
     "reduce": ("warpffrf.offline", "reduce"),
-    "restyle": ("warpffrf.output.plots.restyle", "restyle"),
     "run_scene": ("warpffrf.scene_file", "run_scene"),
     "sensors": ("warpffrf.model.sensors", None),
     "signals": ("warpffrf.model.signals", None),

@@ -200,7 +200,7 @@ class Comparison:
         """A matplotlib Figure of both runs over time, one panel for each history in `labels`, named as in
         `differences`; None: the six that differ most, or six of the equal ones if none differs. For a vector the
         component that differs most is drawn, or the largest if all are equal; where both curves would coincide, B - A
-        is drawn instead. theme, width: "dark" and the width [m] of a printed column, as of `wf.restyle`. Raises
+        is drawn instead. theme, width: "dark" and the width [m] of a printed column. Raises
         InputError for a history that the runs do not share."""
         found = {d.label: d for d in self.differences}
         for label in labels or ():

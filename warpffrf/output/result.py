@@ -427,7 +427,7 @@ class Result(reprs.Shown):
         bearing: likewise the oil film and bearing; row: saved step of their maps and loads, and of maps of
         contacts with small sliding, the last one if None. channel: history of "spectrum" and "waterfall", as of
         `spectrum`; speed: body whose rotation is the reference, for orders or speed instead of frequency or time
-        (None). theme, width: "dark" and the width [m] of a printed column, as of `wf.restyle`; of new axes. Kinds:
+        (None). theme, width: "dark" and the width [m] of a printed column; of new axes. Kinds:
         docs/plots.md, `warpffrf plot --list`. Raises InputError for an unknown kind, contact, film,
         bearing, history or body, and for data that the run does not have.
 
@@ -462,7 +462,7 @@ class Result(reprs.Shown):
         "wear", and "von_mises" for bodies reduced with `stress={"skin": "skin"}`. view: "front" (from -y), "side" (from
         +x), "top", "iso", or the name of a contact or film for a close-up; None: one that suits the extents of the
         bodies. deformation_factor [-]: magnification of the elastic displacement; None: chosen from 1, 2, 5, 10, ...,
-        1 in a close-up. theme, width: "dark" and the width [m] of a printed column, as of `wf.restyle`. Raises
+        1 in a close-up. theme, width: "dark" and the width [m] of a printed column. Raises
         InputError for a field that no body has, a time outside of the run, an unknown view or theme, a factor that is
         not positive, and an existing file, unless `overwrite` is set and warpffrf wrote it.
         """

@@ -11,11 +11,10 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-import warpffrf as wf
 from warpffrf.model.errors import InputError
 from warpffrf.output.plots.colors import PRESSURE_STOPS, STATE_COLORS
 from warpffrf.output.plots.panels import COLORS, Panel, page, panels_figure
-from warpffrf.output.plots.restyle import FONTS, INK, PAPER, _covers, columns_in, darkened
+from warpffrf.output.plots.restyle import FONTS, INK, PAPER, _covers, columns_in, darkened, restyle
 
 READABLE, VISIBLE = 7.0, 3.0  # contrast of text and of lines, by the rules for web pages
 
@@ -72,10 +71,10 @@ def test_legends_cover_nothing_and_text_is_legible(width: float | None) -> None:
 
 
 def test_dark_twice_is_dark() -> None:
-    figure = wf.restyle(figure_of_curves(), "dark")
+    figure = restyle(figure_of_curves(), "dark")
     (line, *_) = figure.axes[0].get_lines()
     color = line.get_color()
-    wf.restyle(figure, "dark")
+    restyle(figure, "dark")
     assert np.array_equal(line.get_color(), color)
     ax = figure.axes[0]
     assert np.allclose(ax.xaxis.get_ticklabels()[0].get_color()[:3], INK, atol=1e-9)
@@ -109,6 +108,6 @@ def test_columns_of_a_page() -> None:
 def test_what_is_refused() -> None:
     figure = figure_of_curves()
     with pytest.raises(InputError, match="did you mean 'dark'"):
-        wf.restyle(figure, "drak")
+        restyle(figure, "drak")
     with pytest.raises(InputError, match="width"):
-        wf.restyle(figure, width=-0.09)
+        restyle(figure, width=-0.09)

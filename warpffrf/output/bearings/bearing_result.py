@@ -480,7 +480,7 @@ def printed(bearing: BearingResult, row: int) -> tuple[list[str], dict[str, list
     count, loaded = len(bearing.elements), int(np.count_nonzero(_rounded(bearing.outer_load[row])))
     lines = [
         f"bearing {bearing.name!r} at {bearing.time[row]:.6g} s: {loaded} of {count} {bearing.kind}s loaded",
-        f"inner ring moved against the outer one since the initial pose by ({', '.join(f'{x:.5g}' for x in moved)}) um, "
+        f"inner ring moved against the outer one since the start by ({', '.join(f'{x:.5g}' for x in moved)}) um, "
         f"tilted by ({', '.join(f'{x:.4g}' for x in tilt)}) mrad",
         *bearing._warnings(row, loaded),
     ]

@@ -378,7 +378,7 @@ def plot(
     require_theme(theme)
     if ax is not None:
         if theme != THEMES[0] or width is not None:
-            raise InputError("plot: theme and width are of new axes; leave ax out, or change its figure by wf.restyle")
+            raise InputError("plot: theme and width are of new axes; leave ax out")
         known[kind](result, ax)
         return ax
     import matplotlib.pyplot as plt

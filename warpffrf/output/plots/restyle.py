@@ -37,10 +37,7 @@ CORNERS = ("upper right", "upper left", "lower right", "lower left")
 def restyle(figure: Any, theme: str = "light", width: float | None = None) -> Any:
     """Change a matplotlib figure of this package to a `theme`, "light" or "dark", and to a `width` [m] of print, with
     text of 6.5 to 8.5 points; None: as drawn. Returns the figure. Raises InputError for an unknown theme and a width
-    that is not positive.
-
-    >>> wf.restyle(wf.compare("fine.h5", "press.h5").figure(), "dark", width=0.18).savefig("both.pdf")
-    """
+    that is not positive."""
     require_theme(theme)
     if width is not None:
         _resize(figure, require_number(width, "restyle: width", positive=True) / INCH)
