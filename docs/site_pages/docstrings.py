@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import inspect
 import re
+from collections.abc import Sequence
 from typing import Any
 
 LINK = re.compile(r"`[A-Za-z_][\w.]*`")
 
 
-def paragraphs(lines: list[str]) -> list[list[str]]:
+def paragraphs(lines: Sequence[str]) -> list[list[str]]:
     """Runs of lines without an empty one between them."""
     text = "\n".join(lines).strip("\n")
     return [block.splitlines() for block in re.split(r"\n\s*\n", text) if block.strip()]
@@ -48,7 +49,7 @@ def definitions(text: str, parameters: set[str]) -> list[str]:
     return out
 
 
-def converted(lines: list[str], parameters: set[str]) -> list[str]:
+def converted(lines: Sequence[str], parameters: set[str]) -> list[str]:
     """The docstring `lines` as reStructuredText."""
     out: list[str] = []
     listed = False
