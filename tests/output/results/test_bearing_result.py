@@ -54,6 +54,13 @@ def test_published_reference_lives(radial: Result) -> None:
     assert axial.reference_life(23400.0).inner_load == pytest.approx(axial.inner_load[-1].mean(), rel=1e-6)
 
 
+def test_a_run_without_saved_steps_has_no_table(radial: Result) -> None:
+    bearing = radial.bearing("bearing")
+    bearing.time = np.zeros(0)
+    with pytest.raises(InputError, match="bearing 'bearing': no step was saved \\(completed"):
+        bearing.report()
+
+
 def test_basic_life(radial: Result) -> None:
     life = radial.bearing("bearing").basic_life(23400.0)
     assert life.revolutions == pytest.approx(23.4**3, rel=1e-6) and life.load == pytest.approx(1e3)
