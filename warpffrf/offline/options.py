@@ -122,6 +122,11 @@ class ReductionOptions:
 
     Raises `InputError` for values of the wrong kind, a solver that is not installed, and membrane modes without
     membrane energy.
+
+    Of a blade that spins, for `reduce(options=...)`:
+
+    >>> wf.ReductionOptions(stiffening=True, centrifugal=True).stiffening
+    True
     """
 
     local_dynamics: bool = False
