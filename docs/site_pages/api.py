@@ -111,6 +111,9 @@ def write_quantities(path: Path) -> None:
 def generate(app: Any) -> None:
     """Handler of builder-inited."""
     folder = Path(app.srcdir) / "docs" / "made"
+    for page in (folder / "api").glob("*.rst"):  # of names that are no more
+        if page.stem not in {".".join(place(one)).removeprefix("warpffrf.") for one in public_names.everything()}:
+            page.unlink()
     write_names(folder / "api")
     write_commands(folder / "commands.md")
     write_quantities(folder / "quantities.md")

@@ -48,8 +48,8 @@ def start_consistently(engine: Engine, step: float | None = None) -> None:
         return
     if fraction > engine.settings.start_fraction:
         engine.start_notes.append(
-            f"films: the pressures at the start are those of {fraction:g} of a step; in shorter ones a film between soft "
-            "walls does not settle"
+            f"films: the pressures at the start are those of {fraction:g} of a step; in shorter ones a film between "
+            "soft walls does not settle"
         )
     if not refine(engine, given) and engine.compiled.slips.laws:
         engine.control(restart=1)  # friction is found with the first step
