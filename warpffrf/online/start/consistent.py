@@ -40,9 +40,9 @@ def start_consistently(engine: Engine, step: float | None = None) -> None:
     """
     step = STEP * float(engine.compiled.model.length) if step is None else step
     given = {name: getattr(engine.state, name).numpy().copy() for name in ("v", "omega", "qd")}
-    fraction = engine.settings.start_fraction
+    before, fraction = engine.state.to_numpy(), engine.settings.start_fraction
     while not _begun(engine, fraction * step) and engine.scene.films and fraction < LARGEST:
-        engine.control(status=0, reason=0)
+        engine.put_back(before)
         fraction *= FARTHER
     if np.any(engine.word("status")):
         return
