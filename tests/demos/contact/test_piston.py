@@ -386,7 +386,6 @@ def test_the_full_model_of_the_liner_gives_where_it_is_pushed() -> None:
     assert first[1] == pytest.approx(second[0], rel=1e-6)
 
 
-@pytest.mark.slow
 def test_the_run_begins_with_velocities_that_agree_and_films_that_carry(body: wf.ReducedBody) -> None:
     assert body.report["warnings"] == []
     liner = demo.liner_body(progress=False)

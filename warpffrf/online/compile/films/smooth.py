@@ -12,9 +12,10 @@ where it is smooth,
     minimise  sum over nodes farther apart than these columns  (Phi C Phi^T - D)^2,
 
 by conjugate gradients, whose early end leaves out what the fit does not determine. The columns are two, or more where
-they have few lines. N is the rest within one column more, so that the product with the derivative of a line by the gap,
-which has the nodes of two cells, is exact within them. Increments are off by 2 to 6 % of what they change (big end of a
-connecting rod; steel sleeves of 64 x 9 and 128 x 17 nodes).
+they have few lines, and eight on arcs: the skirt of a piston is thin, and what it gives is neither near nor smooth
+(with two columns its iterations do not converge). N is the rest within one column more, so that the product with the
+derivative of a line by the gap, which has the nodes of two cells, is exact within them. Increments are off by 2 to 6 %
+of what they change (big end of a connecting rod; steel sleeves of 64 x 9 and 128 x 17 nodes).
 
 The same functions give the motions that the film is coupled to, so that they are completed by what the global modes
 are beside them. With the outward normal n of the first surface, motions of the bodies open the gap by -n and its
@@ -43,6 +44,7 @@ from warpffrf.online.compile.films.bases import Basis
 
 Array = np.ndarray
 REACH, NEAR = 2, 24  # columns within which the compliance is exact, and lines, at least
+ARC = 8  # columns on an arc
 ALONG = 5, 5, 5, 3, 3, 3, 2, 2, 2  # polynomials along by harmonic, or by the degree of that around
 BESIDE = 0.03  # of a mode: what may be missing of it
 ITERATIONS, ENOUGH = 40, 1e-8  # of the fit; of the squared residual
@@ -109,7 +111,8 @@ def lines_of(film: Film, basis: Basis, rough: int) -> Lines:
     column[number.ravel()[number.ravel() >= 0]] = owner[number.ravel() >= 0]
     count = np.bincount(column, minlength=columns)
     most = (columns - 3) // 2 if film.grid.periodic else columns - 1  # no column is in it twice
-    reach = max(1, min(most, max(REACH, -(-NEAR // number.shape[1]) - 1)))
+    least = REACH if film.grid.periodic else ARC
+    reach = max(1, min(most, max(least, -(-NEAR // number.shape[1]) - 1)))
     beside = sum(np.roll(count, -k) for k in range(reach))
     return Lines(number, column, reach, int(np.argmin(beside)) if film.grid.periodic else 0)
 
