@@ -2,11 +2,9 @@
 
 Two very small steps on the device come first (`warpffrf_kernels.bodies.motion`: PROJECT makes the velocities consistent
 in the mass metric, START finds accelerations, multipliers, and the pressures of closed contacts). They are a fraction
-of the user's step, so that the effect of contact is negligible compared with that in a step. A film between soft walls
-resists squeezing by ever more in shorter steps; a start that does not settle is repeated with longer ones. Both steps
-divide displacements by their size, so that round-off of the positions appears as errors of the accelerations;
-`accelerations` then removes them, with the joints' equations differentiated instead, and opens the ledger with the
-energies of the resulting state.
+of the user's step, so that the effect of contact is negligible compared with that in a step. Both divide displacements
+by their size, so that round-off of the positions appears as errors of the accelerations; `accelerations` then removes
+them, with the joints' equations differentiated instead, and opens the ledger with the energies of the resulting state.
 
 From the last equilibrium of a static run (`start_from_loads`) a run begins at rest, at the time of this equilibrium.
 Tractions of surfaces with friction would be lost in the small steps, which exclude friction; so where there are any
@@ -26,10 +24,6 @@ from warpffrf_kernels.core import control as k
 # first step on, and motion at the start would continue for half a step without it
 RUB_IN = 6
 STEP = 1e-3  # s/m: 0.1 ms for a scene of 0.1 m, where no step is given
-FARTHER, LARGEST = (
-    10.0,
-    1.0,
-)  # longer steps of the start where films of soft walls do not settle in it, up to the user's
 VELOCITY_CHANGE = 1e-5  # of the largest velocity and 1 m/s: accuracy of input with six digits
 
 
@@ -40,17 +34,11 @@ def start_consistently(engine: Engine, step: float | None = None) -> None:
     """
     step = STEP * float(engine.compiled.model.length) if step is None else step
     given = {name: getattr(engine.state, name).numpy().copy() for name in ("v", "omega", "qd")}
-    before, fraction = engine.state.to_numpy(), engine.settings.start_fraction
-    while not _begun(engine, fraction * step) and engine.scene.films and fraction < LARGEST:
-        engine.put_back(before)
-        fraction *= FARTHER
+    for mode in (k.PROJECT, k.START):
+        engine.enter(mode, engine.settings.start_fraction * step)
+        engine.replay(1)
     if np.any(engine.word("status")):
         return
-    if fraction > engine.settings.start_fraction:
-        engine.start_notes.append(
-            f"films: the pressures at the start are those of {fraction:g} of a step; in shorter ones a film between "
-            "soft walls does not settle"
-        )
     if not refine(engine, given) and engine.compiled.slips.laws:
         engine.control(restart=1)  # friction is found with the first step
     for name, unit, least in (("v", "m/s", 1.0), ("omega", "rad/s", 1.0 / engine.compiled.model.length)):
@@ -61,14 +49,6 @@ def start_consistently(engine: Engine, step: float | None = None) -> None:
                     f"body {body.name!r}: its initial velocity did not agree with joints and drives and was "
                     f"changed by {change[:, i].max():.3g} {unit}"
                 )
-
-
-def _begun(engine: Engine, step: float) -> bool:
-    """Velocities, then accelerations and multipliers, by two steps of `step` [s]; whether they were found."""
-    for mode in (k.PROJECT, k.START):
-        engine.enter(mode, step)
-        engine.replay(1)
-    return not np.any(engine.word("status"))
 
 
 def start_from_loads(engine: Engine, step: float) -> None:
