@@ -33,7 +33,6 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.small_sliding.sliding import refuse_pushed_apart
 from warpffrf.model.step_count import step_count
 from warpffrf.online.checkpoint import is_dynamic, is_loaded, off_end_of, restore, time_of, turned_of
-from warpffrf.online.diagnosis.bearing_notes import bearing_notes
 from warpffrf.online.diagnosis.cell_check import cell_check_notes, check_cells
 from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes, sampling_notes
 from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
@@ -483,7 +482,6 @@ def finish(
         )
     notes.extend(steep_notes(engine.scene, engine.scratch.steep.numpy()[0]))
     notes.extend(film_notes(engine.scene, history))
-    notes.extend(bearing_notes(engine.scene))
     if history.status == Status.COMPLETED and engine.worlds == 1:
         history.film_grids = film_grid_errors(engine)
         notes.extend(film_grid_notes(engine, history.film_grids))

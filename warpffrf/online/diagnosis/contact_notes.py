@@ -44,6 +44,7 @@ from warpffrf.model.placement.gap import smallest_gap
 from warpffrf.model.reduced.contact_surface import ContactSurface, gauss_points
 from warpffrf.model.reduced.local_modes import leanings
 from warpffrf.model.scene import Scene
+from warpffrf.online.diagnosis.bearing_notes import bearing_notes
 from warpffrf.online.diagnosis.border_notes import border_notes
 from warpffrf.online.diagnosis.cell_notes import arc_per_theta, cell_notes, near_patches, normal_notes
 from warpffrf.online.diagnosis.motion_notes import CELLS, SHALLOW, loaded_contacts, untouched_notes
@@ -75,7 +76,7 @@ def contact_notes(scene: Scene, history: History, on_axes: Collection[str] = ())
         notes += normal_notes(contact, 0.5 * columns * contact.a.surface.grid.pitch * arc_per_theta(contact), taken)
         if contact.name in on_axes:
             notes += _skewed(contact, found, history)
-    return notes + near_patches(scene, history) + untouched_notes(scene, history)
+    return notes + near_patches(scene, history) + untouched_notes(scene, history) + bearing_notes(scene)
 
 
 def _skewed(contact: Contact, found: ContactHistory, history: History) -> list[str]:
