@@ -34,26 +34,26 @@ def _p7(clearance: float, radial: float, axial: float) -> tuple[Result, Any, np.
     return result, result.bearing("bearing"), x
 
 
+def _by_clearance(radial: float, axial: float, published: tuple[tuple[float, float, float], ...]) -> Iterator[Row]:
+    """Deflection along the load and life, `published` with the clearance in front."""
+    for clearance, way, life in published:
+        _, bearing, x = _p7(clearance * UM, radial, axial)
+        named = f"clearance {clearance:g} µm"
+        yield Row(f"deflection, {named}", x[int(axial > 0.0)], way, 5e-3, "µm")
+        revolutions = bearing.reference_life(P7_CAPACITY).revolutions
+        yield Row(f"reference life, {named}", revolutions, life, 5e-3, "10⁶ rev")
+
+
 @case(ROOM, PROGRAM)
 def ball_bearing_radial() -> Iterator[Row]:
     """P7: seven balls of 11.5 mm, 1 kN radial, without and with 10 µm of clearance"""
-    for clearance, way, life in ((0.0, 15.1101, 13163.0), (10.0, 21.223, 10795.8)):
-        _, bearing, x = _p7(clearance * UM, 1e3, 0.0)
-        named = f"clearance {clearance:g} µm"
-        yield Row(f"deflection, {named}", x[0], way, 5e-3, "µm")
-        revolutions = bearing.reference_life(P7_CAPACITY).revolutions
-        yield Row(f"reference life, {named}", revolutions, life, 5e-3, "10⁶ rev")
+    yield from _by_clearance(1e3, 0.0, ((0.0, 15.1101, 13163.0), (10.0, 21.223, 10795.8)))
 
 
 @case(ROOM, PROGRAM)
 def ball_bearing_axial() -> Iterator[Row]:
     """P7, G3: seven balls of 11.5 mm, 1 kN axial, without and with 10 µm of clearance"""
-    for clearance, way, life in ((0.0, 133.538, 2222.7), (10.0, 149.172, 3115.88)):
-        _, bearing, x = _p7(clearance * UM, 0.0, 1e3)
-        named = f"clearance {clearance:g} µm"
-        yield Row(f"deflection, {named}", x[1], way, 5e-3, "µm")
-        revolutions = bearing.reference_life(P7_CAPACITY).revolutions
-        yield Row(f"reference life, {named}", revolutions, life, 5e-3, "10⁶ rev")
+    yield from _by_clearance(0.0, 1e3, ((0.0, 133.538, 2222.7), (10.0, 149.172, 3115.88)))
 
 
 @case(ROOM, PROGRAM)
