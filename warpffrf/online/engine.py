@@ -93,6 +93,7 @@ class Engine:
         self._projected = self._integrator.project_velocities and self.compiled.model.rows.count > 0
         self._pattern = pattern_of(self.compiled)
         self.state = initial_state(self.scenes, self._sizes())
+        self.control(every=1)
         self.ring = Ring(self._sizes(), self.compiled.device)
         self._allocate()
         self._open_books()
@@ -191,7 +192,10 @@ class Engine:
     # --- control words, equal in all worlds
 
     def control(self, **values: int) -> None:
-        """Set words of `warpffrf_kernels.core.control.Control` by name."""
+        """Set words of `warpffrf_kernels.core.control.Control` by name. Raises `InputError` for a save interval `every`
+        below one step, by which kernels divide."""
+        if values.get("every", 1) < 1:
+            raise InputError(f"engine: every is {values['every']}; save every step, 1, or every so many of them")
         words = self.state.ctl.numpy().copy()
         for name, value in values.items():
             words[name] = value

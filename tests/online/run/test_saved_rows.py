@@ -7,9 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import RungeKutta4
 from warpffrf.model.scene import Scene
+from warpffrf.online.engine import Engine
 from warpffrf.online.run import run
+from warpffrf_kernels.core import control as k
 
 STEP = 1e-3  # s
 
@@ -31,3 +34,12 @@ def test_a_run_that_goes_on_saves_its_own_end() -> None:
     first = run(falling(), 5 * STEP, step=STEP, save_every=3, progress=False)
     second = run(falling(), 5 * STEP, step=STEP, save_every=3, start=first, progress=False)
     np.testing.assert_allclose(second.time, STEP * np.array([6, 9, 10]), rtol=0.0, atol=1e-15)
+
+
+def test_an_engine_saves_every_step_and_refuses_none() -> None:
+    engine = Engine(falling())
+    engine.enter(k.DYNAMIC, STEP, target=3)
+    engine.replay(3)
+    assert len(engine.saved()["saved_time"]) == 3
+    with pytest.raises(InputError, match="every is 0; save every step, 1"):
+        engine.control(every=0)
