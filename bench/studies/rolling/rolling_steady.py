@@ -219,8 +219,7 @@ def section(found: dict[str, list[list[str]]]) -> str:
 
 Two straight rollers without Poisson's ratio (plane strain), half-width {HALF_WIDTH * 1e3:.2f} mm, 4 mm mesh. Error of Q
 against Carter's at the prescribed creepages {CREEPAGES[0]:g} and {CREEPAGES[1]:g}, of mu N in percent, in brackets
-against {STRIPS[-1]} strips at one per step. Strips across over about 1.3 of 2 a, such that the edge lies
-between two strips; steps in strips down.
+against {STRIPS[-1]} strips at one per step. Strips across over 1.3 of 2 a, steps in strips down.
 
 {table(["strips per step", *(str(n) for n in STRIPS)], found["carter"])}
 From pressing through standing (Cattaneo, about 0.6 mu N against the later creep) to rolling (Carter): largest
