@@ -14,7 +14,7 @@ the profile lower by `tilt`, one of the two goes altogether and comes back.
 
 **Jumps.** How far a value lies from the cubic through its two neighbours either way. A force has a corner where all of
 the patch begins or ceases to slip, and where contact is lost, for it is mu N until then: the jump there is that of N,
-which depends on where in a step the contact parts (0.31 and 0.50 % of mu N at 0.96 and 1.02 of 21 strips per step).
+which depends on where in a step the contact parts (0.31 and 0.50 % of mu N, 21 strips, at 0.96 and 1.02 per step).
 Steps next to such a corner are left out.
 """
 
