@@ -28,7 +28,7 @@ from skfem.helpers import ddot, sym_grad, trace
 
 from references.finite_elements.contact import active_set
 from warpffrf.model.material import Material
-from warpffrf.offline.solvers.multifrontal import Multifrontal
+from warpffrf.offline.solvers import factorise
 
 Array = np.ndarray
 AT = 1e-9  # m, and of the height: nodes this close to a plane lie on it
@@ -85,7 +85,7 @@ def pressed(block: Block, load: float, size: float, reach: float, depths: Array)
     planes = ((at[0], 0), (at[1], 1), (at[2] + block.height, 2))
     held = np.any([(np.abs(v) < AT * block.height) & (component == k) for v, k in planes], axis=0)
     free = np.flatnonzero(~held)
-    factor = Multifrontal(K.tocsc()[free][:, free], np.ascontiguousarray(at[:, free].T))
+    factor = factorise(K.tocsc()[free][:, free], coordinates=np.ascontiguousarray(at[:, free].T))
 
     top = flat.facets_satisfying(lambda p: np.abs(p[2]) < AT, boundaries_only=True)
     pressures = FacetBasis(flat, ElementHex1(), facets=top, intorder=6)
