@@ -130,6 +130,7 @@ def test_units_and_cycles_of_a_file(tmp_path) -> None:
     t = np.linspace(0.0, 0.1, 1001)
     np.testing.assert_allclose(gas(t), 1e3 * np.cos(100.0 * np.pi * t), atol=1e3 * np.radians(10.0) ** 4 / 100.0)
     assert gas.covers == (-np.inf, 0.1)
+    wrong: Any
     for wrong, said in (({"time_factor": 0.0}, "time_factor must be greater than zero"), ({"factor": "kN"}, "factor")):
         with pytest.raises(InputError, match=said):
             signals.from_csv(path, **wrong)

@@ -109,7 +109,7 @@ def test_a_sliding_body_without_spring_is_named() -> None:
 
 @pytest.mark.parametrize("load, stiffness, status, said", [
     (1e3, 0.0, "not_converged", r"body '\w+' still moves by \S+ m, towards contact '.*', which is open; begin nearer"),
-    (-1e3, 0.0, "no_equilibrium", r"free to slide along \(0, 0, 1\), and 1e\+03 N drive it there.*no load path"),
+    (-1e3, 0.0, "no_equilibrium", "is free to .* drive it there.*no load path"),
     (1e3, 1e6, "not_converged", r"body '\w+' still moves by \S+ m, although that is resisted; begin nearer"),
 ])  # fmt: skip
 def test_an_iteration_that_did_not_converge_is_no_mechanism(

@@ -179,7 +179,7 @@ def test_a_property_that_fails_says_why() -> None:
     class Own(reprs.Shown):
         @property
         def size(self) -> int:
-            return None.length  # pyright: ignore[reportOptionalMemberAccess]
+            return None.length  # pyright: ignore[reportAttributeAccessIssue]
 
     with pytest.raises(AttributeError, match="'NoneType' object has no attribute 'length'"):
         Own().size  # noqa: B018

@@ -13,7 +13,7 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.bearings.bearing import loose_ring
-from warpffrf.model.bodies import Port
+from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.checks.scene import connecting
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
@@ -118,7 +118,7 @@ def _meet(contact: Contact, along: np.ndarray) -> bool:
     return True
 
 
-def _moved(engine: Engine, world: int, parts: np.ndarray, port: Port, place: np.ndarray) -> np.ndarray:
+def _moved(engine: Engine, world: int, parts: np.ndarray, port: SurfacePort, place: np.ndarray) -> np.ndarray:
     """Displacement (3,) of a point of the body of `port` that is at `place` (3,) [m], in the motion `parts` (bodies,
     6)."""
     if port.on_ground:

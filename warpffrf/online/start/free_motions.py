@@ -103,7 +103,8 @@ class FreeMotions:
         self.floating = floating_groups(engine.scene)
         self._sloping: list[np.ndarray] = [none] * engine.worlds  # the same with motions driven by slopes
         self.resisted: list[np.ndarray] = [none] * engine.worlds
-        self._drive: tuple[int, np.ndarray, float] | None = None  # world, motion driven by loads, their work along it
+        self._drive: tuple[int, np.ndarray, float] | None = None  # world, motion, force of a load that drives one
+        self._way = np.zeros(0)  # motion of the bodies (6 bodies,) that all such loads drive together
         # over the weights: drive of motions that are constrained although slopes drive them (6 bodies,)
         self._slope = [np.zeros(6 * len(engine.scene.bodies))] * engine.worlds
 
@@ -157,9 +158,9 @@ class FreeMotions:
                 allowed = np.where(slopes, FREE * largest, allowed)
             self.found[world] = motions[(force <= allowed) | all_of_them]
             if np.any(force > allowed):
-                motion = np.where(force > allowed, pull, 0.0) @ motions  # the one that all such loads drive together
-                motion /= np.linalg.norm(motion)
-                self._drive = (world, motion, float(motion @ (left / weight)))
+                worst = int(np.argmax(force / allowed))
+                self._drive = (world, motions[worst] * np.sign(along[worst]), float(force[worst]))
+                self._way = np.where(force > allowed, pull, 0.0) @ motions / weight
 
     def _resisted(self, world: int, lean: float) -> np.ndarray:
         """What friction of surfaces under pressure resists."""
@@ -292,12 +293,12 @@ class FreeMotions:
         """Where the iteration of a static state did not converge, a clause on how bodies still moved at its end:
         towards an open contact, or against what resists it. "" where a motion is free.
         """
-        weight = self._weight()
         if self._drive is not None:
-            name = approached(self.engine, self._drive[0], self._drive[1] / weight)
+            name = approached(self.engine, self._drive[0], self._way)
             return f"towards contact {name!r}, which is open" if name else ""
         if np.any(self.engine.word("status")):  # the last step is none
             return ""
+        weight = self._weight()
         for world in range(self.engine.worlds):
             step, free = self._step(world) * weight, free_motions(self.engine, world, weight)
             if np.linalg.norm(free @ step) < WHOLE * np.linalg.norm(step):
@@ -309,18 +310,16 @@ class FreeMotions:
         """A clause where a load drives a free motion at the state of the last look, towards no contact; else ""."""
         if self._drive is None or self.unconverged:
             return ""
-        world, motion, work = self._drive
+        world, motion, force = self._drive
         parts = motion.reshape(-1, 6)
         b = int(np.argmax(np.sum(parts**2, axis=1)))
         weight = self._weight()[6 * b : 6 * b + 6]
         clause = self._clause(world, b, parts[b] / np.linalg.norm(parts[b]), weight)
-        slides = clause.startswith(SLIDE)
-        amount = work / float(np.linalg.norm((parts[b] / weight)[:3] if slides else (parts[b] / weight)[3:]))
+        amount = f"{force:.3g} N" if clause.startswith(SLIDE) else f"{force * weight[3] / weight[0]:.3g} N m"
         body = self.engine.scene.bodies[b]
-        missed = self._missed(body, parts[b][:3]) if slides else ""
+        missed = self._missed(body, parts[b][:3]) if clause.startswith(SLIDE) else ""
         missed += "" if self.rubs else _unrubbed(self.engine.scene, body)
-        unit = "N" if slides else "N m"
-        told = f"body {body.name!r} is free to {clause}, and {amount:.3g} {unit} drive it there{missed}"
+        told = f"body {body.name!r} is free to {clause}, and {amount} drive it there{missed}"
         return loose_ring(self.engine.scene.bearings, connecting(self.engine.scene), body) or told
 
     def _missed(self, body: Body, direction: np.ndarray) -> str:
