@@ -95,6 +95,9 @@ def test_a_page_of_a_run_is_written(files: tuple[Path, Path], tmp_path: Path, ca
         assert cli.main(arguments) == 1
         assert error in capsys.readouterr().err
     assert cli.main(["report", str(files[0]), "-o", str(target), "--overwrite"]) == 0
+    half = 0.5 * wf.Result.load(files[0]).time[-1]
+    assert cli.main(["report", str(files[0]), "-o", str(target), "--overwrite", "--since", str(half)]) == 0
+    assert f"{half:.6g} to " in target.read_text(encoding="utf-8")
 
 
 def test_the_errors_of_a_run_are_in_its_file(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:

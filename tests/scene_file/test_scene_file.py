@@ -211,7 +211,14 @@ def test_numbers_come_from_files_beside_the_scene(tmp_path: Path) -> None:
     moved = tmp_path / "elsewhere.toml"
     moved.write_text(load_scene(tmp_path / "scene.toml").to_toml(), encoding="utf-8")
     assert load_scene(moved).scene.content_hash() == load_scene(tmp_path / "scene.toml").scene.content_hash()
-    for wrong, said in [("column = 2", "column 2 does not exist"), ("column = -1", "whole number from 0")]:
+    scaled = text.replace("column = 1", 'column = 1, factor = "= 2 * 1e3"')
+    moved.write_text(scaled.replace('times.npy" }', 'times.npy" }\nperiod = 1.25\nduration = 5.0'), encoding="utf-8")
+    load = load_scene(moved).scene.forces[-1].components[2]
+    assert load(0.75) == pytest.approx(5.25 * 2e3) == load(0.75 + 2.5) and load(1.125) == pytest.approx(3.5 * 2e3)
+    for wrong, said in [
+        ("column = 2", "column 2 does not exist"), ("column = -1", "whole number from 0"),
+        ('column = 1, factor = "kN"', "factor must be a number"),
+    ]:  # fmt: skip
         (tmp_path / "scene.toml").write_text(text.replace("column = 1", wrong), encoding="utf-8")
         with pytest.raises(wf.InputError, match=f"^scene.toml:.*{said}"):
             load_scene(tmp_path / "scene.toml")

@@ -22,6 +22,9 @@ def add_result_commands(app: typer.Typer) -> None:
     def report_page(
         file: Annotated[Path, typer.Argument(metavar="FILE", help="Results file (.h5).")],
         out: Annotated[Path, typer.Option("--out", "-o", metavar="HTML", help="The page to write: .html.")],
+        since: Annotated[
+            float | None, typer.Option(metavar="SECONDS", help="Only the part of the run from this time on.")
+        ] = None,
         overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing page.")] = False,
     ) -> None:
         """Write a run as one self-contained HTML page: model, figures with their errors, plots, settings.
@@ -33,7 +36,9 @@ def add_result_commands(app: typer.Typer) -> None:
         with one_line_errors():
             from warpffrf.output.result import Result
 
-            print(f"written to {Result.load(file).page(out, overwrite=overwrite, progress=not Asked.quiet)}")
+            result = Result.load(file)
+            part = result if since is None else result.since(since)
+            print(f"written to {part.page(out, overwrite=overwrite, progress=not Asked.quiet)}")
 
     @app.command("compare")
     def compare_results(

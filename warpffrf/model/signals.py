@@ -53,6 +53,7 @@ SAMPLES = 9  # evaluation points per piece
 TOLERANCE = 2e-9  # of the sum of the amplitudes: error of the pieces of a sine
 FIRST = 0.25 * np.pi  # rad of the highest order, of pieces that are then halved
 MOST_PIECES = 1 << 18  # of a signal: 16 MiB of coefficients
+CYCLE = 1e-9  # of a period: the last time of a table that is this near to its end is the end
 
 
 @named_arguments
@@ -221,15 +222,29 @@ class Table(Signal):
     """Values at increasing times [s], joined linearly or by a cubic spline; the end values hold outside.
 
     A run beyond these times is refused unless `hold` is set, with which the end values apply there. The spline has zero
-    slope at both ends and so continues into the held values without a kink. Raises `InputError` for NaN or infinite
-    entries, naming the first.
+    slope at both ends and so continues into the held values without a kink. period, duration: both [s], for one cycle
+    of a periodic quantity: from any time to that time plus `period` it is the same, until `duration`. The value at the
+    end of a cycle is the first one, whether the table has it or not. Raises `InputError` for NaN or infinite entries,
+    naming the first.
 
     >>> load = wf.signals.Table([0.0, 0.1, 0.3], [0.0, 500.0, 500.0])  # s, N
     >>> float(load(0.05))
     250.0
+    >>> pulses = wf.signals.Table([0.0, 0.1, 0.3], [0.0, 500.0, 500.0], period=0.4, duration=2.0)
+    >>> round(float(pulses(1.25)), 6)  # as at 0.05 s
+    250.0
     """
 
-    def __init__(self, times: Vector, values: Vector, *, cubic: bool = False, hold: bool = False) -> None:
+    def __init__(
+        self,
+        times: Vector,
+        values: Vector,
+        *,
+        cubic: bool = False,
+        hold: bool = False,
+        period: float | None = None,
+        duration: float | None = None,
+    ) -> None:
         for label, entries in (("times", times), ("values", values)):
             try:
                 array = np.asarray(entries, dtype=np.float64)
@@ -245,9 +260,32 @@ class Table(Signal):
         if np.any(np.diff(self.times) <= 0.0):
             at = int(np.flatnonzero(np.diff(self.times) <= 0.0)[0])
             raise InputError(f"signal table: times must increase, times[{at + 1}] does not")
-        self.cubic, self.hold = bool(cubic), bool(hold)
-        if not self.hold:
+        self.cubic, self.hold, self.period = bool(cubic), bool(hold), period
+        if period is not None:
+            self._repeat(duration)
+        elif duration is not None:
+            raise InputError("signal table: duration is of a table that repeats; give its period too")
+        elif not self.hold:
             self.covers = float(self.times[0]), float(self.times[-1])
+
+    def _repeat(self, duration: float | None) -> None:
+        """Extend the table by its cycles from zero or before to `duration` [s]."""
+        P = self.period = require_number(self.period, "signal table: period", positive=True)
+        if duration is None:
+            raise InputError("signal table: a table with a period needs the duration [s] for which it repeats")
+        end = require_number(duration, "signal table: duration", positive=True)
+        t, v = self.times, self.values
+        if t[-1] - t[0] > P * (1.0 + CYCLE):
+            raise InputError(f"signal table: its times span {t[-1] - t[0]:g} s, more than the period of {P:g} s")
+        cycle = t - t[0] < P * (1.0 - CYCLE)
+        t, v = t[cycle], v[cycle]
+        first, last = np.floor(min(-t[0] / P, 0.0)), np.ceil(max((end - t[0]) / P, 1.0))
+        if (last - first) * len(t) > MOST_PIECES:
+            raise InputError(f"signal table: {end:g} s require more than {MOST_PIECES} pieces; shorten duration")
+        shifts = P * np.arange(first, last)
+        self.times = np.append((shifts[:, None] + t).ravel(), t[0] + P * last)
+        self.values = np.append(np.tile(v, len(shifts)), v[0])
+        self.covers = (-np.inf, np.inf if self.hold else end)
 
     def polynomial(self) -> tuple[np.ndarray, np.ndarray]:
         t, v = self.times, self.values
@@ -256,7 +294,8 @@ class Table(Signal):
         if self.cubic:
             from scipy.interpolate import CubicSpline
 
-            c[:-1, :4] = CubicSpline(t, v, bc_type="clamped").c[::-1].T
+            ends = "clamped" if self.period is None else "periodic"
+            c[:-1, :4] = CubicSpline(t, v, bc_type=ends).c[::-1].T
         else:
             c[:-1, 1] = np.diff(v) / np.diff(t)
         return np.append(t, 2.0 * t[-1] - t[-2]), c
@@ -415,13 +454,24 @@ def _sine(label: str, amplitude: Any, frequency: Any, phase: Any) -> tuple[float
 
 @named_arguments
 def from_csv(
-    path: str | os.PathLike[str], *, time: int | str = 0, value: int | str = 1, cubic: bool = False, hold: bool = False
+    path: str | os.PathLike[str],
+    *,
+    time: int | str = 0,
+    value: int | str = 1,
+    time_factor: float = 1.0,
+    factor: float = 1.0,
+    cubic: bool = False,
+    hold: bool = False,
+    period: float | None = None,
+    duration: float | None = None,
 ) -> Table:
     """The `Table` of two columns of the text file `path`: times [s] and values.
 
-    time, value: the columns, numbers from 0, or names in the first line. Columns are separated by semicolons, commas or
-    blanks; lines that begin with # are ignored. cubic, hold: as in `Table`. Raises `InputError` for a file that cannot
-    be read, a missing column, and entries that are not numbers, with their line.
+    time, value: the columns, numbers from 0, or names in the first line. time_factor, factor: what both columns are
+    multiplied by, to have SI units: 1e-3 for a column in ms or mm, pi/30 for revolutions per minute, and 1/(6 n) for a
+    column of angles [deg] at n revolutions per minute instead of times. Columns are separated by semicolons, commas or
+    blanks; lines that begin with # are ignored. cubic, hold, period [s], duration [s]: as in `Table`. Raises
+    `InputError` for a file that cannot be read, a missing column, and entries that are not numbers, with their line.
     """
     file = Path(path).expanduser()
     text = read_named(file, "from_csv: table").decode("utf-8-sig", errors="replace")
@@ -442,7 +492,9 @@ def from_csv(
             if not 0 <= column < len(words) or not _is_number(words[column]):
                 raise InputError(f"from_csv: {file.name!r}: line {number} has no number in column {column}")
             found[k, i] = float(words[column])
-    return Table(*found, cubic=cubic, hold=hold)
+    found[0] *= require_number(time_factor, "from_csv: time_factor", positive=True)
+    found[1] *= require_number(factor, "from_csv: factor")
+    return Table(*found, cubic=cubic, hold=hold, period=period, duration=duration)
 
 
 def _is_number(word: str) -> bool:

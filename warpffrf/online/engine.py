@@ -106,6 +106,7 @@ class Engine:
         self.seconds_in_graph = 0.0
         self.start_notes: list[str] = []
         self.not_at_rest = ""  # why `settle` found no static state, if known
+        self.unconverged = ""  # how bodies still moved where its iteration did not converge
         self.given_off = 0.0  # J, released by the jumps of a static run, see `snap_through`
 
     def _allocate(self) -> None:

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.bearings.bearing import loose_ring, without_cage
+from warpffrf.model.bearings.bearing import without_cage
 from warpffrf.model.checks.contacts import excessive_wedge, find_wedge, refuse_overlap
 from warpffrf.model.checks.redundancy import refuse_positions, refuse_singular_mass, refuse_velocities
-from warpffrf.model.checks.scene import connecting, refuse_short_signals
+from warpffrf.model.checks.scene import refuse_short_signals
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.forces import Pretension
@@ -54,6 +54,7 @@ from warpffrf.online.diagnosis.inertia_indicator import (
     unheld_lines,
 )
 from warpffrf.online.diagnosis.motion_notes import fall_notes, hidden_inertia, is_static, load_notes, steep_notes
+from warpffrf.online.diagnosis.no_equilibrium import NEARER, NO_LOAD_PATH, STATIC_CURE, not_found
 from warpffrf.online.diagnosis.patch_off_end import EndWatch, OffEnd
 from warpffrf.online.engine import Engine, EngineOf
 from warpffrf.online.free_flight.check_run import run_check
@@ -65,7 +66,7 @@ from warpffrf.online.samples import Samples
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import RUB_IN, start_consistently, start_from_loads
 from warpffrf.online.start.motions import slide_time
-from warpffrf.online.start.static_equilibrium import ROUND_OFF, settle
+from warpffrf.online.start.static_equilibrium import settle
 from warpffrf.online.start.static_friction import refuse_without_rest, rub_to_rest
 from warpffrf.online.warp_lock import WARP_LOCK
 from warpffrf.online.warp_start import untested_warp_note
@@ -78,10 +79,8 @@ START_REST = "the equilibrium that the run starts from"
 MOST_UNDAMPED = 0.95  # spectral radius at infinity up to which an alternation of reactions grows less than tenfold
 OTHER_LEVELS = "a body has more inertia terms from here on than in the run that this one continues"
 VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
-STATIC_CURE = "; constrain free rotation or sliding (a weak spring is sufficient), or begin with a smaller load"
 COARSEN = "coarsen the contact grid, ContactGrid(spacing=)"
 UPHILL = "every step from here increases the energy; begin from another pose, or with a smaller load"
-NO_LOAD_PATH = "a mechanism with no load path; add a joint, a spring, a drive or a contact that carries the load"
 UNSOLVED = int(
     k.NOT_CONVERGED | k.CAPACITY | k.CYCLING | k.TRACTIONS | k.STENCIL
 )  # failure bits of deeply wedged contact
@@ -434,7 +433,7 @@ def finish(
     at_rest = prefix.startswith("equilibrium")
     if at_rest and bits:
         uphill = bits & int(k.ENERGY) and not bits & int(k.CAPACITY)  # too small a window also causes it
-        message = UPHILL if uphill else message.replace("; reduce step", STATIC_CURE)
+        message = UPHILL if uphill else message.replace("; reduce step", NEARER if engine.unconverged else STATIC_CURE)
     hidden = hidden_inertia(engine) if bits & int(k.SINGULAR) else ""
     owner = failure_owner(engine, bits) if bits and not hidden else ""
     message = hidden or (f"{message} ({owner})" if owner else message)
@@ -451,7 +450,7 @@ def finish(
             f"{engine.not_at_rest}: {without_cage(engine.scene.bearings) or NO_LOAD_PATH}",
         )
     elif nowhere:
-        status, message = Status.NO_EQUILIBRIUM, _no_load_path(engine)
+        status, message = not_found(engine)
     history = history_from_rows(engine.compiled, engine.saved())
     history.status, history.message = status, (prefix + message if message else "")
     steps = int(engine.word("steps")[0])
@@ -586,14 +585,3 @@ def describe(bits: int, capacity: int, coarsen: str = COARSEN) -> tuple[Status, 
             text = message.format(capacity=capacity, coarsen=coarsen)
             return status, text + (" (the step was halved as often as allowed)" if bits & int(k.UNDERFLOW) else "")
     return Status.STEP_UNDERFLOW, "the step became too small"
-
-
-def _no_load_path(engine: Engine) -> str:
-    """Name the body that did not come to rest; if no body moves, report that the forces do not balance."""
-    moves = np.linalg.norm(engine.scratch.dx.numpy()[0], axis=-1)
-    if moves.max() <= ROUND_OFF * float(engine.compiled.model.length):
-        return f"no body moves any more, and yet the forces do not balance{STATIC_CURE}"
-    body = engine.scene.bodies[int(np.argmax(moves))]
-    loose = loose_ring(engine.scene.bearings, connecting(engine.scene), body)
-    told = loose or f"body {body.name!r} does not come to rest ({moves.max():.3g} m in the last step)"
-    return f"{told}: {NO_LOAD_PATH}"

@@ -214,5 +214,29 @@ def _joined_joint(parts: list[JointHistory]) -> JointHistory:
     )
 
 
+ROWS = (
+    "time", "step_size", "energy", "iterations", "factorisations", "bodies", "joints", "forces", "contacts",
+    "lumped_contacts", "small_sliding", "films", "sensors",
+)  # what a history has one row per saved step of  # fmt: skip
+
+
+def last_rows(history: History, first: int) -> History:
+    """The saved steps from the row `first` on; what was sampled in the run for its error budget is left out."""
+    rows = {name: _cut(getattr(history, name), first) for name in ROWS}
+    return replace(history, samples=None, cell_checks={}, film_checks={}, film_grids={}, **rows)
+
+
+def _cut(part: Any, first: int) -> Any:
+    if isinstance(part, np.ndarray):
+        return part[first:]
+    if isinstance(part, dict):
+        return {key: _cut(value, first) for key, value in part.items()}
+    if is_dataclass(part):
+        found = copy.copy(part)
+        vars(found).update({f.name: _cut(getattr(part, f.name), first) for f in fields(part)})
+        return found
+    return part
+
+
 def _places(force: Any) -> list[Any]:
     return [(port.describe(), id(port.body)) for port in force.ports]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpffrf.model.arguments import Vector
-from warpffrf.model.errors import InputError, nearest
+from warpffrf.model.errors import InputError, nearest, require_number
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.progress import speaking
@@ -26,13 +26,14 @@ from warpffrf.online.history.history import (
     SensorHistory,
 )
 from warpffrf.online.history.sensors import sensor_history, sensor_values
+from warpffrf.online.stages import last_rows
 from warpffrf.output.bearings.bearing_result import BearingResult
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.pair_result import PairResult
 from warpffrf.output.contact.result import ContactResult, FilmResult
 from warpffrf.output.geometry.scene_view import SceneView, scene_view
-from warpffrf.output.loops import Hysteresis, channel
+from warpffrf.output.loops import SAME, Hysteresis, channel
 from warpffrf.output.small_sliding import SmallSlidingResult
 from warpffrf.output.written_file import Written
 
@@ -177,6 +178,24 @@ class Result(reprs.Shown):
         from warpffrf.output.bearings.stiffness import bearing_stiffness
 
         return bearing_stiffness(self.scene, name, self.history, row)
+
+    def since(self, begin: float) -> Result:
+        """The saved steps from the time `begin` [s] on, as a Result: its figures, report and plots are those of this
+        part, such as the last cycle of a periodic load. Quantities that accumulate (work, loss, slip) still count from
+        the start of the run, and so do its counters and notes. An error budget is that of the whole run, if it was
+        computed before. Raises InputError if no step was saved from then on.
+
+        >>> part = result.since(result.time[-1] - 1e-3)
+        >>> [f"{t:.4f}" for t in part.time[[0, -1]]]
+        ['0.0010', '0.0020']
+        """
+        begin = require_number(begin, "since: begin")
+        slack = SAME * float(np.ptp(self.time)) if len(self.time) else 0.0
+        first = int(np.searchsorted(self.time, begin - slack))
+        if first == len(self.time):
+            end = f"the last one is at {self.time[-1]:g} s" if first else "the run saved none"
+            raise InputError(f"since: no saved step from {begin:g} s on; {end}")
+        return Result(last_rows(self.history, first))
 
     def hysteresis(self, force: Any, against: Any) -> Hysteresis:
         """Force against displacement over the run: loops with their losses and equivalent damping (`.loop(begin, end)`,

@@ -63,6 +63,7 @@ from warpffrf.model.messages import reprs
 from warpffrf.online.history.history import BodyHistory, SmallSlidingHistory
 from warpffrf.output.bodies.normal_loads import left_out
 from warpffrf.output.bodies.skin import Skin
+from warpffrf.output.contact.friction import slip_share
 from warpffrf.output.exposed_histories import Recorded
 from warpffrf.output.geometry.places import rotate
 from warpffrf.output.geometry.scene_view import SmallSlidingView
@@ -243,6 +244,33 @@ class SmallSlidingResult(reprs.Shown):
     def slip_area(self) -> np.ndarray:
         """(T,) m2 of cells that slip under pressure."""
         return (self.state == SLIP) @ self.area
+
+    @cached_property
+    def slip_share(self) -> np.ndarray:
+        """(T,) [-] of the area under pressure, the part that slips: 1 in gross slip; NaN without pressure."""
+        return slip_share(self.stick_area, self.slip_area)
+
+    @property
+    def gross_slip_time(self) -> float:
+        """Time [s] of the first saved step in which every loaded cell slips, so that the faces slide as a whole; NaN if
+        there is none. A static run under a growing load ends there, with the reason in its message: there is no
+        equilibrium beyond. A drive (`joints.Drive(..., quantity="position")`) goes on, with a constant force."""
+        slides = np.flatnonzero(self.slip_share == 1.0)
+        return float(self.time[slides[0]]) if len(slides) else float("nan")
+
+    @cached_property
+    def friction_force(self) -> np.ndarray:
+        """(T, 3) N, resultant of the tractions on the first body, in its user axes: at `gross_slip_time` the force at
+        which plane faces slide."""
+        return np.einsum("tck,ckd,c->td", self.traction, self.frames[:, 1:], self.area)
+
+    @cached_property
+    def friction_torque(self) -> np.ndarray:
+        """(T, 3) N m, moment of the tractions on the first body about the centre of the cells, in its user axes: at
+        `gross_slip_time` the torque at which a shaft slides in its hub."""
+        arm = self.points - self.area @ self.points / self.area.sum()
+        along = np.cross(arm[:, None], self.frames[:, 1:])
+        return np.einsum("tck,ckd,c->td", self.traction, along, self.area)
 
     @cached_property
     def _sliding(self) -> tuple[np.ndarray, np.ndarray]:

@@ -35,7 +35,7 @@ from warpffrf.scene_file.source import Path, Source
 TITLE = "title"
 RUNS = ("equilibrium", "static", "simulate")  # calls that run the scene, each a table
 FITTED = "fitted"  # a contact surface whose shape is fitted
-FILE_KEYS = {"file", "column"}
+FILE_KEYS = {"file", "column", "factor"}
 FIRST_ITEMS = ("joints", "contacts")  # other items refer to them
 WHOLE = ("interface", "point", "surface")
 
@@ -376,7 +376,8 @@ class Builder:
             if "file" in value and set(value) <= FILE_KEYS:
                 if not isinstance(value["file"], str):
                     raise InputError(f"file must be a text, got {brief(value['file'])}")
-                return read_numbers(self._file((*path, "file"), value["file"]), value.get("column"))
+                file = self._file((*path, "file"), value["file"])
+                return read_numbers(file, value.get("column"), value.get("factor"))
             if role == "overrides" and path[-1] == "forces":
                 return {
                     name: self._item((*path, name), self._overridden((*path, name), name, changes), name)

@@ -19,15 +19,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.files.paths import read_regular
 from warpffrf.scene_file.forms import brief
 
 MOST_BYTES = 1 << 28  # per file
 
 
-def read_numbers(file: Path, column: Any) -> Any:
-    """An array from {file = "...", column = n}: .npy, or text with commas or blanks; whole numbers remain integers."""
+def read_numbers(file: Path, column: Any, factor: Any = None) -> Any:
+    """An array from {file = "...", column = n, factor = x}, multiplied by the factor: .npy, or text with commas or
+    blanks; whole numbers remain integers."""
     import numpy as np
 
     name = file.name
@@ -55,6 +56,8 @@ def read_numbers(file: Path, column: Any) -> Any:
         if array.ndim != 2 or column >= array.shape[1]:
             raise InputError(f"file {name!r}: column {column} does not exist, its numbers have shape {array.shape}")
         array = array[:, column]
+    if factor is not None:
+        return array * require_number(factor, "factor")
     whole = (
         array.size and np.all(np.isfinite(array)) and np.all(array == np.rint(array)) and np.abs(array).max() < 2**53
     )

@@ -121,6 +121,49 @@ def test_a_table_of_a_file(tmp_path) -> None:
         signals.from_csv(tmp_path / "none.csv")
 
 
+def test_units_and_cycles_of_a_file(tmp_path) -> None:
+    """A cycle over the crank angle [deg] in kN, at 3000 revolutions per minute."""
+    angle = np.arange(0.0, 720.0, 10.0)
+    path = tmp_path / "gas.csv"
+    np.savetxt(path, np.stack([angle, np.cos(np.radians(angle))], axis=1), delimiter=",")
+    gas = signals.from_csv(path, time_factor=1.0 / (6.0 * 3000.0), factor=1e3, period=0.04, duration=0.1, cubic=True)
+    t = np.linspace(0.0, 0.1, 1001)
+    np.testing.assert_allclose(gas(t), 1e3 * np.cos(100.0 * np.pi * t), atol=1e3 * np.radians(10.0) ** 4 / 100.0)
+    assert gas.covers == (-np.inf, 0.1)
+    wrong: Any
+    for wrong, said in (({"time_factor": 0.0}, "time_factor must be greater than zero"), ({"factor": "kN"}, "factor")):
+        with pytest.raises(InputError, match=said):
+            signals.from_csv(path, **wrong)
+
+
+@pytest.mark.parametrize("cubic", [False, True])
+@pytest.mark.parametrize("begin", [0.0, 0.07, -1.3])
+def test_a_table_that_repeats(cubic: bool, begin: float) -> None:
+    """Equal at times a period apart, and the table within a cycle, whether it contains the end of the cycle or not; a
+    spline is smooth across it."""
+    x, y = begin + np.array([0.0, 0.1, 0.25, 0.4]), np.array([1.0, -2.0, 0.5, 1.5])
+    for times, values in ((x[:-1], y[:-1]), (x, y)):
+        found = signals.Table(times, values, cubic=cubic, period=0.4, duration=3.0)
+        t = np.linspace(0.0, 2.5, 51)
+        np.testing.assert_allclose(found(t + 0.4), found(t), atol=1e-12)
+        np.testing.assert_allclose(found(x[:-1] + 2.0), y[:-1], atol=1e-12)
+        np.testing.assert_allclose(found(x[0] + 2.4), y[0], atol=1e-12)
+        slopes = found.integral().polynomial()[1][:, 1]
+        assert np.all(np.isfinite(slopes)) and found.covers == (-np.inf, 3.0)
+        assert signals.Table(times, values, period=0.4, duration=3.0, hold=True).covers == (-np.inf, np.inf)
+
+
+@pytest.mark.parametrize("given, said", [
+    ({"period": 0.2, "duration": 1.0}, r"times span 0.3 s, more than the period of 0.2 s"),
+    ({"period": 0.4}, r"needs the duration \[s\]"), ({"duration": 1.0}, "give its period too"),
+    ({"period": -1.0, "duration": 1.0}, "period must be greater than zero"),
+    ({"period": 0.3, "duration": 1e6}, "more than 262144 pieces; shorten duration"),
+])  # fmt: skip
+def test_cycles_that_cannot_be_are_refused(given: Any, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        signals.Table([0.0, 0.1, 0.3], [0.0, 1.0, 0.0], **given)
+
+
 def test_smooth_step_is_twice_differentiable() -> None:
     breaks, c = EXAMPLES["smooth"].polynomial()
     T = breaks[1] - breaks[0]

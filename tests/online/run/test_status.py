@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.device import chosen_device
 from warpffrf.online.run import MESSAGES, coarser, describe
+from warpffrf.online.start import static_equilibrium
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.static_equilibrium import settle
 from warpffrf.online.step.graph import StepGraph
@@ -102,6 +105,22 @@ def test_a_sliding_body_without_spring_is_named() -> None:
     scene.add(joints.Prismatic(scene.ground, slider.at((0, 0, 0)), axis=(0, 0, 1)))
     rest = find_equilibrium(scene)
     assert rest.status != "completed" and "load path" in rest.message
+
+
+@pytest.mark.parametrize("load, stiffness, status, said", [
+    (1e3, 0.0, "not_converged", r"body '\w+' still moves by \S+ m, towards contact '.*', which is open; begin nearer"),
+    (-1e3, 0.0, "no_equilibrium", "is free to .* drive it there.*no load path"),
+    (1e3, 1e6, "not_converged", r"body '\w+' still moves by \S+ m, although that is resisted; begin nearer"),
+])  # fmt: skip
+def test_an_iteration_that_did_not_converge_is_no_mechanism(
+    plain_body: ReducedBody, monkeypatch: pytest.MonkeyPatch, load: float, stiffness: float, status: str, said: str
+) -> None:
+    """Too few steps to close the gap below a roller, or to settle on its spring; without a spring, a load away from the
+    other roller has no load path."""
+    monkeypatch.setattr(static_equilibrium, "MOST_STEPS", 1)
+    rest = find_equilibrium(guided_pair(plain_body, plain_body, load=load, stiffness=stiffness, gap=1e-3, gravity=0.0))
+    assert rest.status == status and re.search(said, rest.message), rest.message
+    assert ("no load path" in rest.message) == (status == "no_equilibrium")
 
 
 def test_redundant_constraints_are_named_and_left_out() -> None:

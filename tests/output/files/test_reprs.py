@@ -159,3 +159,27 @@ def test_the_files_of_a_result_are_told(tmp_path: Path) -> None:
     file = tmp_path / "run.h5"
     file.write_bytes(bytes(14_200_000))
     assert str(Written.of("results", file, 1.234)) == f"'{file}', 14.2 MB, written in 1.23 s"
+
+
+def test_misspelled_attributes_are_answered_with_the_nearest_public_names() -> None:
+    body: Any = BodyHistory(*(np.zeros((2, n)) for n in (3, 4, 3, 3, 0)))
+    with pytest.raises(
+        AttributeError, match="'BodyHistory' object has no attribute 'velocty'; did you mean 'velocity'"
+    ):
+        body.velocty  # noqa: B018
+    for name, said in (("peak_presure", "did you mean 'peak_pressure'"), ("fricton", "did you mean 'friction'")):
+        with pytest.raises(AttributeError, match=said):
+            getattr(ContactResult.__new__(ContactResult), name)
+    for name in ("zzz", "_velocity", "__wrapped__"):
+        with pytest.raises(AttributeError, match=rf"no attribute '{name}'$"):
+            getattr(body, name)
+
+
+def test_a_property_that_fails_says_why() -> None:
+    class Own(reprs.Shown):
+        @property
+        def size(self) -> int:
+            return None.length  # pyright: ignore[reportAttributeAccessIssue]
+
+    with pytest.raises(AttributeError, match="'NoneType' object has no attribute 'length'"):
+        Own().size  # noqa: B018

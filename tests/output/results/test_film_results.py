@@ -307,6 +307,14 @@ def test_parts_of_a_run_join(history: History) -> None:
     assert film.pressure.shape == (2 * STEPS, COLUMNS, ROWS) and film.force.shape == (2 * STEPS, 3)
 
 
+def test_the_least_film_of_the_last_part_of_a_run(result: Result) -> None:
+    """Without the start, in which the film may be thinner."""
+    gap = result.film("bearing").smallest_gap
+    part = result.since(result.time[-2])
+    assert part.film("bearing").smallest_gap.min() == gap[-2:].min()
+    assert f"(least {gap[-2:].min() * 1e6:.5g})" in part.report(progress=False)
+
+
 def test_errors_are_told_of_the_force(history: History) -> None:
     assert quantities(history)["force of film 'bearing'"].size > np.linalg.norm(PRESSED)
 

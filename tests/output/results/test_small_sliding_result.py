@@ -3,6 +3,7 @@ recording, VTK."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ import h5py
 import numpy as np
 import pytest
 from recordings import columns
-from small_sliding_runs import CELLS, FRICTION, PERIOD, PRESSED, PUSHED, SIZE, STEPS, static_run
+from small_sliding_runs import CELLS, FRICTION, PERIOD, PRESSED, PUSHED, SIZE, STEPS, pulled, static_run
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
@@ -129,6 +130,35 @@ def test_cells_of_the_slip_zone_lost_energy(lap: SmallSlidingResult) -> None:
     assert lap.slip_zone(0.0, 0.02 * PERIOD).cells == 0
 
 
+def test_gross_slip_is_at_the_friction_coefficient_times_the_preload() -> None:
+    """Of a block pulled by a rope: its force grows to mu N, and stays there from the time on that the report
+    states."""
+    result = pulled()
+    lap, rope = result.contact("lap"), np.linalg.norm(result.force("rope").force, axis=1)
+    begin = lap.gross_slip_time
+    row = int(np.flatnonzero(result.time == begin)[0])
+    assert 0 < row < len(result.time) - 1 and np.all(lap.slip_share[row:] == 1.0) and np.all(lap.slip_share[:row] < 1.0)
+    np.testing.assert_allclose(rope[row:], FRICTION * PRESSED, rtol=1e-4)  # the rope tilts as the block shears
+    assert np.all(rope[: row - 1] < FRICTION * PRESSED * (1.0 - 1e-3))
+    np.testing.assert_allclose(np.linalg.norm(lap.friction_force, axis=1), rope, rtol=1e-4, atol=SOLVED * PRESSED)
+    centred = np.linalg.norm(lap.friction_torque, axis=1)
+    assert centred.max() < 1e-9 * FRICTION * PRESSED * SIZE[0]  # it is pulled in its plane of symmetry
+    says = next(line for line in result.report(progress=False).splitlines() if "gross slip" in line)
+    force = np.linalg.norm(lap.friction_force[row])
+    assert f"from t = {begin:.6g} s, with {force:.5g} N along the faces and 0 N m" in says
+
+    sticks = pulled(travel=5e-6)
+    assert np.isnan(sticks.contact("lap").gross_slip_time) and "gross slip" not in sticks.report(progress=False)
+
+
+def test_a_force_beyond_friction_is_said_to_make_the_joint_slide() -> None:
+    """It ends where the force is mu N."""
+    failed = pulled(force=1.25 * FRICTION * PRESSED)
+    assert failed.status == "no_equilibrium"
+    found = re.match(r"equilibrium at t = (\S+) s: the loads are more than friction of 'lap' holds", failed.message)
+    assert found is not None and float(found[1]) == pytest.approx(1.0 / 1.25, rel=1e-3)
+
+
 def test_slides_beside_cells_are_told(result: Result, lap: SmallSlidingResult) -> None:
     assert not any("partners of cells" in warning for warning in lap.warnings())
     far = replace(lap.history, slip=lap.slip + [0.8 * SLIDES * lap.size[0], 0.8 * SLIDES * lap.size[0]])
@@ -201,6 +231,25 @@ def test_an_array_has_the_names_of_the_file(result: Result, lap: SmallSlidingRes
 def test_parts_of_a_run_join(result: Result, lap: SmallSlidingResult) -> None:
     joined = joined_parts([result.history, result.history]).small_sliding["lap"]
     assert joined.pressure.shape == (2 * len(lap.time), lap.cells)
+
+
+def test_the_part_of_a_run_from_a_time_on(result: Result, lap: SmallSlidingResult, tmp_path: Path) -> None:
+    """Its last cycle: all arrays are those of its rows, also from a file; totals count from the start of the run."""
+    read = Result.load(result.save(tmp_path / "run.h5"))
+    rows = slice(STEPS * (len(result.time) // STEPS - 1), None)
+    for whole in (result, read):
+        part = whole.since(whole.time[-1] - PERIOD)
+        assert np.array_equal(part.time, whole.time[rows]) and len(part.time) == STEPS + 1
+        own = part.contact("lap")
+        for name in ("force", "pressure", "slip", "loss", "slip_area"):
+            np.testing.assert_array_equal(getattr(own, name), getattr(lap, name)[rows])
+        assert part.joint("foot").names == whole.joint("foot").names
+        np.testing.assert_array_equal(part.sensor("tip").values, whole.sensor("tip").values[rows])
+        np.testing.assert_array_equal(part.energy["friction"], whole.energy["friction"][rows])
+        assert f"{part.time[0]:.6g} to {part.time[-1]:.6g} s, {STEPS + 1} rows saved" in part.report(progress=False)
+        assert len(whole.time) == len(lap.time)  # the run is not changed
+    with pytest.raises(InputError, match="since: no saved step from 9 s on; the last one is at 2 s"):
+        result.since(9.0)
 
 
 def test_errors_are_told_of_force_and_loss(result: Result, lap: SmallSlidingResult) -> None:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import logging
 import unicodedata
 from dataclasses import fields
+from difflib import get_close_matches
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -33,10 +34,15 @@ class Shown:
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            """Raises `AttributeError`, with the new name of one that was renamed."""
-            now = [new for new in RENAMED.get(name, ()) if hasattr(type(self), new)]
-            hint = f"; it is called {now[0]!r} now" if now else ""
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}{hint}", name=name, obj=self)
+            """Raises `AttributeError`, with the nearest public names, or the new name of one that was renamed."""
+            if hasattr(type(self), name):
+                return object.__getattribute__(self, name)  # a property that failed: again, for its own error
+            hint = ""
+            if now := [new for new in RENAMED.get(name, ()) if hasattr(type(self), new)]:
+                hint = f"; it is called {now[0]!r} now"
+            elif near := get_close_matches(name, [] if name[0] == "_" else [n for n in dir(self) if n[0] != "_"]):
+                hint = f"; did you mean {', '.join(map(repr, near))}?"
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}{hint}")
 
     def _facts(self) -> dict[str, Any]:
         raise TypeError(f"{type(self).__name__} does not say what to show")

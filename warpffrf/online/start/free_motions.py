@@ -56,6 +56,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.placement.gap import facing_gap
 from warpffrf.model.scene import Scene
 from warpffrf.online.diagnosis.failure_report import largest_force
+from warpffrf.online.diagnosis.no_equilibrium import LOOK_AHEAD, approached
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.gradients import cell_slips, closed_places, gap_gradients, joint_slips, lumped_gradients
 from warpffrf.online.start.motions import held_by_matched, lines_of, told_of, without_stiff
@@ -80,7 +81,6 @@ TURN = "turn about"
 SLIDES_FOLDED = {2: f"{SLIDE} a plane", 3: f"{SLIDE} any line"}
 TURNS_FOLDED = {2: f"{TURN} any line of a plane", 3: f"{TURN} any line"}
 BY_ITSELF = 1e-6  # of a body's share, the remainder where the body moves without others
-LOOK_AHEAD = 1e-3  # of a radius: a small motion that shows whether a gap closes
 WHOLE = 0.5  # of a motion of unit length: whether it is among those that are constrained
 STANDS = 1e-6  # of a motion's square: its sliding part in rotation about an axle slightly off the centre of mass
 
@@ -104,6 +104,7 @@ class FreeMotions:
         self._sloping: list[np.ndarray] = [none] * engine.worlds  # the same with motions driven by slopes
         self.resisted: list[np.ndarray] = [none] * engine.worlds
         self._drive: tuple[int, np.ndarray, float] | None = None  # world, motion, force of a load that drives one
+        self._way = np.zeros(0)  # motion of the bodies (6 bodies,) that all such loads drive together
         # over the weights: drive of motions that are constrained although slopes drive them (6 bodies,)
         self._slope = [np.zeros(6 * len(engine.scene.bodies))] * engine.worlds
 
@@ -159,6 +160,7 @@ class FreeMotions:
             if np.any(force > allowed):
                 worst = int(np.argmax(force / allowed))
                 self._drive = (world, motions[worst] * np.sign(along[worst]), float(force[worst]))
+                self._way = np.where(force > allowed, pull, 0.0) @ motions / weight
 
     def _resisted(self, world: int, lean: float) -> np.ndarray:
         """What friction of surfaces under pressure resists."""
@@ -287,9 +289,26 @@ class FreeMotions:
         return self.engine.scene.finite_sliding
 
     @property
+    def unconverged(self) -> str:
+        """Where the iteration of a static state did not converge, a clause on how bodies still moved at its end:
+        towards an open contact, or against what resists it. "" where a motion is free.
+        """
+        if self._drive is not None:
+            name = approached(self.engine, self._drive[0], self._way)
+            return f"towards contact {name!r}, which is open" if name else ""
+        if np.any(self.engine.word("status")):  # the last step is none
+            return ""
+        weight = self._weight()
+        for world in range(self.engine.worlds):
+            step, free = self._step(world) * weight, free_motions(self.engine, world, weight)
+            if np.linalg.norm(free @ step) < WHOLE * np.linalg.norm(step):
+                return "although that is resisted"
+        return ""
+
+    @property
     def driven(self) -> str:
-        """A clause where a load drives a free motion at the state of the last look; else ""."""
-        if self._drive is None:
+        """A clause where a load drives a free motion at the state of the last look, towards no contact; else ""."""
+        if self._drive is None or self.unconverged:
             return ""
         world, motion, force = self._drive
         parts = motion.reshape(-1, 6)

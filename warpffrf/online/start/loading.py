@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from warpffrf.online.diagnosis.no_equilibrium import gross_slip, too_much_for
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.static_equilibrium import LAST
 from warpffrf_kernels.core import control as k
@@ -18,9 +19,10 @@ def begin_loading(engine: Engine, step: float) -> None:
 
 
 def not_at_rest(engine: Engine) -> str:
-    """The body that kept moving in a load step that did not come to rest; else ""."""
+    """The contacts that slide as a whole, or the body that kept moving, in a load step that did not come to rest; else
+    ""."""
     if not engine.word("status")[0] & int(k.NOT_AT_REST):
-        return ""
+        return gross_slip(engine)
     scratch, bodies = engine.scratch, engine.compiled.model.bodies
     count = len(engine.scene.bodies)
     J = np.trace(bodies.inertia.numpy()[:count], axis1=1, axis2=2)
@@ -39,9 +41,5 @@ def slides(engine: Engine) -> str:
     """For a failed load step: the contacts whose friction alone resists a motion and does not suffice; "" if there are
     none."""
     if not engine.compiled.model.pairs.count or engine.scratch.hold_force.numpy()[0] <= DRAGS:
-        return ""
-    names = ", ".join(repr(contact.name) for contact in engine.scene.finite_sliding if contact.friction.acts)
-    return (
-        f"the loads are more than friction of {names} holds (where it slides, drive a joint from place to place, "
-        'quantity="position", and read the force of that joint)'
-    )
+        return gross_slip(engine)
+    return too_much_for([str(contact.name) for contact in engine.scene.finite_sliding if contact.friction.acts])

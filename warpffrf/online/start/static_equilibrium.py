@@ -65,6 +65,7 @@ import numpy as np
 
 from warpffrf.model.forces import SlipLaw
 from warpffrf.online.diagnosis.failure_report import largest_force
+from warpffrf.online.diagnosis.no_equilibrium import ROUND_OFF, gross_slip
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.free_motions import HOLD, LEANS, FreeMotions
 from warpffrf.online.start.motions import stretch
@@ -86,7 +87,6 @@ LAST = 10.0
 # are not faster for being small, approach rest in each of them by less than CREEP
 LONGER = 1e6
 TOLERANCE = 1e-11  # of the scene's length, movement of the last proximal step: round-off of positions times 1e5
-ROUND_OFF = 1e-16  # of it: less is no movement in a step that is not short
 VOIDS_STAY = 1e-9  # of the clearance
 CREEP = 0.5  # of the movement of the previous step: motion towards rest decreases from one long step to the next
 # of the largest force: energy differences are then within the errors of contact grids; second, of travelling cells,
@@ -107,7 +107,8 @@ def settle(engine: Engine, free: FreeMotions | None = None) -> bool:
     engine.scratch.film_stretch.fill_(stretch(engine.scene, LAST * float(engine.compiled.model.length)))
     try:
         at_rest = _stepped(engine, free)
-        engine.not_at_rest = "" if at_rest else free.unbalanced() or free.driven
+        engine.unconverged = "" if at_rest else free.unconverged
+        engine.not_at_rest = "" if at_rest else free.unbalanced() or gross_slip(engine) or free.driven
         return at_rest
     finally:
         engine.control(energy_bounded=0)

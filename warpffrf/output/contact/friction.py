@@ -58,6 +58,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.messages import reprs
 from warpffrf.output.contact.patch_moments import traction_forces
 from warpffrf.output.geometry.places import grid_theta_offset, rotate
 
@@ -76,9 +77,11 @@ COARSER = {"nodes": "a coarser contact grid", "cells": "fewer strips, Contact(..
 LOSS = 0.1
 
 
-class FrictionResult:
+class FrictionResult(reprs.Shown):
     """Friction of one contact; arrays have one row per saved step, fields the window (columns, rows) of the
     pressure."""
+
+    _hidden = frozenset({"contact", "history"})
 
     def __init__(self, contact: Any) -> None:
         """contact: the `ContactResult`; raises `InputError` for a contact without friction."""
@@ -96,6 +99,10 @@ class FrictionResult:
         self.creep_velocity = history.creep_velocity  # (T, 2) m/s, rigid slip at the patch centre
         self.rolling_velocity = history.rolling_velocity  # (T,) m/s, mean speed of both surfaces along e_theta
         self.cells_per_step = history.cells_per_step  # (T,) largest number of columns per step since the last saved row
+
+    def _facts(self) -> dict[str, Any]:
+        rows, *cells = self.state.shape
+        return {"name": self.contact.name, "rows": rows, "cells": " x ".join(map(str, cells))}
 
     # --- fields ---
 
@@ -188,6 +195,12 @@ class FrictionResult:
     def slip_area(self) -> np.ndarray:
         """(T,) m2 of slipping cells."""
         return self._area(SLIP)
+
+    @cached_property
+    def slip_share(self) -> np.ndarray:
+        """(T,) [-] of the loaded area, the part that slips: 1 in gross slip, where the bodies slide as a whole; NaN
+        without contact."""
+        return slip_share(self.stick_area, self.slip_area)
 
     @cached_property
     def field_power(self) -> np.ndarray:
@@ -287,6 +300,12 @@ class FrictionResult:
             "slip": section(self.slip_velocity[at, 0]),
             "state": np.asarray(self.state)[i][:, contact.section_row(i)][order],
         }
+
+
+def slip_share(stick: np.ndarray, slip: np.ndarray) -> np.ndarray:
+    """(T,) [-] the slipping area over the loaded one, from areas (T,) [m2]; NaN without either."""
+    loaded = stick + slip
+    return np.divide(slip, loaded, out=np.full(len(loaded), np.nan), where=loaded > 0.0)
 
 
 def _row(i: int, count: int) -> int:

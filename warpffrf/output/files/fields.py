@@ -175,6 +175,7 @@ SMALL_SLIDING_DERIVED = (
     Field("small_sliding_peak_pressure", "peak_pressure", "Pa", "mean over a cell"),
     Field("small_sliding_stick_area", "stick_area", "m2", "none"),
     Field("small_sliding_slip_area", "slip_area", "m2", "none"),
+    Field("small_sliding_slip_share", "slip_share", "1", "of the area under pressure"),
     Field(
         "small_sliding_sliding", "sliding", "m", f"{FIRST_USER}, of the second face at the middle of the cells", AXIS
     ),
@@ -248,6 +249,7 @@ FRICTION_DERIVED = (
     Field("contact_traction_coefficient", "traction_coefficient", "1", "none"),
     Field("contact_stick_area", "stick_area", "m2", COUNTED),
     Field("contact_slip_area", "slip_area", "m2", COUNTED),
+    Field("contact_slip_share", "slip_share", "1", "of the loaded area"),
     Field("contact_wear_rate", "wear_rate", "W", "pressure times slip speed over the patch"),
     Field("contact_wear_peak", "wear_peak", "W/m2", "pressure times slip speed, largest"),
     Field("contact_wear_index", "wear_index", "W/m2", CELLS, ("column", "row"), stacked=False),

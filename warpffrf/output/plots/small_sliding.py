@@ -19,6 +19,7 @@ PAGE_TIMES = 3  # rows of maps on a page by default
 PAGE_WIDTH, PAGE_HEIGHTS = 5.0, (1.9, 5.0)  # inches per map
 TITLES, DRAWN = 1.1, 0.7  # inches above and below a map, and fraction of its width for the cells
 FORCE, AREA = "#1b6ca8", "#d1495b"
+APART = 1.3  # of the largest area: a constant force and a constant area are not drawn at the same height
 
 
 def pressure(contact: SmallSlidingResult, ax: Any, row: int) -> None:
@@ -49,17 +50,23 @@ def loss(contact: SmallSlidingResult, ax: Any, row: int) -> None:
 
 
 def history(contact: SmallSlidingResult, ax: Any, row: int) -> None:
-    """Normal force and slipping area against time."""
-    time = contact.time * 1e3
+    """Normal force, and slipping area below that under pressure, against time; a line where they slide as a whole."""
+    time, loaded = contact.time * 1e3, (contact.stick_area + contact.slip_area) * 1e6
     ax.plot(time, contact.normal_force * 1e-3, color=FORCE)
     area = ax.twinx()
+    area.plot(time, loaded, color=AREA, ls=":", lw=1.0)
     area.plot(time, contact.slip_area * 1e6, color=AREA)
+    if np.isfinite(begin := contact.gross_slip_time):
+        area.axvline(begin * 1e3, color=AREA, lw=0.8, ls="--")
+        area.annotate(
+            " slides as a whole", (begin * 1e3, 0.5), xycoords=("data", "axes fraction"), color=AREA, fontsize=8
+        )
     ax.set(xlabel="time [ms]")
     ax.set_ylabel("normal force [kN]", color=FORCE)
     area.set_ylabel("slipping area [mm²]", color=AREA)
     from_zero(ax, contact.normal_force * 1e-3)
-    from_zero(area, contact.slip_area * 1e6)
-    ax.set_title(f"Contact '{contact.name}': normal force, slipping area", fontsize=10)
+    from_zero(area, contact.slip_area * 1e6, APART * loaded)
+    ax.set_title(f"Contact '{contact.name}': normal force, slipping area (dotted: loaded area)", fontsize=10)
 
 
 def small_sliding_figure(result: Any, name: str | None, times: Sequence[float] | np.ndarray | None) -> Any:

@@ -317,10 +317,23 @@ def _small_sliding(contact: Any) -> list[Figure]:
     warnings = [Figure("warning", warning) for warning in contact.warnings()]
     if contact.friction == 0.0:
         return [*first, Figure("slid", slips), *warnings]
-    slips += f"; slipping area {area[-1]:.5g} mm2 (largest {np.max(area):.5g})"
+    share = float(np.nan_to_num(contact.slip_share).max())
+    slips += f"; slipping area {area[-1]:.5g} mm2 (largest {np.max(area):.5g}), at most {share:.4g} of the loaded area"
     across = f", {zone.across:.2g} across" if np.isfinite(zone.across) else ""
     loss = f"{contact.loss[-1]:.5g} J by friction, in {zone.cells} cells{across}"
-    return [*first, Figure("slid", slips), Figure("loss", loss, ("loss",)), *warnings]
+    return [*first, Figure("slid", slips), *_gross_slip(contact), Figure("loss", loss, ("loss",)), *warnings]
+
+
+def _gross_slip(contact: Any) -> list[Figure]:
+    """When, and with which resultant of friction, the faces begin to slide as a whole, if they do."""
+    if np.isnan(begin := contact.gross_slip_time):
+        return []
+    row = int(np.searchsorted(contact.time, begin))
+    force, torque = (np.linalg.norm(values[row]) for values in (contact.friction_force, contact.friction_torque))
+    size = float(np.ptp(contact.points, axis=0).max())
+    force, torque = without_round_off(force, SHARE * torque / size), without_round_off(torque, SHARE * force * size)
+    text = f"slides as a whole from t = {begin:.6g} s, with {force:.5g} N along the faces"
+    return [Figure("gross slip", f"{text} and {torque:.5g} N m about their centre")]
 
 
 def _mean(values: Any, time: Any) -> float:
