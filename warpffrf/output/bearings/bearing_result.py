@@ -44,7 +44,7 @@ NO_TILT = 1e-9  # rad
 
 class BearingResult(reprs.Shown):
     """A bearing as returned by `result.bearing(name)`; SI units, arrays (T, Z): one row per saved step, one column per
-    element.
+    element, of a double-row bearing those of the first row first, of a four-point one per ball and arc.
 
     Directions are those of the bearing's frame, which is fixed to the outer ring: towards the initial position of the
     first element, 90 degrees further, and along the axis. For distributed contact, if a ring or the elements are
@@ -62,7 +62,7 @@ class BearingResult(reprs.Shown):
         self.elements = list(description["elements"])
 
     def _facts(self) -> dict[str, Any]:
-        return {"name": self.name, "elements": f"{len(self.elements)} {self.kind}s", "rows": len(self.time)}
+        return {"name": self.name, "elements": f"{len(set(self.elements))} {self.kind}s", "rows": len(self.time)}
 
     # --- frame
 
@@ -357,13 +357,14 @@ class BearingResult(reprs.Shown):
         """Warnings about a bearing without load, or loaded on flanks that are not designed for it."""
         if not loaded:
             return ["no element is loaded: the inner ring is free within the play, or the load unloads all elements"]
-        nominal = getattr(self.geometry, "contact_angle", 0.0)
+        tracks = self.geometry.tracks
+        nominal = self.geometry.contact_angle * np.array([tracks[i].sense for _, i in self.geometry.contacts])
         turned = np.count_nonzero(np.nan_to_num(self.inner_angle[row]) * nominal < 0.0)
         if not turned:
             return []
         return [
             f"{turned} {self.kind}s press on the flanks against the sense of the contact angle, "
-            f"{np.degrees(nominal):.4g} deg, which an angular contact bearing has no shoulder for; turn the bearing "
+            f"{np.degrees(self.geometry.contact_angle):.4g} deg, which an angular contact bearing has no shoulder for; turn the bearing "
             "round, or preload it"
         ]
 
@@ -477,7 +478,8 @@ def printed(bearing: BearingResult, row: int) -> tuple[list[str], dict[str, list
     shown = {name: values for name, values in shown.items() if np.any(np.nan_to_num(values))}
     moved = UM * _rounded(bearing.displacement[row])
     tilt = 1e3 * _rounded(bearing.tilt[row][:2], NO_TILT)
-    count, loaded = len(bearing.elements), int(np.count_nonzero(_rounded(bearing.outer_load[row])))
+    carrying = np.flatnonzero(_rounded(bearing.outer_load[row]))
+    count, loaded = len(set(bearing.elements)), len({bearing.elements[i] for i in carrying})
     lines = [
         f"bearing {bearing.name!r} at {bearing.time[row]:.6g} s: {loaded} of {count} {bearing.kind}s loaded",
         f"inner ring moved against the outer one since the start by ({', '.join(f'{x:.5g}' for x in moved)}) um, "
