@@ -50,6 +50,7 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.bearings import rating
 from warpffrf.model.errors import InputError, require_array, require_count, require_number
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.surfaces.form_deviations import Form
@@ -140,6 +141,21 @@ class Geometry(ABC):
     def angles(self) -> np.ndarray:
         """(elements,) rad, of the elements about the axis, from the first one."""
         return 2.0 * np.pi * np.arange(self.elements) / self.elements
+
+    @property
+    @abstractmethod
+    def dynamic_rating(self) -> float:
+        """Basic dynamic load rating [N] of ISO 281, radial up to a contact angle of 45 degrees, axial beyond
+        (`warpffrf.model.bearings.rating`)."""
+
+    @property
+    @abstractmethod
+    def static_rating(self) -> float:
+        """Basic static load rating [N] of ISO 76, in the same direction."""
+
+    @abstractmethod
+    def load_factors(self, radial: float, axial: float) -> tuple[float, float]:
+        """X and Y [-] of ISO 281 in the equivalent load X F_r + Y F_a under the forces `radial` and `axial` [N]."""
 
     @property
     def apart(self) -> float:
@@ -234,6 +250,21 @@ class BallGeometry(Geometry):
         return BALL_WIDTH * self.ball_diameter
 
     @property
+    def dynamic_rating(self) -> float:
+        return rating.ball_dynamic(*self._rated, self.osculation)  # pyright: ignore[reportArgumentType]
+
+    @property
+    def static_rating(self) -> float:
+        return rating.ball_static(*self._rated, self.osculation)  # pyright: ignore[reportArgumentType]
+
+    def load_factors(self, radial: float, axial: float) -> tuple[float, float]:
+        return rating.ball_load_factors(self.elements, self.diameter, self.contact_angle, radial, axial)
+
+    @property
+    def _rated(self) -> tuple[int, float, float, float]:
+        return self.elements, self.diameter, self.pitch_diameter, self.contact_angle
+
+    @property
     def reach(self) -> float:
         """A [m]: distance of the groove centres where the balls touch both rings."""
         return self.groove("inner") + self.groove("outer") - self.diameter
@@ -316,6 +347,17 @@ class RollerGeometry(Geometry):
     @property
     def default_width(self) -> float:
         return self.roller_length + ROLLER_OVERHANG * self.roller_diameter
+
+    @property
+    def dynamic_rating(self) -> float:
+        return rating.roller_dynamic(self.elements, self.diameter, self.roller_length, self.pitch_diameter)
+
+    @property
+    def static_rating(self) -> float:
+        return rating.roller_static(self.elements, self.diameter, self.roller_length, self.pitch_diameter)
+
+    def load_factors(self, radial: float, axial: float) -> tuple[float, float]:
+        return rating.roller_load_factors(0.0, radial, axial)
 
     def bottom(self, side: str) -> float:
         """Radius [m] of a raceway, side "inner" or "outer"."""
