@@ -115,7 +115,7 @@ def test_static_rating_of_rollers_is_a_pressure_of_4_gigapascals() -> None:
 def test_load_factors_of_ball_bearings(
     degrees: float, relative: float, ratio: float, factors: tuple[float, float]
 ) -> None:
-    """Rows of tables 3 and 5: relative = F_a/(Z D^2) [MPa], ratio = F_a/F_r beside the row's e."""
+    """Rows of tables 3 and 5: relative = F_a/(Z D^2) [MPa], ratio = F_a/F_r near the row's e."""
     Z, d = 10, 0.01
     axial = relative * Z * (d * 1e3) ** 2
     found = rating.ball_load_factors(Z, d, np.radians(degrees), axial / ratio, -axial)
