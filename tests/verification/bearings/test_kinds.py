@@ -154,14 +154,12 @@ D, PITCH, LENGTH, ALPHA, COUNT = 8 * MM, 55 * MM, 12 * MM, np.radians(14.0), 16
 RIB = 0.4 * MM
 
 
-def tapered_bearing(force: tuple[float, float], count: int = COUNT, **more: Any) -> tuple[RollerGeometry, BearingResult]:
+def tapered_bearing(force: tuple[float, float], count: int = COUNT) -> tuple[RollerGeometry, BearingResult]:
     geometry = RollerGeometry(
-        elements=count, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH, contact_angle=ALPHA, **more
+        elements=count, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH, contact_angle=ALPHA
     )
     apex = 0.5 * PITCH / np.sin(geometry.inclination)  # from the rollers' middle to the point where all axes meet
-    ribs = Flanges(
-        0.0, outer=None, inner="back", end_radius=0.9 * apex, height=RIB, law=laws.PowerForce(1e9, 1.5)
-    )
+    ribs = Flanges(0.0, outer=None, inner="back", end_radius=0.9 * apex, height=RIB, law=laws.PowerForce(1e9, 1.5))
     return geometry, solved(geometry, force, flanges=ribs)[1]
 
 

@@ -6,6 +6,8 @@
     flanges.py    ribs that stop rollers
     bearing.py    Bearing: its parts by name; lives of ISO 281 and ISO/TS 16281
     build.py      the builders
+    rating.py     load ratings of ISO 281 and ISO 76, factors of equivalent loads
+    designations.py  geometries by designation: boundary_dimensions.toml, and estimates of the inside
 
 A ring or an element is a body of the scene, rigid or flexible, and `parts.contact_of` chooses the contact that its
 surfaces require: a new kind of bearing is a geometry and a builder.
@@ -17,6 +19,7 @@ from typing import TYPE_CHECKING
 
 from warpffrf.model.bearings.bearing import Bearing
 from warpffrf.model.bearings.build import add_ball_bearing, add_roller_bearing
+from warpffrf.model.bearings.designations import catalogue
 from warpffrf.model.bearings.elements import Cage, PocketCage, PrescribedCage
 from warpffrf.model.bearings.flanges import Flanges
 from warpffrf.model.bearings.geometry import BallGeometry, RollerGeometry
@@ -28,6 +31,7 @@ __all__ = [
     "PreloadOffset", "PrescribedCage", "RollerGeometry", "RollingContact",
     "add_ball_bearing",
     "add_roller_bearing",
+    "catalogue",
 ]  # fmt: skip
 
 

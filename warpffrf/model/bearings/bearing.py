@@ -46,7 +46,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.bearings.geometry import SIDES, BallGeometry, RollerGeometry, Rolling, Track, rolling
+from warpffrf.model.bearings.geometry import SIDES, BallGeometry, RollerGeometry, Track
+from warpffrf.model.bearings.kinematics import Rolling, rolling
 from warpffrf.model.bearings.parts import Place
 from warpffrf.model.bodies import Body, Ground
 from warpffrf.model.contact import Contact
@@ -279,8 +280,8 @@ def reference_life(
     geometry: Any, capacity: float, inner: np.ndarray, outer: np.ndarray, *, turning: str = "inner"
 ) -> ReferenceLife:
     """ISO/TS 16281's L_10r from the loads [N] of elements on either raceway, of balls (Z,), of rollers (Z, n) of their
-    laminae, row by row; capacity [N]; turning: the ring that rotates relative to the load, the other one is stationary. raceways:
-    the geometry. Raises `InputError`."""
+    laminae, row by row; capacity [N]; turning: the ring that rotates relative to the load, the other one is
+    stationary. Raises `InputError`."""
     if turning not in ("inner", "outer"):
         raise InputError(f"reference life: turning must be 'inner' or 'outer', got {turning!r}")
     C = require_number(capacity, "reference life: capacity [N]", positive=True)

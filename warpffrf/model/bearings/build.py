@@ -1,7 +1,8 @@
 """Common part of the builders of ball and roller bearings: rings, elements, contacts, cage, in this order.
 
-Ball bearings: deep-groove, angular-contact, four-point, self-aligning and double-row ones. Roller bearings: cylindrical,
-needle, tapered, spherical, toroidal and thrust ones. A kind is a geometry (`warpffrf.model.bearings.geometry`).
+Ball bearings: deep-groove, angular-contact, four-point, self-aligning and double-row ones. Roller bearings:
+cylindrical, needle, tapered, spherical, toroidal and thrust ones. A kind is a geometry
+(`warpffrf.model.bearings.geometry`).
 """
 
 from __future__ import annotations
@@ -83,7 +84,7 @@ def assemble(
             f"bearing {bearing.name!r}: cage must be bearings.PrescribedCage(...), bearings.PocketCage(...) or None, "
             f"got {cage!r}"
         )
-    place, geometry = bearing.place, bearing.geometry
+    geometry = bearing.geometry
     bearing.element_surface = elements.surface
     ports: dict[str, list[SurfacePort]] = {}
     for side in SIDES:
@@ -131,11 +132,11 @@ def add_ball_bearing(
     geometry: `bearings.BallGeometry(...)`. position (3,) [m]: the centre, axis (3,), first (3,): direction of the first
     ball from the axis, world axes at the initial pose; first None: +x made perpendicular to the axis. inner, outer: a
     rigid body or `scene.ground`, which get a raceway; a contact surface `body["rim"]` of a flexible body, whose contact
-    is then distributed, two of them of a double-row bearing; None: a rigid ring, free, "<name> inner ring". axial_preload:
-    `bearings.PreloadForce(newtons)` or `bearings.PreloadOffset(metres)`, the preload of ISO 5593, compressive and
-    positive. cage: `bearings.PrescribedCage()`, stationary balls at equal angles, `bearings.PocketCage(...)` or None.
-    contact: `bearings.RollingContact(...)`, law and friction of balls and raceways. materials: one material of rings
-    and balls, or `bearings.Materials(...)`, also for flexible balls.
+    is then distributed, two of them of a double-row bearing; None: a rigid ring, free, "<name> inner ring".
+    axial_preload: `bearings.PreloadForce(newtons)` or `bearings.PreloadOffset(metres)`, the preload of ISO 5593,
+    compressive and positive. cage: `bearings.PrescribedCage()`, stationary balls at equal angles,
+    `bearings.PocketCage(...)` or None. contact: `bearings.RollingContact(...)`, law and friction of balls and raceways.
+    materials: one material of rings and balls, or `bearings.Materials(...)`, also for flexible balls.
 
     Raises `InputError` for incompatible arguments.
     """
@@ -205,11 +206,10 @@ def add_roller_bearing(
         raise InputError(f"{label}: flanges must be bearings.Flanges(...) or None, got {flanges!r}")
     rigid = RigidElements(ELEMENT_SURFACE, element_of)
     assemble(
-        scene, bearing, rings={"inner": inner, "outer": outer}, 
+        scene, bearing, rings={"inner": inner, "outer": outer},
         elements=checked_elements(label, of.element_body, rigid, geometry, ROLLER_KINDS),
         laws=checked_laws(label, contact.law, default), contact=contact, cage=cage,
     )  # fmt: skip
     if flanges is not None:
         flanges.hold(scene, bearing)
     return bearing
-

@@ -94,7 +94,8 @@ class FlexibleElements(Elements):
 def checked_elements(
     label: str, given: Any, rigid: RigidElements, geometry: Geometry, kinds: tuple[str, ...]
 ) -> Elements:
-    """`rigid` where `given`, the reduced body of all elements, is None. kinds: of the admissible surfaces. Raises `InputError` for elements that do not fit this bearing."""
+    """`rigid` where `given`, the reduced body of all elements, is None. kinds: of the admissible surfaces. Raises
+    `InputError` for elements that do not fit this bearing."""
     if given is None:
         return rigid
     name, diameter = f"{label}: element_body", geometry.diameter

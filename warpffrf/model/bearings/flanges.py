@@ -149,6 +149,7 @@ class Flanges:
         """Face of a rib of the row `track`, user frame of `body`: of ends of the radius whose apex lies `apex` [m] from
         the rollers' middle along their axes times `sign`, and that meet it `lever` [m] off these axes."""
         geometry = bearing.geometry
+        assert isinstance(geometry, RollerGeometry)
         along = sign * np.array(geometry.axis(track))  # radial and axial component
         across = np.array([along[1], -along[0]]) * sign * (1.0 if side == "outer" else -1.0)
         lean = np.arcsin(lever / radius)

@@ -19,10 +19,10 @@ together where alpha_0 is positive.
 
 A four-point bearing has two arcs on each ring, those of contact angles +alpha_0 and -alpha_0, which meet in the middle.
 
-**Roller bearing.** Rollers of the diameter D at their middle lie on the pitch circle, inclined by tau to the axis in the
-plane through it: their axes are a = cos tau e_a - sin tau e_r, and they touch the raceways at +-D/2 m from their middle,
-m = cos tau e_r + sin tau e_a. Rollers whose radius falls along a by tan nu are tapered; raceways are straight, inclined
-by tau - nu (inner) and tau + nu (outer), so that the contact angle of the outer raceway is
+**Roller bearing.** Rollers of the diameter D at their middle lie on the pitch circle, inclined by tau to the axis in
+the plane through it: their axes are a = cos tau e_a - sin tau e_r, and they touch the raceways at +-D/2 m from their
+middle, m = cos tau e_r + sin tau e_a. Rollers whose radius falls along a by tan nu are tapered; raceways are straight,
+inclined by tau - nu (inner) and tau + nu (outer), so that the contact angle of the outer raceway is
 
     alpha = tau + nu,        tan nu = D sin(tau)/d_pw
 
@@ -34,29 +34,6 @@ d_pw/cos alpha)/2 is a sphere about the bearing's centre, where the rows are d_p
 
 **Rows.** The contact angle of the second row of a double-row bearing is the opposite one. Rows are at -+b/2 along the
 axis, b = `row_spacing`: a positive contact angle is a back-to-back arrangement, a negative one face-to-face.
-
-Rolling. Kinematics of elements that roll without slip on two raceways: orbit and spin from the speeds of the rings.
-
-With e_r outward, e_t around and e_a along the axis of the bearing, an element orbits with w_c and rotates with omega =
-w_r e_r + w_a e_a. Its surface at the contact with the outer raceway, D/2 n_o from its centre with n_o = cos(alpha_o)
-e_r + sin(alpha_o) e_a, and with the inner one, -D/2 n_i, has their circumferential velocity:
-
-    w_c d/2 + D/2 (w_a cos alpha_o - w_r sin alpha_o) = w_o (d/2 + D/2 cos alpha_o),
-    w_c d/2 - D/2 (w_a cos alpha_i - w_r sin alpha_i) = w_i (d/2 - D/2 cos alpha_i),
-
-d the pitch diameter, w_i and w_o the speeds of the rings. The pivoting remains undetermined, a rotation about the line
-of contact, which no point contact resists. Raceway control (Jones 1959) has none at one of the rings, of the speed w
-and the angle alpha:
-
-    (omega - w e_a) . n = w_r cos alpha + (w_a - w) sin alpha = 0,
-
-the outer one at high speed, where the centrifugal force presses there. A roller rotates about its own axis against the
-cage, omega - w_c e_a parallel to a, and touches in the direction m of its middle at both raceways: w_r cos tau + (w_a -
-w_c) sin tau = 0. At equal angles, gamma = D cos(alpha)/d,
-
-    w_c = (w_i (1 - gamma) + w_o (1 + gamma))/2,
-
-and the rolling against the cage is d/(2 D) (1 - gamma^2)(w_o - w_i). Rotating w_r e_r with w_c requires the gyroscopic moment I w_c w_r about e_t, which friction must provide.
 """
 
 from __future__ import annotations
@@ -70,6 +47,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from warpffrf.model import surfaces
+from warpffrf.model.bearings import rating
 from warpffrf.model.errors import InputError, require_array, require_count, require_number
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.surfaces import Shape
@@ -115,6 +93,8 @@ class Geometry(ABC):
     row_spacing: float
     diameter_deviations: Any
     width: float | None
+    bore: float | None
+    outside_diameter: float | None
 
     @property
     def label(self) -> str:
@@ -214,13 +194,32 @@ class Geometry(ABC):
     @property
     def diameters(self) -> np.ndarray:
         """(rows * elements,) m, of the elements with their deviations."""
-        excess = np.zeros(self.rows * self.elements) if self.diameter_deviations is None else np.array(self.diameter_deviations)
+        excess = (
+            np.zeros(self.rows * self.elements)
+            if self.diameter_deviations is None
+            else np.array(self.diameter_deviations)
+        )
         return self.diameter + excess
 
     @property
     def angles(self) -> np.ndarray:
         """(elements,) rad, of the elements of a row about the axis, from the first one."""
         return 2.0 * np.pi * np.arange(self.elements) / self.elements
+
+    @property
+    @abstractmethod
+    def dynamic_rating(self) -> float:
+        """Basic dynamic load rating [N] of ISO 281, radial up to a contact angle of 45 degrees, axial beyond
+        (`warpffrf.model.bearings.rating`)."""
+
+    @property
+    @abstractmethod
+    def static_rating(self) -> float:
+        """Basic static load rating [N] of ISO 76, in the same direction."""
+
+    @abstractmethod
+    def load_factors(self, radial: float, axial: float) -> tuple[float, float]:
+        """X and Y [-] of ISO 281 in the equivalent load X F_r + Y F_a under the forces `radial` and `axial` [N]."""
 
     @property
     def apart(self) -> float:
@@ -281,8 +280,8 @@ class BallGeometry(Geometry):
     thrust on the inner ring along the axis presses the bearing together; or clearance [m], diametral, negative for an
     interference, a radial preload. rows, row_spacing [m]: 2 and the distance of the rows of a double-row bearing, of
     which the first has the contact angle and the second the opposite one. four_point: whether balls of one row touch
-    two arcs on either ring, at the contact angle and at the opposite one. shoulders [m]: height over the bottom of the groove, one or (inner, outer), from
-    which results compute the truncated fraction of a patch.
+    two arcs on either ring, at the contact angle and at the opposite one. shoulders [m]: height over the bottom of the
+    groove, one or (inner, outer), from which results compute the truncated fraction of a patch.
 
     inner_form, outer_form: form deviation of a rigid raceway around its axis, of `warpffrf.films`, positive where
     material is missing, angles from the first ball: films.LobedForm(5e-6, 2) is oval. diameter_deviations (elements,)
@@ -358,6 +357,23 @@ class BallGeometry(Geometry):
     @property
     def default_width(self) -> float:
         return BALL_WIDTH * self.ball_diameter
+
+    @property
+    def dynamic_rating(self) -> float:
+        return rating.ball_dynamic(*self._rated, self.osculation, self.rows)  # pyright: ignore[reportArgumentType]
+
+    @property
+    def static_rating(self) -> float:
+        return rating.ball_static(*self._rated, self.osculation, self.rows)  # pyright: ignore[reportArgumentType]
+
+    def load_factors(self, radial: float, axial: float) -> tuple[float, float]:
+        if self.rows == 2 and self.contact_angle:
+            return rating.double_row_load_factors(self.contact_angle, radial, axial, self.self_aligning)
+        return rating.ball_load_factors(self.rows * self.elements, self.diameter, self.contact_angle, radial, axial)
+
+    @property
+    def _rated(self) -> tuple[int, float, float, float]:
+        return self.elements, self.diameter, self.pitch_diameter, self.contact_angle
 
     @property
     def reach(self) -> float:
@@ -464,8 +480,8 @@ class RollerGeometry(Geometry):
                 f"angle of the outer raceway, {abs(self.contact_angle):g} rad, and raceways straight"
             )
 
-        tau, l, D = abs(self.inclination), self.roller_length, self.diameter
-        self._check_rows(float(l * np.cos(tau) + D * np.sin(tau)))
+        tau = abs(self.inclination)
+        self._check_rows(float(self.roller_length * np.cos(tau) + self.diameter * np.sin(tau)))
 
     def _check_arcs(self) -> None:
         name = f"{self.label}: raceway_radii [m]"
@@ -515,10 +531,29 @@ class RollerGeometry(Geometry):
         away = self.taper if side == "outer" else -self.taper
         return float(np.copysign(abs(self.inclination) + away, self.contact_angle))
 
+    @property
+    def dynamic_rating(self) -> float:
+        thrust = rating.is_thrust(self.contact_angle)
+        b_m = 1.15 if self.raceway_radii is not None else 1.0 if thrust else rating.ROLLER_B_M
+        return rating.roller_dynamic(*self._size, self.contact_angle, self.rows, b_m)
+
+    @property
+    def static_rating(self) -> float:
+        return rating.roller_static(*self._size, self.contact_angle, self.rows)
+
+    def load_factors(self, radial: float, axial: float) -> tuple[float, float]:
+        return rating.roller_load_factors(self.contact_angle, radial, axial, self.rows)
+
+    @property
+    def _size(self) -> tuple[int, float, float, float]:
+        return self.elements, self.diameter, self.roller_length, self.pitch_diameter
+
     def bottom(self, side: str) -> float:
         """Radius [m] of a raceway in the middle of the rollers, side "inner" or "outer"."""
         sign = -1.0 if side == "inner" else 1.0
-        return float(0.5 * self.pitch_diameter + sign * (0.5 * self.diameter * np.cos(self.inclination) + self.play(side)))
+        return float(
+            0.5 * self.pitch_diameter + sign * (0.5 * self.diameter * np.cos(self.inclination) + self.play(side))
+        )
 
     def raceway(self, side: str, track: Track, where: Callable[[float], dict[str, Any]]) -> Shape:
         if self.raceway_radii is not None:
@@ -556,32 +591,3 @@ def from_description(description: dict[str, Any]) -> BallGeometry | RollerGeomet
     kinds: dict[str, Any] = {kind.__name__: kind for kind in (BallGeometry, RollerGeometry)}
     fields = dict(description)
     return kinds[fields.pop("type")](**fields)
-
-
-@dataclass(frozen=True)
-class Rolling:
-    """Speeds [rad/s] of an element: `orbit` about the axis, and its rotation, `radial` outward and `axial` along the
-    axis, not against the cage but in the world."""
-
-    orbit: float
-    radial: float
-    axial: float
-
-
-def rolling(
-    diameter: float, pitch: float, inner: float, outer: float, angles: tuple[float, float], control: str = "outer"
-) -> Rolling:
-    """Without slip on rings of the speeds `inner` and `outer` [rad/s] at the contact angles (inner, outer) [rad], not
-    pivoting on the raceway `control`, "inner" or "outer", or, of a roller, about its own axis against the "cage".
-    Raises `InputError` for another name."""
-    if control not in (*SIDES, "cage"):
-        raise InputError(f'rolling: control must be "inner" or "outer", the raceway without pivoting, got {control!r}')
-    (c_i, c_o), (s_i, s_o) = np.cos(angles), np.sin(angles)
-    R, r = 0.5 * pitch, 0.5 * diameter
-    speed, c, s = (inner, c_i, s_i) if control == "inner" else (outer, c_o, s_o)
-    axle = [-s, c, s] if control == "cage" else [0.0, c, s]
-    rows = np.array([[R, -r * s_o, r * c_o], [R, r * s_i, -r * c_i], axle])
-    pivoting = 0.0 if control == "cage" else speed * s
-    known: Any = np.array([outer * (R + r * c_o), inner * (R - r * c_i), pivoting])
-    orbit, radial, axial = np.linalg.solve(rows, known)
-    return Rolling(float(orbit), float(radial), float(axial))

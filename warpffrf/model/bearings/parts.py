@@ -54,6 +54,7 @@ if TYPE_CHECKING:
 
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")
 DEEP, SHOULDER = 1.6, 0.4  # of the diameter of an element
+WASHERS = np.radians(45.001)  # inclination beyond which rings are washers of a thrust bearing
 PERPENDICULAR = 1e-6  # cosine of `first` and the axis: six digits typed
 
 
@@ -120,6 +121,11 @@ def ring_mass(geometry: Geometry, side: str, material: Material, axis: np.ndarra
     D, pitch = geometry.diameter, geometry.pitch_diameter
     name, sign = ("bore", -1.0) if side == "inner" else ("outside_diameter", 1.0)
     shoulder, edge, given = pitch + sign * SHOULDER * D, pitch + sign * DEEP * D, getattr(geometry, name)
+    width = geometry.default_width if geometry.width is None else geometry.width
+    if abs(geometry.inclination) > WASHERS:  # washers on either side of the elements
+        inside = pitch - DEEP * D if geometry.bore is None else geometry.bore
+        outside = pitch + DEEP * D if geometry.outside_diameter is None else geometry.outside_diameter
+        return hollow_cylinder(inside, outside, max(0.5 * (width - D), SHOULDER * D), material, axis)
     if given is not None:
         edge = require_number(given, f"{geometry.label}: {name} [m]", positive=True)
         if sign * (edge - pitch) <= D:
@@ -128,7 +134,7 @@ def ring_mass(geometry: Geometry, side: str, material: Material, axis: np.ndarra
                 f"{'above' if side == 'inner' else 'below'} {pitch + sign * D:.4g} m"
             )
     edge = max(edge, 0.0)
-    width = geometry.default_width if geometry.width is None else geometry.width
+    width += geometry.row_spacing if geometry.width is None else 0.0
     return hollow_cylinder(min(edge, shoulder), max(edge, shoulder), width, material, axis)
 
 
@@ -178,7 +184,7 @@ def _flexible_ring(
     """`ring_surfaces` of given contact surfaces of a flexible body."""
     if len(ports) != len(tracks) or len({id(port.body) for port in ports}) > 1:
         raise InputError(
-            f"{label}: the bearing has {len(tracks)} raceways on one ring, and {len(ports)} contact surfaces are given; "
+            f"{label}: the bearing has {len(tracks)} raceways on a ring, and {len(ports)} contact surfaces are given; "
             "give (body['first'], body['second']) of a double-row bearing, in the sense of the axis"
         )
     if getattr(bearing.geometry, f"{side}_form") is not None:

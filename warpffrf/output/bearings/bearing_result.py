@@ -302,19 +302,26 @@ class BearingResult(reprs.Shown):
 
     # --- the whole
 
-    def basic_life(self, capacity: float, row: int = -1, *, X: float = 1.0, Y: float = 0.0) -> BasicLife:
+    def basic_life(
+        self, capacity: float | None = None, row: int = -1, *, X: float | None = None, Y: float | None = None
+    ) -> BasicLife:
         """Basic rating life of ISO 281 at the load of the saved step `row`: capacity [N], factors X and Y of a
-        catalogue.
+        catalogue, None for those of the geometry, `dynamic_rating` and `load_factors`.
 
         Raises `InputError` if the equivalent load is zero.
         """
-        F = self.force[row]
-        return basic_life(self.kind, capacity, float(np.hypot(F[0], F[1])), float(F[2]), X=X, Y=Y)
+        capacity = self.geometry.dynamic_rating if capacity is None else capacity
+        radial, axial = float(np.hypot(*self.force[row, :2])), float(self.force[row, 2])
+        own = self.geometry.load_factors(radial, axial)
+        X, Y = (known if given is None else given for known, given in zip(own, (X, Y), strict=True))
+        return basic_life(self.kind, capacity, radial, axial, X=X, Y=Y)
 
-    def reference_life(self, capacity: float, row: int = -1, *, turning: str = "inner") -> ReferenceLife:
+    def reference_life(self, capacity: float | None = None, row: int = -1, *, turning: str = "inner") -> ReferenceLife:
         """Reference rating life of ISO/TS 16281 from the loads of the balls, or of the rollers' laminae, at the saved
-        step `row` (`model.bearings.bearing`); capacity [N], turning: the ring that rotates relative to the load. Raises
-        `InputError` for rollers in distributed contact, which have no laminae."""
+        step `row` (`model.bearings.bearing`); capacity [N], None for `dynamic_rating` of the geometry; turning: the
+        ring that rotates relative to the load. Raises `InputError` for rollers in distributed contact, which have no
+        laminae."""
+        capacity = self.geometry.dynamic_rating if capacity is None else capacity
         if isinstance(self.geometry, BallGeometry):
             return reference_life(self.geometry, capacity, self.inner_load[row], self.outer_load[row], turning=turning)
         inner, outer = (self._laminae(side)[row] for side in SIDES)
@@ -364,8 +371,8 @@ class BearingResult(reprs.Shown):
             return []
         return [
             f"{turned} {self.kind}s press on the flanks against the sense of the contact angle, "
-            f"{np.degrees(self.geometry.contact_angle):.4g} deg, which an angular contact bearing has no shoulder for; turn the bearing "
-            "round, or preload it"
+            f"{np.degrees(self.geometry.contact_angle):.4g} deg, which an angular contact bearing has no shoulder for; "
+            "mount the bearing the other way, or preload it"
         ]
 
     # --- from the histories

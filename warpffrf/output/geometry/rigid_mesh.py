@@ -301,7 +301,9 @@ def _bearing(description: dict[str, Any], bodies: dict[str, BodyView]) -> list[t
         if description["kind"] == "roller":
             width = 0.5 * geometry.roller_length - height
         for track in geometry.tracks[: geometry.rows]:
-            found.append((cage.name, list(cage.shapes), revolved(np.zeros(3), axes, _band(geometry, track, height, width))))
+            found.append(
+                (cage.name, list(cage.shapes), revolved(np.zeros(3), axes, _band(geometry, track, height, width)))
+            )
     return found
 
 
