@@ -27,7 +27,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.bearings.bearing import BasicLife, ReferenceLife, basic_life, reference_life
+from warpffrf.model.bearings.life import BasicLife, ReferenceLife, basic_life, reference_life
 from warpffrf.model.bearings.flanges import ENDS
 from warpffrf.model.bearings.geometry import SIDES, BallGeometry, RollerGeometry, from_description
 from warpffrf.model.errors import InputError
