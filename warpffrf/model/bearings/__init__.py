@@ -4,8 +4,11 @@
     parts.py      Materials, RollingContact, axial preload; position, masses, rings, contacts
     elements.py   rolling elements, PrescribedCage, PocketCage
     flanges.py    ribs that stop rollers
-    bearing.py    Bearing: its parts by name; lives of ISO 281 and ISO/TS 16281
+    bearing.py    Bearing: its parts by name
     build.py      the builders
+    life.py       lives of ISO 281 and ISO/TS 16281
+    modified_life.py  a_ISO, contamination, duty cycles, static safety
+    lubrication.py    film thickness, drag, torque of catalogues
 
 A ring or an element is a body of the scene, rigid or flexible, and `parts.contact_of` chooses the contact that its
 surfaces require: a new kind of bearing is a geometry and a builder.
@@ -20,14 +23,38 @@ from warpffrf.model.bearings.build import add_ball_bearing, add_roller_bearing
 from warpffrf.model.bearings.elements import Cage, PocketCage, PrescribedCage
 from warpffrf.model.bearings.flanges import Flanges
 from warpffrf.model.bearings.geometry import BallGeometry, RollerGeometry
+from warpffrf.model.bearings.life import BasicLife, ReferenceLife, basic_life
+from warpffrf.model.bearings.lubrication import (
+    Film,
+    catalogue_torque,
+    drag_torque,
+    film_of_lines,
+    film_of_points,
+    starved,
+    thermal_factor,
+)
+from warpffrf.model.bearings.modified_life import (
+    DutyLife,
+    ModifiedLife,
+    contamination_factor,
+    duty_life,
+    fatigue_load_limit,
+    life_factor,
+    modified_life,
+    reliability_factor,
+    static_safety,
+    viscosity_ratio,
+)
 from warpffrf.model.bearings.parts import AxialPreload, Materials, PreloadForce, PreloadOffset, RollingContact
 from warpffrf.model.errors import no_attribute
 
 __all__ = [
-    "AxialPreload", "BallGeometry", "Bearing", "Cage", "Flanges", "Materials", "PocketCage", "PreloadForce",
-    "PreloadOffset", "PrescribedCage", "RollerGeometry", "RollingContact",
-    "add_ball_bearing",
-    "add_roller_bearing",
+    "AxialPreload", "BallGeometry", "BasicLife", "Bearing", "Cage", "DutyLife", "Film", "Flanges", "Materials",
+    "ModifiedLife", "PocketCage", "PreloadForce", "PreloadOffset", "PrescribedCage", "ReferenceLife", "RollerGeometry",
+    "RollingContact", "add_ball_bearing", "add_roller_bearing", "basic_life", "catalogue_torque",
+    "contamination_factor", "drag_torque", "duty_life", "fatigue_load_limit", "film_of_lines", "film_of_points",
+    "life_factor", "modified_life", "reliability_factor", "starved", "static_safety", "thermal_factor",
+    "viscosity_ratio",
 ]  # fmt: skip
 
 
