@@ -96,7 +96,7 @@ def test_heat_and_starvation_only_thin_a_film() -> None:
 
 
 def test_drag_of_elements_in_oil() -> None:
-    """Stokes' drag of slow spheres; measured c_d of faster ones, 0.42 at Re = 8000, and of cylinders, 1.5 at 100 and 1.2
+    """Stokes' drag of slow spheres; measured c_d of faster ones, 0.42 at Re = 8000, of cylinders 1.5 at 100 and 1.2
     at 1e4, which the formulas meet within 20 %."""
     ball = BallGeometry(elements=9, ball_diameter=0.0127, pitch_diameter=0.065)
     arm, D = 0.0325, 0.0127

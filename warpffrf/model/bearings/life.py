@@ -45,6 +45,7 @@ import numpy as np
 
 from warpffrf.model.bearings.geometry import BallGeometry, RollerGeometry
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.messages.named_arguments import named_arguments
 
 EXPONENTS = {"ball": 3.0, "roller": 10.0 / 3.0}
 TURNS, STANDS = 3.0, 10.0 / 3.0  # exponents of equivalent loads
@@ -55,7 +56,7 @@ FEWEST = 30  # laminae of a roller
 
 @dataclass(frozen=True)
 class BasicLife:
-    """L_10 in 10^6 revolutions, with the capacity C and the equivalent load P [N], P = X F_r + Y F_a."""
+    """L_10 in 10^6 revolutions, with the capacity C [N] and the equivalent load P [N], P = X F_r + Y F_a [-]."""
 
     revolutions: float
     capacity: float
@@ -66,8 +67,9 @@ class BasicLife:
 
 @dataclass(frozen=True)
 class ReferenceLife:
-    """L_10r in 10^6 revolutions, with loads of the raceways [N]: those for a life of one, and the equivalent ones, for
-    rollers those of the most critical lamina, times the number of laminae."""
+    """L_10r in 10^6 revolutions, with the capacity [N] and loads of the raceways: inner_rating and outer_rating [N]
+    give a life of one, inner_load and outer_load [N] are the equivalent ones, for rollers those of the most critical
+    lamina, times the number of laminae."""
 
     revolutions: float
     capacity: float
@@ -77,11 +79,12 @@ class ReferenceLife:
     outer_load: float  # Q_ee
 
 
+@named_arguments
 def basic_life(
     kind: str, capacity: float, radial: float, axial: float = 0.0, *, X: float = 1.0, Y: float = 0.0
 ) -> BasicLife:
-    """ISO 281's L_10 of a "ball" or "roller" bearing of dynamic capacity [N] under forces [N]; X, Y: factors of the
-    catalogue. Raises `InputError` for loads without a positive equivalent."""
+    """ISO 281's L_10 of a `kind` "ball" or "roller" of dynamic capacity [N] under `radial` and `axial` forces [N]; X, Y
+    [-]: factors of the catalogue. Raises `InputError` for loads without a positive equivalent."""
     C = require_number(capacity, "basic life: capacity [N]", positive=True)
     load = X * abs(radial) + Y * abs(axial)
     if load <= 0.0:

@@ -54,12 +54,13 @@ from warpffrf.model.oils import Oil
 
 CONDUCTIVITY = 0.14  # W/(m K), of mineral oils
 MM, MM2, RPM, N_MM = 1e3, 1e6, 30.0 / np.pi, 1e-3  # mm per m, mm2 per m2, rpm per rad/s, N m per N mm
+SLOWEST = 1e-9  # of Reynolds' number: at rest there is no drag
 VISCOUS = 2000.0  # mm2/s rpm: nu n above which the film of a bearing grows with it
 
 
 @dataclass(frozen=True)
 class Film:
-    """Film thickness [m] at the centre of contacts and its least value, (...) of their shape."""
+    """Film thickness (...) of contacts of any shape: `central` [m] in the middle, `minimum` [m] at the constriction."""
 
     central: np.ndarray
     minimum: np.ndarray
@@ -152,7 +153,7 @@ def drag_torque(geometry: BallGeometry | RollerGeometry, orbit: Any, *, density:
     mu = require_number(viscosity, "drag_torque: viscosity [Pa s]", positive=True)
     D, arm, w = geometry.diameter, 0.5 * geometry.pitch_diameter, np.asarray(orbit, float)
     v = arm * np.abs(w)
-    Re = np.maximum(rho * v * D / mu, np.finfo(float).tiny)
+    Re = np.maximum(rho * v * D / mu, SLOWEST)
     if isinstance(geometry, BallGeometry):
         area, drag = 0.25 * np.pi * D**2, 24.0 / Re + 6.0 / (1.0 + np.sqrt(Re)) + 0.4
     else:

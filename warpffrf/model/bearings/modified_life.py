@@ -79,8 +79,8 @@ MM, MM2, RPM = 1e3, 1e6, 30.0 / np.pi  # mm per m, mm2 per m2, rpm per rad/s
 
 @dataclass(frozen=True)
 class ModifiedLife:
-    """L_nm in 10^6 revolutions: a_1 a_ISO times that of `basic`, with the fatigue load limit C_u and the load P [N]
-    that a_ISO is of."""
+    """L_nm in 10^6 revolutions: reliability_factor a_1 [-] times life_factor a_ISO [-] times the life `basic`.
+    fatigue_limit [N]: C_u, load [N]: P, which a_ISO is of."""
 
     revolutions: float
     reliability_factor: float  # a_1

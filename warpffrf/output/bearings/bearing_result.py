@@ -320,8 +320,8 @@ class BearingResult(reprs.Shown):
         return modified_life(self.kind, found, limit, kappa, contamination, reliability=reliability)
 
     def static_safety(self, static_capacity: float, row: int = -1, *, X: float = 0.6, Y: float = 0.5) -> float:
-        """s_0 = C_0/P_0 [-] of ISO 76 at the load of the saved step `row`: static_capacity C_0 [N], factors X_0 and
-        Y_0, those of deep-groove ball bearings if not given. Raises `InputError` without a load."""
+        """s_0 = C_0/P_0 [-] of ISO 76 at the load of the saved step `row`: static_capacity C_0 [N]; X, Y [-]:
+        factors X_0 and Y_0, those of deep-groove ball bearings if not given. Raises `InputError` without a load."""
         F = self.force[row]
         return static_safety(static_capacity, float(np.hypot(F[0], F[1])), float(F[2]), X=X, Y=Y)
 
