@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.model.bearings import BallGeometry, RollerGeometry, life_factor
+from warpffrf.model.bearings import BallGeometry, FilmThickness, RollerGeometry, life_factor
 from warpffrf.model.bearings.life import BasicLife
 from warpffrf.model.bearings.modified_life import CLEANLINESS
 from warpffrf.model.errors import InputError
@@ -74,7 +74,7 @@ def test_a_line_is_dowsons_formula_of_1968() -> None:
 
 def test_heat_and_starvation_only_thin_a_film() -> None:
     """No effect of slow rolling and of a far inlet; the factors of the published formulas in between."""
-    film = wf.bearings.Film(np.array([0.5 * UM]), np.array([0.3 * UM]))
+    film = FilmThickness(np.array([0.5 * UM]), np.array([0.3 * UM]))
     R, b = 0.005, 0.2e-3
     need = 1.0 + 3.06 * ((R / b) ** 2 * 0.5 * UM / R) ** 0.58
     far = wf.bearings.starved(film, inlet=1.01 * need * b, half_axis=b, radius=R)
@@ -215,7 +215,7 @@ def test_static_safety() -> None:
     [
         (lambda: wf.bearings.film_of_lines(wf.oils.Newtonian(0.04), speed=1.0, line_load=1.0, radius=1.0, modulus=1e9),
          r"viscosity rises with pressure is needed, oils.Barus\("),
-        (lambda: wf.bearings.starved(wf.bearings.Film(*np.ones((2, 1))), inlet=1e-4, half_axis=2e-4, radius=0.01),
+        (lambda: wf.bearings.starved(FilmThickness(*np.ones((2, 1))), inlet=1e-4, half_axis=2e-4, radius=0.01),
          "beyond its half-axis of 0.0002 m, got 0.0001"),
         (lambda: wf.bearings.reliability_factor(0.99), "between 90 and 99.95 %"),
         (lambda: wf.bearings.viscosity_ratio(20.0, 100.0, 0.07), "46 mm2/s are 46e-6 m2/s"),

@@ -25,7 +25,7 @@ from warpffrf.model.bearings.flanges import Flanges
 from warpffrf.model.bearings.geometry import BallGeometry, RollerGeometry
 from warpffrf.model.bearings.life import BasicLife, ReferenceLife, basic_life
 from warpffrf.model.bearings.lubrication import (
-    Film,
+    FilmThickness,
     catalogue_torque,
     drag_torque,
     film_of_lines,
@@ -49,7 +49,7 @@ from warpffrf.model.bearings.parts import AxialPreload, Materials, PreloadForce,
 from warpffrf.model.errors import no_attribute
 
 __all__ = [
-    "AxialPreload", "BallGeometry", "BasicLife", "Bearing", "Cage", "DutyLife", "Film", "Flanges", "Materials",
+    "AxialPreload", "BallGeometry", "BasicLife", "Bearing", "Cage", "DutyLife", "FilmThickness", "Flanges", "Materials",
     "ModifiedLife", "PocketCage", "PreloadForce", "PreloadOffset", "PrescribedCage", "ReferenceLife", "RollerGeometry",
     "RollingContact", "add_ball_bearing", "add_roller_bearing", "basic_life", "catalogue_torque",
     "contamination_factor", "drag_torque", "duty_life", "fatigue_load_limit", "film_of_lines", "film_of_points",

@@ -59,7 +59,7 @@ VISCOUS = 2000.0  # mm2/s rpm: nu n above which the film of a bearing grows with
 
 
 @dataclass(frozen=True)
-class Film:
+class FilmThickness:
     """Film thickness (...) of contacts of any shape: `central` [m] in the middle, `minimum` [m] at the constriction."""
 
     central: np.ndarray
@@ -85,7 +85,7 @@ def _groups(oil: Oil, label: str, speed: Any, radius: Any, modulus: float) -> tu
 
 
 @named_arguments
-def film_of_points(oil: Oil, *, speed: Any, load: Any, radius: Any, ratio: Any, modulus: float) -> Film:
+def film_of_points(oil: Oil, *, speed: Any, load: Any, radius: Any, ratio: Any, modulus: float) -> FilmThickness:
     """Hamrock and Dowson's film (1977) of point contacts: entrainment `speed` [m/s], `load` [N] positive, `radius` [m]
     of relative curvature in the direction of rolling and `ratio` [-] of the half-axes across and along it, numbers or
     arrays of any shape; modulus [Pa]: E*. Raises `InputError` for an oil without pressure-viscosity coefficient."""
@@ -93,18 +93,18 @@ def film_of_points(oil: Oil, *, speed: Any, load: Any, radius: Any, ratio: Any, 
     R, k = np.asarray(radius, float), np.asarray(ratio, float)
     W = np.asarray(load, float) / (E * R**2)
     central = 2.69 * R * U**0.67 * G**0.53 * W**-0.067 * (1.0 - 0.61 * np.exp(-0.73 * k))
-    return Film(central, 3.63 * R * U**0.68 * G**0.49 * W**-0.073 * (1.0 - np.exp(-0.68 * k)))
+    return FilmThickness(central, 3.63 * R * U**0.68 * G**0.49 * W**-0.073 * (1.0 - np.exp(-0.68 * k)))
 
 
 @named_arguments
-def film_of_lines(oil: Oil, *, speed: Any, line_load: Any, radius: Any, modulus: float) -> Film:
+def film_of_lines(oil: Oil, *, speed: Any, line_load: Any, radius: Any, modulus: float) -> FilmThickness:
     """Dowson and Higginson's film with the exponents of 1968, at the centre Dowson and Toyoda's (1979), of line
     contacts: entrainment `speed` [m/s], `line_load` [N/m] positive and `radius` [m] of relative curvature, numbers or
     arrays of any shape; modulus [Pa]: E*. Raises `InputError` for an oil without pressure-viscosity coefficient."""
     U, G, E = _groups(oil, "film_of_lines", speed, radius, modulus)
     R = np.asarray(radius, float)
     W = np.asarray(line_load, float) / (E * R)
-    return Film(3.06 * R * U**0.69 * G**0.56 * W**-0.10, 2.65 * R * U**0.7 * G**0.54 * W**-0.13)
+    return FilmThickness(3.06 * R * U**0.69 * G**0.56 * W**-0.10, 2.65 * R * U**0.7 * G**0.54 * W**-0.13)
 
 
 @named_arguments
@@ -127,7 +127,7 @@ def thermal_factor(
 
 
 @named_arguments
-def starved(film: Film, *, inlet: Any, half_axis: Any, radius: Any) -> Film:
+def starved(film: FilmThickness, *, inlet: Any, half_axis: Any, radius: Any) -> FilmThickness:
     """The `film` of point contacts whose oil begins `inlet` [m] ahead of their centre (Hamrock and Dowson 1977):
     half_axis [m] and radius [m] of relative curvature in the direction of rolling, any shape. Raises `InputError` for
     an inlet within the contact."""
@@ -141,7 +141,7 @@ def starved(film: Film, *, inlet: Any, half_axis: Any, radius: Any) -> Film:
     for h, factor, power, exponent in ((film.central, 3.06, 0.58, 0.29), (film.minimum, 3.34, 0.56, 0.25)):
         flooded = factor * ((R / half_axis) ** 2 * h / R) ** power  # m* - 1
         found.append(h * np.minimum((m - 1.0) / flooded, 1.0) ** exponent)
-    return Film(*found)
+    return FilmThickness(*found)
 
 
 @named_arguments

@@ -19,7 +19,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
 from warpffrf.model.oils import Oil
 from warpffrf.online.history.history import BodyHistory, History
-from warpffrf.output.bearings.films import FilmThickness, film_thickness
+from warpffrf.output.bearings.films import Films, film_thickness
 from warpffrf.output.bearings.patches import Patches, ShearBelow, ball_patches, cut_off, roller_patches, shear_below
 
 LOADED = 1e-9  # of the largest load: an element below is unloaded, without a direction of force
@@ -330,7 +330,7 @@ class BearingResult(reprs.Shown):
     def film_thickness(
         self, oil: Oil, *, roughness: float | Sequence[float] | None = None, thinning: float | None = None,
         conductivity: float = CONDUCTIVITY, inlet: float | None = None,
-    ) -> dict[str, FilmThickness]:  # fmt: skip
+    ) -> dict[str, Films]:  # fmt: skip
         """ "inner" and "outer" -> films (T, Z) [m] of the contacts, by Hamrock and Dowson (1977) of balls, by Dowson
         (1968) of rollers (`model.bearings.lubrication`), from loads and motion of the run.
 

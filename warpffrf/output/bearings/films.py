@@ -27,7 +27,7 @@ from warpffrf.output.bearings.patches import ball_patches, roller_patches
 
 
 @dataclass(frozen=True)
-class FilmThickness:
+class Films:
     """Films of all elements on one raceway (T, Z), nan without a load: thickness [m] at the centre and its least value,
     entrainment and slip speed [m/s] around the axis, and the film parameter [-], Lambda, the least thickness over the
     roughness of both surfaces together; nan if that was not given."""
@@ -66,7 +66,7 @@ def entrainment(bearing: Any, side: str) -> tuple[np.ndarray, np.ndarray]:
 def film_thickness(
     bearing: Any, oil: Oil, roughness: float | Sequence[float] | None, thinning: float | None, conductivity: float,
     inlet: float | None,
-) -> dict[str, FilmThickness]:  # fmt: skip
+) -> dict[str, Films]:  # fmt: skip
     """See `BearingResult.film_thickness`."""
     label = f"bearing {bearing.name!r}: film_thickness"
     both = np.nan
@@ -102,5 +102,5 @@ def film_thickness(
                 conductivity=conductivity,
             )  # fmt: skip
         least = factor * film.minimum
-        found[side] = FilmThickness(factor * film.central, least, u, slip, least / both)
+        found[side] = Films(factor * film.central, least, u, slip, least / both)
     return found
