@@ -9,7 +9,16 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.model.bearings import BallGeometry, RollerGeometry
-from warpffrf.model.bearings.designations import SERIES, UNSUPPORTED, Boundary, _data, _named, _table, boundary, estimate
+from warpffrf.model.bearings.designations import (
+    SERIES,
+    UNSUPPORTED,
+    Boundary,
+    _data,
+    _named,
+    _table,
+    boundary,
+    estimate,
+)
 from warpffrf.model.errors import InputError
 
 MM = 1e-3
