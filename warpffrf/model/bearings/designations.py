@@ -15,17 +15,17 @@ d_m = (d + D)/2, the pitch diameter except of needles, where it is F + D_w, F th
 | cylindrical roller | 0.25 (D - d) | B - 0.7 D_w, series 10: B - 1.1 D_w | spacing 1.2 D_w |
 | needle roller | (D - F)/4 | 0.7 B | spacing 1.3 D_w |
 | tapered roller, C the width of the outer ring | 0.25 (D - d) | 0.8 C/cos(alpha) | spacing 1.15 D_w |
-| spherical roller, two rows, sin(alpha) = 0.28 B/((d_m + D_w)/2) | 0.28 (D - d) | 0.4 B | spacing 1.15 D_w |
+| spherical roller, two rows, sin(alpha) = 0.28 B/((d_m + D_w)/2) | 0.28 (D - d) | 0.4 B at most | spacing 1.15 D_w |
 | toroidal roller, raceways of the radius 2 d_m in the axial section | 0.25 (D - d) | 0.75 B | spacing 1.15 D_w |
 | thrust ball | 0.52 T | | spacing 1.15 D_w |
 | thrust cylindrical roller | 0.42 T | 0.3 (D - d) | spacing 1.4 D_w |
 | thrust spherical roller, alpha = 50 deg | 0.22 (D - d) | 0.6 T | spacing 1.3 D_w |
 
-Rows of balls are 1.15 D_w apart; barrel-shaped rollers have the crown radius 0.97 of that of their raceways, both of
-which have the radius of the outer sphere. psi = 186 degrees is the filling angle of balls, which are inserted between
-eccentric rings. Grooves have the radii 0.52 D_w and 0.53 D_w (thrust: 0.535 D_w), for which ISO 281 and ISO 76 rate
-bearings. Shares and spacings are rounded values from published insides, and from the ratings of catalogues:
-docs/method/18_rolling_bearings.md.
+Rows of balls are 1.15 D_w apart; barrel-shaped rollers are at most 0.95 as long as the room of their row; barrel-shaped
+rollers have the crown radius 0.97 of that of their raceways, both of which have the radius of the outer sphere. psi =
+186 degrees is the filling angle of balls, which are inserted between eccentric rings. Grooves have the radii 0.52 D_w
+and 0.53 D_w (thrust: 0.535 D_w), for which ISO 281 and ISO 76 rate bearings. Shares and spacings are rounded values
+from published insides, and from the ratings of catalogues: docs/method/18_rolling_bearings.md.
 """
 
 from __future__ import annotations
@@ -250,7 +250,10 @@ def _spherical(found: Boundary) -> dict[str, Any]:
     inside = _inside(found, 0.28 * found.section, 1.15, 0.4 * found.width, rows=2)
     pitch, diameter = inside["pitch_diameter"], inside["roller_diameter"]
     angle = float(np.arcsin(0.28 * found.width / (0.5 * (pitch + diameter))))
-    return {**inside, "contact_angle": -angle, "row_spacing": pitch * float(np.tan(angle)), **_sphere(inside, angle)}
+    spacing = pitch * float(np.tan(angle))
+    room = 0.95 * (spacing - diameter * float(np.sin(angle))) / float(np.cos(angle))
+    rows = {"contact_angle": -angle, "row_spacing": spacing, "roller_length": min(0.4 * found.width, room)}
+    return {**inside, **rows, **_sphere(inside, angle)}
 
 
 def _sphere(inside: dict[str, Any], angle: float) -> dict[str, Any]:

@@ -238,12 +238,14 @@ class Geometry(ABC):
         return bool(abs(0.5 * self.pitch_diameter - across) < CENTRED * self.pitch_diameter)
 
     def play(self, side: str) -> float:
-        """Distance [m] by which a raceway lies away from elements in their middle: a quarter of the diametral clearance
-        each, half of it the inner one where the outer is a sphere, which stays one."""
+        """Distance [m] by which the raceway of a side, "inner" or "outer", lies away from elements in their middle: a
+        quarter of the diametral clearance each, half of it the inner one where the outer is a sphere, which stays
+        one."""
         return self.clearance * ((0.5 if side == "inner" else 0.0) if self.self_aligning else 0.25)
 
     def arc_centre(self, side: str, track: Track) -> tuple[float, float]:
-        """Radius and axial position [m] of the circle of centres of a raceway that is an arc in the axial section."""
+        """Radius and axial position [m] of the circle of centres of the raceway of a side, "inner" or "outer", and a
+        track, which is an arc in the axial section."""
         radius = self.arc_radius(side)
         assert radius is not None
         sign, beyond = (1.0 if side == "inner" else -1.0), radius - 0.5 * self.diameter
@@ -252,7 +254,8 @@ class Geometry(ABC):
         return float(0.5 * self.pitch_diameter + across), float(track.z + along)
 
     def raceway(self, side: str, track: Track, where: Callable[[float], dict[str, Any]]) -> Shape:
-        """The surface of a raceway; where: axis_point and axis_direction from the position [m] along the axis."""
+        """The surface of the raceway of a side, "inner" or "outer", and a track; where: axis_point and axis_direction
+        from the position [m] along the axis."""
         radius, (across, along) = self.arc_radius(side), self.arc_centre(side, track)
         assert radius is not None
         if side == "inner":
@@ -521,7 +524,7 @@ class RollerGeometry(Geometry):
         return None if self.raceway_radii is None else self.raceway_radii[SIDES.index(side)]  # pyright: ignore[reportIndexIssue]
 
     def axis(self, track: Track) -> tuple[float, float]:
-        """Radial and axial component [-] of the direction of a roller's axis."""
+        """Radial and axial component [-] of the direction of the axis of a roller of a track."""
         tau = self.inclination * track.sense
         return float(-np.sin(tau)), float(np.cos(tau))
 
@@ -569,7 +572,7 @@ class RollerGeometry(Geometry):
         return kind(radius=self.bottom(side), half_angle=-angle, **at)
 
     def roller(self, diameter: float, track: Track, where: dict[str, Any]) -> Shape:
-        """The surface of a roller of the diameter [m]; where: axis_point and axis_direction."""
+        """The surface of a roller of the diameter [m] and a track; where: axis_point and axis_direction."""
         if self.taper:
             half_angle = -self.taper * track.sense * np.sign(self.contact_angle)
             return surfaces.Cone(radius=0.5 * diameter, half_angle=float(half_angle), **where)
