@@ -8,7 +8,15 @@ import pytest
 
 from warpffrf.examples import path
 from warpffrf.model import films, forces, laws
-from warpffrf.model.bearings import BallGeometry, Flanges, PocketCage, PreloadForce, RollerGeometry, RollingContact
+from warpffrf.model.bearings import (
+    BallGeometry,
+    Flanges,
+    PocketCage,
+    PreloadForce,
+    RollerGeometry,
+    RollingContact,
+    catalogue,
+)
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
@@ -130,3 +138,28 @@ spacing = 0.01
 def test_the_example_is_read() -> None:
     scene = load_scene(path("ball-bearing") / "ball_bearing.toml").scene
     assert len(scene.bearing("main").elements) == 9
+
+
+LISTED = """
+[bearings.a]
+kind = "ball"
+catalogue = "6310"
+clearance = 12e-6
+outer = "ground"
+
+[sensors.last]
+kind = "position"
+port = "a ball 8"
+"""
+
+
+def test_bearings_of_the_catalogue(tmp_path: Path) -> None:
+    geometry = loaded(tmp_path, LISTED).bearing("a").geometry
+    assert geometry == catalogue("6310", clearance=12e-6)
+    for old, new, said in (
+        ("6310", "6399", r"\[bearings.a\]: catalogue: '6399': the series 63 has no bore of 495 mm"),
+        ("6310", "NU 2210", r"\[bearings.a\]: bearing 'a': geometry must be bearings.BallGeometry"),
+        ('catalogue = "6310"', "", r"\[bearings.a\]: the key 'elements' is missing; give it, or a designation"),
+    ):
+        with pytest.raises(InputError, match=said):
+            loaded(tmp_path, LISTED.replace(old, new).replace("a ball 8", "a cage"))

@@ -5,10 +5,20 @@ r"""Friction laws of contacts and joints.
     Stribeck              mu(v) = mu_k + (mu_s - mu_k) exp(-(v/v_s)^delta)
     TabulatedFriction     mu(v) from a table
     TractionCurve         lubricated rolling: a rise in proportion to v, a peak, a fall to a limit; of lumped contacts
+    EyringTraction        lubricated rolling from data of the oil: shear thinning up to a limit; of lumped contacts
 
 A user-defined law is a subclass of `FrictionLaw` with a coefficient and its slope.
 
 Coulomb. Dry friction: |tau| <= mu p with one coefficient in stick and slip; the only parameter is mu.
+
+Eyring traction. Traction of a film from data of the oil at the mean pressure p of a contact: shear thinning (H. Eyring,
+J. Chem. Phys. 4, 1936, 283; K. L. Johnson and J. L. Tevaarwerk, Proc. R. Soc. A 356, 1977, 215) up to the limiting
+shear stress, which is proportional to the pressure (S. Bair and W. O. Winer, J. Lubr. Technol. 101, 1979, 258),
+
+    mu(v) = min((tau_0/p) asinh(v/v_0), mu_l),      v_0 = h tau_0/mu_p,
+
+tau_0 the Eyring stress, some 5 MPa of mineral oils, h the thickness of the film, mu_p its viscosity at p. Below v_0/4
+the oil is Newtonian. Isothermal, and without the elasticity of the oil.
 
 Law. Common to all friction laws: the coefficient of the bound as a function of the slip speed.
 
@@ -79,6 +89,7 @@ import numpy as np
 from warpffrf.model.checks.plausibility import friction_doubts, warn
 from warpffrf.model.errors import InputError, require_array, require_number
 from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.oils import Oil, as_oil
 
 
 class FrictionLaw(ABC):
@@ -370,7 +381,75 @@ class TractionCurve(FrictionLaw):
         return np.where(v >= self.peak_velocity, fall, 0.0)
 
 
-FRICTION_LAWS = {law.kind: law for law in (Coulomb, RegularisedCoulomb, Stribeck, TabulatedFriction, TractionCurve)}
+STEEPEST_RISE = 25.0  # of limit over stress_ratio: sinh is 4e10, beyond any slip
+NEWTONIAN = 0.25  # of v_0: below, asinh is its argument within 1 %
+
+
+@named_arguments
+@dataclass(frozen=True)
+class EyringTraction(FrictionLaw):
+    """A coefficient stress_ratio asinh(speed/velocity), at most `limit`: that of a lubricated contact whose oil thins
+    with shear, `stress_ratio` [-] the Eyring stress over the mean pressure, `velocity` [m/s] the slip speed where
+    thinning begins, `limit` [-] the limiting shear stress over the pressure.
+
+    For lumped contacts, and so for rigid rolling bearings. Raises `InputError`.
+    """
+
+    stress_ratio: float
+    velocity: float
+    limit: float
+    kind: ClassVar[str] = "eyring_traction"
+
+    def __post_init__(self) -> None:
+        for name, unit in (("stress_ratio", ""), ("velocity", " [m/s]"), ("limit", "")):
+            value = require_number(getattr(self, name), f"EyringTraction: {name}{unit}", positive=True)
+            object.__setattr__(self, name, value)
+        if self.limit > STEEPEST_RISE * self.stress_ratio:
+            raise InputError(
+                f"EyringTraction: a limit of {self.limit:g} is not reached at any speed with the stress_ratio "
+                f"{self.stress_ratio:g}; it is the Eyring stress, some 5e6 Pa, over the mean pressure"
+            )
+
+    @classmethod
+    def of_oil(
+        cls, oil: Oil, *, pressure: float, film: float, limit: float = 0.05, eyring_stress: float = 5e6
+    ) -> EyringTraction:
+        """The law of a contact of the mean `pressure` [Pa], two thirds of Hertz's peak, with a `film` [m] of `oil`;
+        limit [-]: limiting shear stress over the pressure, 0.03 to 0.1; eyring_stress [Pa]. oils.Roelands, as Barus'
+        law has far too high a viscosity at the pressures of bearings. Raises `InputError`."""
+        oil = as_oil(oil, "EyringTraction.of_oil")
+        p = require_number(pressure, "EyringTraction.of_oil: pressure [Pa]", positive=True)
+        h = require_number(film, "EyringTraction.of_oil: film [m]", positive=True)
+        tau = require_number(eyring_stress, "EyringTraction.of_oil: eyring_stress [Pa]", positive=True)
+        return cls(tau / p, h * tau / float(oil.viscosity_at(p)), limit)
+
+    @property
+    def creep_limit(self) -> float:
+        return min(NEWTONIAN * self.velocity, self._limiting)
+
+    @property
+    def _limiting(self) -> float:
+        """Slip speed [m/s] at which the limit is reached."""
+        return self.velocity * float(np.sinh(self.limit / self.stress_ratio))
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Speeds [m/s] between which the oil thins."""
+        return (0.0, *sorted({self.creep_limit, self._limiting}))
+
+    def coefficient_at(self, speed: Any) -> np.ndarray:
+        x = np.clip(np.asarray(speed, float), self.creep_limit, self._limiting) / self.velocity
+        return self.stress_ratio * np.arcsinh(x)
+
+    def slope_at(self, speed: Any) -> np.ndarray:
+        v = np.asarray(speed, float)
+        thins = (v >= self.creep_limit) & (v < self._limiting)
+        return np.where(thins, self.stress_ratio / np.hypot(v, self.velocity), 0.0)
+
+
+FRICTION_LAWS = {
+    law.kind: law for law in (Coulomb, RegularisedCoulomb, Stribeck, TabulatedFriction, TractionCurve, EyringTraction)
+}
 
 RUBBED_REST = (
     "equilibrium(scene, friction=True) includes it, starting from the initial pose, of surfaces from where they are "
@@ -378,7 +457,7 @@ RUBBED_REST = (
 )
 
 __all__ = [
-    "FRICTION_LAWS", "Coulomb", "FrictionLaw", "RegularisedCoulomb", "Stribeck", "TabulatedFriction",
+    "FRICTION_LAWS", "Coulomb", "EyringTraction", "FrictionLaw", "RegularisedCoulomb", "Stribeck", "TabulatedFriction",
     "TractionCurve", "RUBBED_REST", "as_constant_friction", "as_friction", "as_lumped_friction", "as_pair_friction",
     "friction_notes", "rolling_notes", "rubbing",
 ]  # fmt: skip
@@ -432,8 +511,8 @@ def as_pair_friction(value: Any, label: str) -> FrictionLaw:
 
 
 _TAKERS = (
-    "only contacts of surfaces support, and of lumped contacts laws.TractionCurve; give a coefficient, or "
-    "laws.RegularisedCoulomb"
+    "only contacts of surfaces support, and of lumped contacts laws.TractionCurve and laws.EyringTraction; give a "
+    "coefficient, or laws.RegularisedCoulomb"
 )
 
 

@@ -172,11 +172,17 @@ class RollingResistanceArm(RollingResistance):
 
 def spin_resistance(friction: FrictionLaw, patch: Patch | None, label: str) -> Resistance:
     """Of a contact with that friction and that patch, None where the force law has no patch. Raises `InputError` naming
-    `label` for friction that sticks, which does not depend on a velocity, and for patches that are no ellipse."""
+    `label` for friction that sticks, which does not depend on a velocity, for a coefficient that rises with it, and for
+    patches that are no ellipse."""
     if not friction.acts or not friction.creep_limit:
         raise InputError(
             f"{label}: spin=True requires friction that depends on the velocity of the surfaces, "
             "laws.RegularisedCoulomb or laws.TractionCurve"
+        )
+    if friction.static_coefficient < friction.largest_coefficient:
+        raise InputError(
+            f"{label}: spin=True has one coefficient for the whole patch, and that of laws.{type(friction).__name__} "
+            "rises with the slip speed; use laws.TractionCurve"
         )
     if patch is None or patch.long is None:
         raise InputError(

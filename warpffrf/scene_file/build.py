@@ -20,6 +20,7 @@ from warpffrf.scene_file.forms import (
     brief,
     choose,
     contact_kinds,
+    estimated_elements,
     fixed_forms,
     item_kinds,
     law_kinds,
@@ -215,7 +216,7 @@ class Builder:
             if not isinstance(table, dict):
                 continue
             yield from (f"{name} {side} ring" for side in ("inner", "outer") if side not in table)
-            count = table.get("elements")
+            count = table.get("elements", estimated_elements(table.get("catalogue")))
             yield from (f"{name} {table.get('kind')} {i + 1}" for i in range(count if type(count) is int else 0))
             yield f"{name} cage"
 

@@ -111,7 +111,7 @@ def form_of(title: str, call: Callable[..., Any], roles: dict[str, str], leave_o
     return Form(title, call, found, TypeAdapter(table))
 
 
-def flat(call: Callable[..., Any], **objects: type) -> Callable[..., Any]:
+def flat(call: Callable[..., Any], **objects: Callable[..., Any]) -> Callable[..., Any]:
     """`call` that takes the fields of the option `objects` (argument -> class) in place of these: a flat table."""
     kept = inspect.signature(call).parameters
     fields = {name: inspect.signature(cls).parameters for name, cls in objects.items()}
@@ -127,6 +127,37 @@ def flat(call: Callable[..., Any], **objects: type) -> Callable[..., Any]:
     parameters = [*(p for name, p in kept.items() if name not in objects), *added]
     setattr(flattened, "__signature__", inspect.Signature(parameters))  # noqa: B010 (functions have no such attribute)
     return flattened
+
+
+def listed(kind: type) -> Callable[..., Any]:
+    """A geometry of bearings, `kind`, or with `catalogue` that of a designation, some of whose estimates are replaced
+    by the other fields. Raises `InputError` for fields that are missing without a designation."""
+    from warpffrf.model.bearings import catalogue as geometry_of
+
+    own = inspect.signature(kind).parameters
+
+    def made(*, catalogue: str | None = None, **given: Any) -> Any:
+        if catalogue is not None:
+            return geometry_of(catalogue, **given)
+        for name, parameter in own.items():
+            if parameter.default is inspect.Parameter.empty and name not in given:
+                raise InputError(f'the key {name!r} is missing; give it, or a designation, such as catalogue = "6310"')
+        return kind(**given)
+
+    designation = inspect.Parameter("catalogue", inspect.Parameter.KEYWORD_ONLY, default=None, annotation="str | None")
+    optional = [p.replace(default=None) for p in own.values()]
+    setattr(made, "__signature__", inspect.Signature([designation, *optional]))  # noqa: B010
+    return made
+
+
+def estimated_elements(designation: Any) -> int:
+    """Number of elements of a bearing of the catalogue; 0 of an unknown one, which is refused when it is made."""
+    from warpffrf.model.bearings.designations import boundary, estimate
+
+    try:
+        return estimate(boundary(designation))["elements"]
+    except InputError:
+        return 0
 
 
 def arguments_of(call: Callable[..., Any]) -> Callable[..., dict[str, Any]]:
@@ -356,8 +387,8 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     of_program = ("scene", "progress", "overwrite", "resume", "check")
     rings: dict[str, str] = {"inner": "port", "outer": "port", "element_body": "reduced_bodies"}
     options: dict[str, type] = {"contact": RollingContact, "materials": Materials}
-    balls = flat(add_ball_bearing, geometry=BallGeometry, **options)
-    rollers = flat(add_roller_bearing, geometry=RollerGeometry, **options)
+    balls = flat(add_ball_bearing, geometry=listed(BallGeometry), **options)
+    rollers = flat(add_roller_bearing, geometry=listed(RollerGeometry), **options)
     found = {
         "materials": {"": form_of("material", Material, {}, ("name",))},
         "meshes": {

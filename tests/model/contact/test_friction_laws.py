@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from warpffrf.model import laws
+from warpffrf.model import laws, oils
 from warpffrf.model.errors import InputError
 from warpffrf.model.friction import (
     FRICTION_LAWS,
@@ -25,6 +25,7 @@ FALLING: list[Any] = [
     laws.Stribeck(0.4, 0.2, 0.05, exponent=1.5),
     laws.TabulatedFriction((0.0, 0.01, 0.1, 0.5), (0.4, 0.3, 0.1, 0.25)),
     laws.TractionCurve(0.06, 0.02, 0.03, 0.3),
+    laws.EyringTraction(0.005, 1e-3, 0.03),
 ]
 SAME: list[Any] = [laws.Coulomb(0.3), laws.RegularisedCoulomb(0.3, 1e-3)]
 
@@ -96,6 +97,20 @@ def test_every_law_is_registered_and_described() -> None:
     assert as_friction(own, "pair") is own and own.describe()["slope"] == 0.5
 
 
+def test_traction_of_an_oil() -> None:
+    """Newtonian at first, mu_p v/h over p; then the Eyring stress times asinh, up to the limiting shear stress."""
+    oil, p, h = oils.Roelands(0.04, coefficient=2e-8), 0.8e9, 0.4e-6
+    law = laws.EyringTraction.of_oil(oil, pressure=p, film=h, limit=0.05, eyring_stress=5e6)
+    mu = float(oil.viscosity_at(p))
+    v = law.creep_limit
+    assert law.coefficient_at(0.0) * p == pytest.approx(mu * v / h, rel=2e-2)  # and below in proportion
+    rate = 0.1 / h
+    assert law.coefficient_at(0.1) * p == pytest.approx(5e6 * np.arcsinh(mu * rate / 5e6), rel=1e-12)
+    assert law.coefficient_at(1e4) == pytest.approx(0.05) and law.largest_coefficient == pytest.approx(0.05)
+    early = laws.EyringTraction(0.01, 1e-3, 1e-3)  # the limit is reached before the oil thins
+    assert early.coefficient_at([0.0, 1.0]) == pytest.approx([1e-3, 1e-3]) and early.breaks == (0.0, early.creep_limit)
+
+
 REFUSED: list[tuple[Any, str]] = [
     (lambda: laws.Stribeck(0.2, 0.4, 0.1), r"kinetic must be at most static, .*; .*laws.TabulatedFriction"),
     (lambda: laws.Stribeck(0.4, 0.0, 0.1), r"Stribeck: kinetic must be greater than zero"),
@@ -104,6 +119,9 @@ REFUSED: list[tuple[Any, str]] = [
     (lambda: laws.TractionCurve(0.03, 0.1, 0.06, 0.1), r"limit must be at most peak"),
     (lambda: laws.TractionCurve(0.06, 0.0, 0.03, 0.1), r"peak_velocity \[m/s\] must be greater than zero"),
     (lambda: as_pair_friction(laws.TractionCurve(0.06, 0.1, 0.03, 0.1), "c"), r"c: laws.TractionCurve is a law"),
+    (lambda: laws.EyringTraction(1e-4, 1e-3, 0.05), r"not reached at any speed with the stress_ratio 0.0001; .*over"),
+    (lambda: laws.EyringTraction(0.005, 0.0, 0.05), r"EyringTraction: velocity \[m/s\] must be greater than zero"),
+    (lambda: as_pair_friction(laws.EyringTraction(0.005, 1e-3, 0.05), "c"), r"c: laws.EyringTraction is a law"),
     (lambda: as_lumped_friction(laws.Stribeck(0.4, 0.2, 0.1), "c"), r"on the slip speed, .*TractionCurve"),
     (lambda: laws.TabulatedFriction((0.0,), (0.3,)), r"two at least"),
     (lambda: laws.TabulatedFriction((0.0, 1.0), (0.3, 0.2, 0.1)), r"as many coefficients as speeds"),

@@ -115,6 +115,10 @@ def test_spin_on_a_circle() -> None:
         ({"spin": 1}, "spin must be True or False, got 1"),
         ({"spin": True}, "spin=True requires friction that depends on the velocity"),
         ({"spin": True, "friction": 0.1}, "laws.RegularisedCoulomb or laws.TractionCurve"),
+        (
+            {"spin": True, "friction": laws.EyringTraction(0.005, 1e-3, 0.05)},
+            "EyringTraction rises with the slip speed",
+        ),
         ({"spin": True, "friction": CREEP, "law": laws.PowerForce(1e9)}, "that of laws.HertzPoint"),
         (
             {"rolling_resistance": laws.RollingHysteresis(0.1, 1.0), "law": laws.PowerForce(1e9)},

@@ -23,8 +23,8 @@ from warpffrf.model.bearings import (
     add_ball_bearing,
     add_roller_bearing,
 )
-from warpffrf.model.bearings.bearing import _of_rollers, edge_factor, reference_life
 from warpffrf.model.bearings.geometry import from_description
+from warpffrf.model.bearings.life import _of_rollers, edge_factor, reference_life
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints import LineInPlane, PointInPlane
 from warpffrf.model.scene import Scene
@@ -199,3 +199,15 @@ def test_reference_life_of_rollers_has_the_limit_of_iso_281(turning: str) -> Non
     assert f[0] == pytest.approx(2.33, abs=5e-3) and f[15] == pytest.approx(1.0, abs=5e-3)
     same = _of_rollers(geometry, C, q, q, turning, edges=np.ones).revolutions
     assert found.revolutions == pytest.approx(same * np.mean(f**4.5) ** (-8.0 / 9.0))
+
+
+@pytest.mark.parametrize("angle", [0.0, 25.0, 40.0])
+def test_reference_life_of_balls_has_the_limit_of_iso_281(angle: float) -> None:
+    """A life of one under C_r, whatever the contact angle, with Lundberg and Palmgren's distribution: Q = Q_max
+    cos(phi)^1.5 in half the bearing."""
+    alpha, C = np.radians(angle), 20e3
+    geometry = BallGeometry(elements=60, ball_diameter=1e-3, pitch_diameter=60e-3, contact_angle=alpha)
+    phi = 2.0 * np.pi * (np.arange(60) + 0.25) / 60
+    Q = np.maximum(np.cos(phi), 0.0) ** 1.5
+    Q *= C / (np.sum(Q * np.cos(phi)) * np.cos(alpha))
+    assert reference_life(geometry, C, Q, Q).revolutions == pytest.approx(1.0, rel=2e-2)

@@ -82,7 +82,7 @@ def test_rings_of_a_ball_bearing_have_the_raceways(balls: wf.Result) -> None:
     assert across(inner).min() == pytest.approx(0.0175, rel=ROUND_OFF)  # the given bore
     assert np.abs(inner[:, 1]).max() == pytest.approx(0.008, rel=ROUND_OFF)
     for side, points in (("inner", inner), ("outer", outer)):
-        R, z = geometry.centre(side)
+        R, z = geometry.arc_centre(side, geometry.tracks[0])
         r = geometry.groove(side)
         within = np.abs(np.hypot(across(points) - R, points[:, 1] - z) - r) < 1e-9
         assert within.sum() >= 33 * AROUND  # vertices on the torus of the groove, the others beyond its shoulders

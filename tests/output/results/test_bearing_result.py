@@ -51,6 +51,8 @@ def test_published_reference_lives(radial: Result) -> None:
     )
     axial = at_rest(p7(0.0, 0.0, 1e3)[0]).bearing("bearing")
     assert axial.reference_life(23400.0).revolutions == pytest.approx(2222.7, rel=1e-4)
+    F_a = abs(axial.force[-1, 2])  # X = 0.56, and Y = 1.54 at F_a/(Z D^2) = 1.08 MPa, between 1.55 and 1.45
+    assert axial.basic_life(23400.0).load == pytest.approx(1.54 * F_a, rel=5e-3)
     assert axial.reference_life(23400.0).inner_load == pytest.approx(axial.inner_load[-1].mean(), rel=1e-6)
 
 
@@ -64,6 +66,9 @@ def test_a_run_without_saved_steps_has_no_table(radial: Result) -> None:
 def test_basic_life(radial: Result) -> None:
     life = radial.bearing("bearing").basic_life(23400.0)
     assert life.revolutions == pytest.approx(23.4**3, rel=1e-6) and life.load == pytest.approx(1e3)
+    own, rated = radial.bearing("bearing"), radial.bearing("bearing").geometry.dynamic_rating
+    assert own.basic_life().capacity == own.reference_life().capacity == rated
+    assert own.basic_life().revolutions == pytest.approx((rated / 1e3) ** 3, rel=1e-6)
     with pytest.raises(InputError, match="give X and Y of the catalogue"):
         radial.bearing("bearing").basic_life(23400.0, X=0.0)
     with pytest.raises(InputError, match="turning must be"):

@@ -72,6 +72,25 @@ def test_an_ellipse_is_the_half_space_under_its_pressure(ratio: float) -> None:
     assert stress_on_axis(ellipse(ratio), z, NU) == pytest.approx(found, abs=1e-4)
 
 
+def test_a_line_that_slides() -> None:
+    """By integrals of Flamant's forces over pressure and traction; the largest shear is at 0.786 a without friction,
+    and at the surface with much of it (Johnson, section 7.1)."""
+    line, mu = HertzLine(1.0, 1.0, 1.0, 1.0, 1.0), 0.3
+    t, weight = np.polynomial.legendre.leggauss(400)
+    t, weight = 0.5 * np.pi * t, 0.5 * np.pi * weight
+    for x, z in ((0.0, 0.786), (0.3, 0.4), (-0.8, 0.3), (1.5, 0.6), (-2.0, 1.0)):
+        d = x - np.sin(t)
+        force = -2.0 / np.pi * weight * np.cos(t) ** 2 * (z + mu * d) / (d**2 + z**2) ** 2
+        exact = np.array([np.sum(force * d**2), np.sum(force * z**2), np.sum(force * z * d)])
+        assert line.stress(x, z, friction=mu)[[0, 2, 5]] == pytest.approx(exact, abs=1e-9)
+    assert line.stress(0.0, DEPTH) == pytest.approx(stress_on_axis(line, DEPTH, NU), abs=1e-12)
+    x, z = np.meshgrid(np.linspace(-1.5, 1.5, 301), np.linspace(1e-6, 1.5, 151))
+    for friction, deepest in ((0.0, 0.786), (0.5, 0.0)):
+        found = line.stress(x, z, friction=friction)
+        shear = np.hypot(0.5 * (found[..., 0] - found[..., 2]), found[..., 5])
+        assert z.ravel()[shear.argmax()] == pytest.approx(deepest, abs=0.011)
+
+
 def test_ellipses_go_over_into_circles_and_lines() -> None:
     round_one = stress_on_axis(ellipse(1.0), DEPTH, NU)
     assert stress_on_axis(ellipse(1.0 + 1e-6), DEPTH, NU) == pytest.approx(round_one, abs=3e-6)  # of m = 2e-6

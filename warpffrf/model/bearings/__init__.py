@@ -1,11 +1,17 @@
 """Rolling bearings: builders of rings, elements, contacts and cage, and the `Bearing` object.
 
-    geometry.py   BallGeometry, RollerGeometry, and the kinematics of rolling
+    geometry.py   BallGeometry, RollerGeometry: raceways and rollers of all kinds
+    kinematics.py rolling without slip
     parts.py      Materials, RollingContact, axial preload; position, masses, rings, contacts
     elements.py   rolling elements, PrescribedCage, PocketCage
     flanges.py    ribs that stop rollers
-    bearing.py    Bearing: its parts by name; lives of ISO 281 and ISO/TS 16281
+    bearing.py    Bearing: its parts by name
     build.py      the builders
+    rating.py     load ratings of ISO 281 and ISO 76, factors of equivalent loads
+    designations.py  geometries by designation: boundary_dimensions.toml, and estimates of the inside
+    life.py       lives of ISO 281 and ISO/TS 16281
+    modified_life.py  a_ISO, contamination, duty cycles, static safety
+    lubrication.py    film thickness, drag, torque of catalogues
 
 A ring or an element is a body of the scene, rigid or flexible, and `parts.contact_of` chooses the contact that its
 surfaces require: a new kind of bearing is a geometry and a builder.
@@ -17,17 +23,42 @@ from typing import TYPE_CHECKING
 
 from warpffrf.model.bearings.bearing import Bearing
 from warpffrf.model.bearings.build import add_ball_bearing, add_roller_bearing
+from warpffrf.model.bearings.designations import catalogue
 from warpffrf.model.bearings.elements import Cage, PocketCage, PrescribedCage
 from warpffrf.model.bearings.flanges import Flanges
 from warpffrf.model.bearings.geometry import BallGeometry, RollerGeometry
+from warpffrf.model.bearings.life import BasicLife, ReferenceLife, basic_life
+from warpffrf.model.bearings.lubrication import (
+    FilmThickness,
+    catalogue_torque,
+    drag_torque,
+    film_of_lines,
+    film_of_points,
+    starved,
+    thermal_factor,
+)
+from warpffrf.model.bearings.modified_life import (
+    DutyLife,
+    ModifiedLife,
+    contamination_factor,
+    duty_life,
+    fatigue_load_limit,
+    life_factor,
+    modified_life,
+    reliability_factor,
+    static_safety,
+    viscosity_ratio,
+)
 from warpffrf.model.bearings.parts import AxialPreload, Materials, PreloadForce, PreloadOffset, RollingContact
 from warpffrf.model.errors import no_attribute
 
 __all__ = [
-    "AxialPreload", "BallGeometry", "Bearing", "Cage", "Flanges", "Materials", "PocketCage", "PreloadForce",
-    "PreloadOffset", "PrescribedCage", "RollerGeometry", "RollingContact",
-    "add_ball_bearing",
-    "add_roller_bearing",
+    "AxialPreload", "BallGeometry", "BasicLife", "Bearing", "Cage", "DutyLife", "FilmThickness", "Flanges", "Materials",
+    "ModifiedLife", "PocketCage", "PreloadForce", "PreloadOffset", "PrescribedCage", "ReferenceLife", "RollerGeometry",
+    "RollingContact", "add_ball_bearing", "add_roller_bearing", "basic_life", "catalogue", "catalogue_torque",
+    "contamination_factor", "drag_torque", "duty_life", "fatigue_load_limit", "film_of_lines", "film_of_points",
+    "life_factor", "modified_life", "reliability_factor", "starved", "static_safety", "thermal_factor",
+    "viscosity_ratio",
 ]  # fmt: skip
 
 

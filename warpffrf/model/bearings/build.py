@@ -1,22 +1,22 @@
 """Common part of the builders of ball and roller bearings: rings, elements, contacts, cage, in this order.
 
-Ball bearings: deep-groove and angular-contact ones.
-
-Roller. Cylindrical roller bearings.
+Ball bearings: deep-groove, angular-contact, four-point, self-aligning and double-row ones. Roller bearings:
+cylindrical, needle, tapered, spherical, toroidal and thrust ones. A kind is a geometry
+(`warpffrf.model.bearings.geometry`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from warpffrf.model import laws, surfaces
 from warpffrf.model.arguments import Vector
 from warpffrf.model.bearings.bearing import ELEMENT_SURFACE, Bearing
 from warpffrf.model.bearings.elements import STANDING, Cage, Elements, RigidElements, checked_elements
 from warpffrf.model.bearings.flanges import Flanges
-from warpffrf.model.bearings.geometry import SIDES, BallGeometry, RollerGeometry, pair
+from warpffrf.model.bearings.geometry import SIDES, BallGeometry, RollerGeometry, Track, pair
 from warpffrf.model.bearings.parts import (
     STEEL,
     AxialPreload,
@@ -26,7 +26,7 @@ from warpffrf.model.bearings.parts import (
     checked_preload,
     contact_of,
     hollow_cylinder,
-    ring_surface,
+    ring_surfaces,
     sense_of,
     solid_ball,
 )
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
 
 FRICTIONLESS = RollingContact()
+Ring = Body | Ground | SurfacePort | tuple[SurfacePort, SurfacePort] | None
 
 
 def checked_laws(label: str, law: Any, default: LumpedLaw) -> tuple[LumpedLaw, LumpedLaw]:
@@ -68,7 +69,7 @@ def assemble(
     bearing: Bearing,
     *,
     rings: dict[str, Any],
-    raceway_of: Callable[[str, Body | Ground], Any],
+    offset: float = 0.0,
     elements: Elements,
     laws: tuple[LumpedLaw, LumpedLaw],
     contact: RollingContact,
@@ -76,30 +77,30 @@ def assemble(
 ) -> Bearing:
     """Add the parts of `bearing` to the scene and return it.
 
-    raceway_of: shape of the raceway of a side in user axes of the ring's body.
+    offset [m]: of the inner raceways in the sense of their contact angles.
     """
     if cage is not None and not isinstance(cage, Cage):
         raise InputError(
             f"bearing {bearing.name!r}: cage must be bearings.PrescribedCage(...), bearings.PocketCage(...) or None, "
             f"got {cage!r}"
         )
-    place, geometry = bearing.place, bearing.geometry
+    geometry = bearing.geometry
     bearing.element_surface = elements.surface
-    ports = {}
+    ports: dict[str, list[SurfacePort]] = {}
     for side in SIDES:
-        body, ports[side] = ring_surface(scene, side, rings[side], partial(raceway_of, side), bearing)
+        moved = offset if side == "inner" else 0.0
+        body, ports[side] = ring_surfaces(scene, side, rings[side], bearing, moved)
         setattr(bearing, side, body)
     if bearing.inner is bearing.outer:
         raise InputError(f"bearing {bearing.name!r}: inner and outer are both {bearing.inner.name!r}; name two bodies")
-    for i, (angle, diameter) in enumerate(zip(geometry.angles, geometry.diameters, strict=True), start=1):
-        element = elements.add(
-            scene, f"{bearing.name} {bearing.kind} {i}", place, 0.5 * geometry.pitch_diameter, float(angle),
-            float(diameter),
-        )  # fmt: skip
-        bearing.elements.append(element)
+    for i, ((angle, track), diameter) in enumerate(zip(geometry.places, geometry.diameters, strict=True), start=1):
+        named = f"{bearing.name} {bearing.kind} {i}"
+        bearing.elements.append(elements.add(scene, named, bearing, angle, track, float(diameter)))
+    for i, (number, row) in enumerate(geometry.contacts, start=1):
+        element = bearing.elements[number]
         for side, law in zip(SIDES, laws, strict=True):
             name = f"{bearing.name} {side} {i}"
-            made = contact_of(element[bearing.element_surface], ports[side], law, contact, name)
+            made = contact_of(element[bearing.element_surface], ports[side][row], law, contact, name)
             bearing.contacts[f"{side}_{i}"] = scene.add(made)
     if cage is not None:
         cage.hold(scene, bearing)
@@ -119,8 +120,8 @@ def add_ball_bearing(
     position: Vector = (0.0, 0.0, 0.0),
     axis: Vector = (0.0, 1.0, 0.0),
     first: Vector | None = None,
-    inner: Body | Ground | SurfacePort | None = None,
-    outer: Body | Ground | SurfacePort | None = None,
+    inner: Ring = None,
+    outer: Ring = None,
     axial_preload: AxialPreload | None = None,
     cage: Cage | None = STANDING,
     contact: RollingContact = FRICTIONLESS,
@@ -131,11 +132,11 @@ def add_ball_bearing(
     geometry: `bearings.BallGeometry(...)`. position (3,) [m]: the centre, axis (3,), first (3,): direction of the first
     ball from the axis, world axes at the initial pose; first None: +x made perpendicular to the axis. inner, outer: a
     rigid body or `scene.ground`, which get a raceway; a contact surface `body["rim"]` of a flexible body, whose contact
-    is then distributed; None: a rigid ring, free, "<name> inner ring". axial_preload:
-    `bearings.PreloadForce(newtons)` or `bearings.PreloadOffset(metres)`, the preload of ISO 5593, compressive and
-    positive. cage: `bearings.PrescribedCage()`, stationary balls at equal angles, `bearings.PocketCage(...)` or None.
-    contact: `bearings.RollingContact(...)`, law and friction of balls and raceways. materials: one material of rings
-    and balls, or `bearings.Materials(...)`, also for flexible balls.
+    is then distributed, two of them of a double-row bearing; None: a rigid ring, free, "<name> inner ring".
+    axial_preload: `bearings.PreloadForce(newtons)` or `bearings.PreloadOffset(metres)`, the preload of ISO 5593,
+    compressive and positive. cage: `bearings.PrescribedCage()`, stationary balls at equal angles,
+    `bearings.PocketCage(...)` or None. contact: `bearings.RollingContact(...)`, law and friction of balls and raceways.
+    materials: one material of rings and balls, or `bearings.Materials(...)`, also for flexible balls.
 
     Raises `InputError` for incompatible arguments.
     """
@@ -145,30 +146,24 @@ def add_ball_bearing(
     checked(label, "contact", contact, RollingContact)
     of = materials if isinstance(materials, Materials) else Materials(materials)
     pressed, sense = checked_preload(label, axial_preload), sense_of(geometry.contact_angle)
-    off = {"inner": sense * pressed.offset(label), "outer": 0.0}
     place = Place.of(label, position, axis, first)
     bearing = Bearing(name, "ball", geometry, place, of.both)
 
-    def raceway_of(side: str, body: Body | Ground) -> Any:
-        kind = surfaces.Groove if side == "inner" else surfaces.Ring
-        where = place.in_user(body, geometry.centre(side)[1] + off[side])
-        return kind(radius=geometry.bottom(side), groove_radius=geometry.groove(side), **where)
-
-    def element_of(diameter: float) -> tuple[float, Any, Any]:
+    def element_of(diameter: float, axis: np.ndarray, track: Track) -> tuple[float, Any, Any]:
         ball = surfaces.Sphere(radius=0.5 * diameter, axis_point=(0.0, 0.0, 0.0), axis_direction=place.axis)
         return (*solid_ball(diameter, of.both[0]), ball)
 
     rigid = RigidElements(ELEMENT_SURFACE, element_of)
     assemble(
-        scene, bearing, rings={"inner": inner, "outer": outer}, raceway_of=raceway_of,
-        elements=checked_elements(label, of.element_body, rigid, geometry, KINDS, geometry.contact_angle),
+        scene, bearing, rings={"inner": inner, "outer": outer}, offset=sense * pressed.offset(label),
+        elements=checked_elements(label, of.element_body, rigid, geometry, KINDS),
         laws=checked_laws(label, contact.law, laws.HertzPoint(*of.both)), contact=contact, cage=cage,
     )  # fmt: skip
     pressed.press(scene, bearing, sense)
     return bearing
 
 
-ROLLER_KINDS = ("cylinder", "crowned_cylinder", "profiled_cylinder")  # of surfaces of flexible elements
+ROLLER_KINDS = ("cylinder", "crowned_cylinder", "profiled_cylinder", "cone")  # of surfaces of flexible elements
 
 
 @named_arguments
@@ -180,14 +175,14 @@ def add_roller_bearing(
     position: Vector = (0.0, 0.0, 0.0),
     axis: Vector = (0.0, 1.0, 0.0),
     first: Vector | None = None,
-    inner: Body | Ground | SurfacePort | None = None,
-    outer: Body | Ground | SurfacePort | None = None,
+    inner: Ring = None,
+    outer: Ring = None,
     cage: Cage | None = STANDING,
     flanges: Flanges | None = None,
     contact: RollingContact = FRICTIONLESS,
     materials: Material | Materials = STEEL,
 ) -> Bearing:
-    """Add a cylindrical roller bearing: rings, rollers, their contacts and a cage; returns them as a `Bearing`.
+    """Add a roller bearing: rings, rollers, their contacts and a cage; returns them as a `Bearing`.
 
     geometry: `bearings.RollerGeometry(...)`. flanges: `bearings.Flanges(...)`, ribs that stop the rollers along their
     axes, None for rollers that are free along them. As of `add_ball_bearing`: scene, name, position [m], axis and first
@@ -202,34 +197,19 @@ def add_roller_bearing(
     place = Place.of(label, position, axis, first)
     bearing = Bearing(name, "roller", geometry, place, of.both)
 
-    def raceway_of(side: str, body: Body | Ground) -> Any:
-        kind = surfaces.Cylinder if side == "inner" else surfaces.Bore
-        return kind(radius=geometry.bottom(side), **place.in_user(body))
-
-    def element_of(diameter: float) -> tuple[float, Any, Any]:
-        return (
-            *hollow_cylinder(0.0, diameter, geometry.roller_length, of.both[0], place.axis),
-            _roller(0.5 * diameter, geometry.profile, {"axis_point": (0.0, 0.0, 0.0), "axis_direction": place.axis}),
-        )
+    def element_of(diameter: float, axis: np.ndarray, track: Track) -> tuple[float, Any, Any]:
+        shape = geometry.roller(diameter, track, {"axis_point": (0.0, 0.0, 0.0), "axis_direction": axis})
+        return (*hollow_cylinder(0.0, diameter, geometry.roller_length, of.both[0], axis), shape)
 
     default = laws.IsoLamina(geometry.roller_length, profile=geometry.profile is None)
     if flanges is not None and not isinstance(flanges, Flanges):
         raise InputError(f"{label}: flanges must be bearings.Flanges(...) or None, got {flanges!r}")
     rigid = RigidElements(ELEMENT_SURFACE, element_of)
     assemble(
-        scene, bearing, rings={"inner": inner, "outer": outer}, raceway_of=raceway_of,
+        scene, bearing, rings={"inner": inner, "outer": outer},
         elements=checked_elements(label, of.element_body, rigid, geometry, ROLLER_KINDS),
         laws=checked_laws(label, contact.law, default), contact=contact, cage=cage,
     )  # fmt: skip
     if flanges is not None:
         flanges.hold(scene, bearing)
     return bearing
-
-
-def _roller(radius: float, profile: Any, where: dict[str, Any]) -> surfaces.Shape:
-    """The surface of a roller."""
-    if profile is None:
-        return surfaces.Cylinder(radius=radius, **where)
-    if isinstance(profile, (int, float)):
-        return surfaces.CrownedCylinder(radius=radius, crown_radius=float(profile), **where)
-    return surfaces.ProfiledCylinder(radius=radius, table=profile, **where)

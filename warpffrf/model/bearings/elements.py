@@ -31,8 +31,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from warpffrf.model import laws, surfaces
-from warpffrf.model.bearings.geometry import Geometry
-from warpffrf.model.bearings.parts import Place, RollingContact, contact_of
+from warpffrf.model.bearings.geometry import Geometry, Track
+from warpffrf.model.bearings.parts import RollingContact, contact_of
 from warpffrf.model.bodies import Body, Port, PortLike, as_port
 from warpffrf.model.errors import InputError, require_array, require_number
 from warpffrf.model.friction import FrictionLike
@@ -57,47 +57,45 @@ class Elements(ABC):
     surface: str
 
     @abstractmethod
-    def add(self, scene: Scene, name: str, place: Place, radius: float, angle: float, diameter: float) -> Body:
-        """Add one at `angle` [rad] on the circle of `radius` [m] to the scene."""
+    def add(self, scene: Scene, name: str, bearing: Bearing, angle: float, track: Track, diameter: float) -> Body:
+        """Add one of the diameter [m] in the row `track` at `angle` [rad] on the pitch circle to the scene."""
 
 
 @dataclass(frozen=True)
 class RigidElements(Elements):
-    """Rigid bodies. of: mass, inertia and shape of an element of a diameter [m] about its centre, world axes."""
+    """Rigid bodies. of: mass, inertia and shape about its centre, world axes, of an element of a diameter [m], the
+    direction (3,) of its axis and its row."""
 
-    of: Callable[[float], tuple[float, Any, Any]]
+    of: Callable[[float, np.ndarray, Track], tuple[float, Any, Any]]
 
-    def add(self, scene: Scene, name: str, place: Place, radius: float, angle: float, diameter: float) -> Body:
-        mass, inertia, shape = self.of(diameter)
+    def add(self, scene: Scene, name: str, bearing: Bearing, angle: float, track: Track, diameter: float) -> Body:
+        mass, inertia, shape = self.of(diameter, bearing.element_axis(angle, track), track)
         return scene.add_rigid_body(
-            mass, inertia, name=name, position=place.center + radius * place.outward(angle),
-            surfaces={self.surface: shape},
-        )  # fmt: skip
+            mass, inertia, name=name, position=bearing.element_center(angle, track), surfaces={self.surface: shape}
+        )
 
 
 @dataclass(frozen=True)
 class FlexibleElements(Elements):
-    """One reduced body at all positions; tilt [rad]: of its axis from the bearing's, that of the line of contact from
-    the radius."""
+    """One reduced body at all positions."""
 
     body: ReducedBody
-    tilt: float = 0.0
 
-    def add(self, scene: Scene, name: str, place: Place, radius: float, angle: float, diameter: float) -> Body:
-        shape = self.body.contact_surfaces[self.surface].shape
-        c, s, out = np.cos(self.tilt), np.sin(self.tilt), place.outward(angle)
-        wanted = np.stack([c * out + s * place.axis, place.around(angle), c * place.axis - s * out])
+    def add(self, scene: Scene, name: str, bearing: Bearing, angle: float, track: Track, diameter: float) -> Body:
+        shape, axis = self.body.contact_surfaces[self.surface].shape, bearing.element_axis(angle, track)
+        around = bearing.place.around(angle)
+        wanted = np.stack([np.cross(around, axis), around, axis])
         return scene.add_body(
-            self.body, name=name, position=place.center + radius * place.outward(angle),
+            self.body, name=name, position=bearing.element_center(angle, track),
             rotation=Rotation.from_matrix(wanted.T @ shape.frame).as_quat(),
         )  # fmt: skip
 
 
 def checked_elements(
-    label: str, given: Any, rigid: RigidElements, geometry: Geometry, kinds: tuple[str, ...], tilt: float = 0.0
+    label: str, given: Any, rigid: RigidElements, geometry: Geometry, kinds: tuple[str, ...]
 ) -> Elements:
-    """`rigid` where `given`, the reduced body of all elements, is None. kinds: of the admissible surfaces;
-    tilt [rad]: of a flexible one's axis. Raises `InputError` for elements that do not fit this bearing."""
+    """`rigid` where `given`, the reduced body of all elements, is None. kinds: of the admissible surfaces. Raises
+    `InputError` for elements that do not fit this bearing."""
     if given is None:
         return rigid
     name, diameter = f"{label}: element_body", geometry.diameter
@@ -125,7 +123,7 @@ def checked_elements(
         raise InputError(
             f"{label}: diameter_deviations are of rigid elements; element_body is one body for all elements"
         )
-    return FlexibleElements(surface, given, tilt)
+    return FlexibleElements(surface, given)
 
 
 def centre_of(element: Body, label: str) -> Port:
@@ -209,12 +207,11 @@ class PrescribedCage(Cage):
         axle = self.axle(scene, bearing, body)
         bearing.drive = scene.add(Drive(axle, self.speed, name=f"{bearing.name} cage drive"))
         place = bearing.place
-        for i, element in enumerate(bearing.elements, start=1):
-            angle = bearing.geometry.angles[i - 1]
+        for i, (element, (angle, track)) in enumerate(zip(bearing.elements, bearing.geometry.places, strict=True), 1):
             ports = body.at((0.0, 0.0, 0.0)), centre_of(element, f"bearing {bearing.name!r}: PrescribedCage")
             name, across = f"{bearing.name} pocket {i}", place.around(angle)
             if bearing.kind == "roller":
-                joint = LineInPlane(*ports, axis=across, line=place.axis, name=name)
+                joint = LineInPlane(*ports, axis=across, line=bearing.element_axis(angle, track), name=name)
             else:
                 joint = PointInPlane(*ports, axis=across, name=name)
             bearing.joints[f"pocket_{i}"] = scene.add(joint)
@@ -286,9 +283,8 @@ class PocketCage(Cage):
     @staticmethod
     def _walls(bearing: Bearing, body: Body, i: int, half: float) -> dict[str, surfaces.Shape]:
         """Cage surfaces that element i may contact, user axes of the cage: name -> shape."""
-        place, angle = bearing.place, bearing.geometry.angles[i - 1]
-        out, around = place.outward(angle), place.around(angle)
-        middle = 0.5 * bearing.geometry.pitch_diameter * out
+        place, (angle, track) = bearing.place, bearing.geometry.places[i - 1]
+        around, middle = place.around(angle), bearing.element_center(angle, track) - place.center
         if bearing.kind == "ball":
             return {f"pocket_{i}": surfaces.Cup(radius=half, axis_point=middle, axis_direction=place.axis)}
         return {

@@ -1,4 +1,4 @@
-r"""Flanges of cylindrical roller bearings: ribs of the rings that stop rollers along the axis.
+r"""Flanges of roller bearings: ribs of the rings that stop rollers along their axes.
 
 **The model.** The end of a roller is a sphere of the radius R_s = `end_radius` about a point of the roller's axis,
 whose middle lies at half the length l: rollers are ground in this way, or nearly flat with a large radius. A rib's face
@@ -12,7 +12,8 @@ over the raceway, the `height`. Forces on ends pass through the centres of their
 the roller: thrust F of a roller that an inner rib pushes against an outer one is a couple about the direction around, 2
 (R_s - l/2) F sin(beta - theta)/cos(beta) of a roller tilted by theta, which its laminae carry (T. A. Harris, Rolling
 Bearing Analysis, on roller bearings under thrust). The play c is that along the axis, c cos(beta) along the normals.
-Without a height the ribs are planes, touched at the roller's axis, and rollers do not tilt under thrust.
+Without a height the ribs are planes, touched at the roller's axis, and rollers do not tilt under thrust. Faces for
+inclined rollers follow in the same way in the axial section: they are normal to the common normal where ends touch.
 
 A roller that is skewed by the angle psi touches off its middle, at the distance
 
@@ -35,7 +36,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpffrf.model import surfaces
-from warpffrf.model.bearings.geometry import RollerGeometry
+from warpffrf.model.bearings.geometry import RollerGeometry, Track
 from warpffrf.model.bodies import Body, Ground, SurfacePort
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction import FrictionLike
@@ -59,8 +60,9 @@ END_RADIUS = 20.0  # of half the length, where nothing is given: nearly flat
 class Flanges:
     """Ribs that stop rollers along the axis, with the play `clearance` [m] between both, half of it to either side.
 
-    outer, inner: which ribs the rings have, "both", "front" (towards the axis direction), "back" or None; NU bearings
-    have outer="both", N ones inner="both", NJ ones outer="both" and inner="front". end_radius [m]: of the rollers'
+    outer, inner: which ribs the rings have, "both", "front" (towards the axis direction), "back" or None, mirrored in a
+    second row; NU bearings have outer="both", N ones inner="both", NJ ones outer="both" and inner="front", tapered ones
+    of a positive contact angle outer=None and inner="back", at the rollers' large ends. end_radius [m]: of the rollers'
     spherical ends, None for twenty times half the length. height [m]: over the raceway, where ends meet the ribs, whose
     faces lean back accordingly, so that thrust tilts rollers; None for flat ribs, met at the rollers' axes. law: of the
     force, a lumped law, None for laws.HertzPoint of the materials; friction: at the ribs. Contacts are
@@ -99,24 +101,24 @@ class Flanges:
             raise InputError(f"{label}: neither outer nor inner has a rib; leave flanges out")
         ends = {end: self._ends(bearing, end, radius, half) for end in {end for _, end in ribs}}
         law = HertzPoint(*bearing.materials) if self.law is None else self.law
-        place = bearing.place
+        geometry = bearing.geometry
         for side, end in ribs:
-            body, sign = getattr(bearing, side), ENDS[end]
+            body = getattr(bearing, side)
             if body.reduced is not None:
                 raise InputError(
                     f"{label}: the {side} ring, {body.name!r}, is flexible, and its ribs are no plane of it; name "
                     "ribs on the other ring, or add a LumpedContact with a rigid part"
                 )
-            at = place.center + sign * (half + 0.5 * play) * place.axis
-            port = body.surface(
-                self._face(bearing, side, body, at, sign * place.axis, radius, lever),
-                name=f"{bearing.name} {side} {end} rib",
-            )
-            for i, element_end in enumerate(ends[end], start=1):
-                contact = LumpedContact(
-                    element_end, port, law=law, friction=self.friction, name=f"{bearing.name} flange {side} {end} {i}"
-                )
-                bearing.contacts[f"flange_{side}_{end}_{i}"] = scene.add(contact)
+            for row, track in enumerate(geometry.tracks):
+                face = self._face(bearing, side, body, track, ENDS[end] * track.sense, half + 0.5 * play, radius, lever)
+                named = f"{bearing.name} {side} {end} rib" + (f" {row + 1}" if row else "")
+                port = body.surface(face, name=named)
+                for i in range(row * geometry.elements + 1, (row + 1) * geometry.elements + 1):
+                    contact = LumpedContact(
+                        ends[end][i - 1], port, law=law, friction=self.friction,
+                        name=f"{bearing.name} flange {side} {end} {i}",
+                    )  # fmt: skip
+                    bearing.contacts[f"flange_{side}_{end}_{i}"] = scene.add(contact)
 
     def _lever(self, label: str, half_diameter: float, radius: float) -> float:
         """Distance [m] from the roller's axis at which ends of the radius [m] touch the ribs."""
@@ -141,21 +143,25 @@ class Flanges:
 
     @staticmethod
     def _face(
-        bearing: Bearing, side: str, body: Body | Ground, at: np.ndarray, along: np.ndarray, radius: float, lever: float
-    ) -> surfaces.Shape:
-        """Face of a rib, user frame of `body`: at: where a plane would intersect the axis, along: away from the
-        rollers, both in the world; ends of the radius meet it `lever` [m] from the roller's axis."""
-        if lever == 0.0:
-            return surfaces.Plane(origin=body.to_user(at), outward=body.to_user(at - along) - body.to_user(at))
+        bearing: Bearing, side: str, body: Body | Ground, track: Track, sign: float, apex: float, radius: float,
+        lever: float,
+    ) -> surfaces.Shape:  # fmt: skip
+        """Face of a rib of the row `track`, user frame of `body`: of ends of the radius whose apex lies `apex` [m] from
+        the rollers' middle along their axes times `sign`, and that meet it `lever` [m] off these axes."""
+        geometry = bearing.geometry
+        assert isinstance(geometry, RollerGeometry)
+        along = sign * np.array(geometry.axis(track))  # radial and axial component
+        across = np.array([along[1], -along[0]]) * sign * (1.0 if side == "outer" else -1.0)
         lean = np.arcsin(lever / radius)
-        back = at - radius * (1.0 - np.cos(lean)) * along
-        inner = side == "inner"
-        cone = surfaces.Cone if inner else surfaces.ConicalBore
-        return cone(
-            radius=0.5 * bearing.geometry.pitch_diameter + (-lever if inner else lever),
-            half_angle=(1.0 if inner else -1.0) * float(0.5 * np.pi - lean),
-            axis_point=body.to_user(back), axis_direction=body.to_user(back + along) - body.to_user(back),
-        )  # fmt: skip
+        normal = np.cos(lean) * along + np.sin(lean) * across  # into the rib
+        middle = np.array([0.5 * geometry.pitch_diameter, track.z])
+        at = middle + (apex - radius) * along + radius * normal
+        where = bearing.place.in_user(body, float(at[1]))
+        if abs(normal[0]) < np.cos(FLATTEST):
+            outward = -np.sign(normal[1]) * np.asarray(where["axis_direction"])
+            return surfaces.Plane(origin=where["axis_point"], outward=outward)
+        kind = surfaces.Cone if normal[0] < 0.0 else surfaces.ConicalBore
+        return kind(radius=float(at[0]), half_angle=float(np.arctan(-normal[1] / normal[0])), **where)
 
     def _ribs(self, label: str) -> list[tuple[str, str]]:
         """Side and end of every rib."""
@@ -167,8 +173,9 @@ class Flanges:
     @staticmethod
     def _ends(bearing: Bearing, end: str, radius: float, half: float) -> list[SurfacePort]:
         """Of every roller."""
-        axis = bearing.place.axis
-        shape = surfaces.Sphere(
-            radius=radius, axis_point=ENDS[end] * (half - radius) * axis, axis_direction=bearing.place.axes[0]
-        )
-        return [element.surface(shape, name=f"{end} end") for element in bearing.elements]
+        found = []
+        for element, (angle, track) in zip(bearing.elements, bearing.geometry.places, strict=True):
+            middle = ENDS[end] * track.sense * (half - radius) * bearing.element_axis(angle, track)
+            shape = surfaces.Sphere(radius=radius, axis_point=middle, axis_direction=bearing.place.around(angle))
+            found.append(element.surface(shape, name=f"{end} end"))
+        return found

@@ -17,47 +17,49 @@ then just touch both rings; or alpha_0 is 0 and s is given, negative for an inte
 such a bearing takes under thrust is arccos(1 - s/(2 A)). Thrust on the inner ring along the axis presses the bearing
 together where alpha_0 is positive.
 
-**Roller bearing.** Cylindrical raceways of the radii (d_pw - D)/2 - s/4 and (d_pw + D)/2 + s/4.
+A four-point bearing has two arcs on each ring, those of contact angles +alpha_0 and -alpha_0, which meet in the middle.
 
-Rolling. Kinematics of elements that roll without slip on two raceways: orbit and spin from the speeds of the rings.
+**Roller bearing.** Rollers of the diameter D at their middle lie on the pitch circle, inclined by tau to the axis in
+the plane through it: their axes are a = cos tau e_a - sin tau e_r, and they touch the raceways at +-D/2 m from their
+middle, m = cos tau e_r + sin tau e_a. Rollers whose radius falls along a by tan nu are tapered; raceways are straight,
+inclined by tau - nu (inner) and tau + nu (outer), so that the contact angle of the outer raceway is
 
-With e_r outward, e_t around and e_a along the axis of the bearing, an element orbits with w_c and rotates with omega =
-w_r e_r + w_a e_a. Its surface at the contact with the outer raceway, D/2 n_o from its centre with n_o = cos(alpha_o)
-e_r + sin(alpha_o) e_a, and with the inner one, -D/2 n_i, has their circumferential velocity:
+    alpha = tau + nu,        tan nu = D sin(tau)/d_pw
 
-    w_c d/2 + D/2 (w_a cos alpha_o - w_r sin alpha_o) = w_o (d/2 + D/2 cos alpha_o),
-    w_c d/2 - D/2 (w_a cos alpha_i - w_r sin alpha_i) = w_i (d/2 - D/2 cos alpha_i),
+where all axes meet in one point of the bearing's axis and rollers roll without slip along their whole length (Harris).
+Special cases are cylindrical rollers, tau = nu = 0, with raceways of the radii (d_pw -+ D)/2 -+ s/4, and cylindrical
+rollers between the washers of a thrust bearing, tau = pi/2, nu = 0. Raceways that are circles in the axial section, of
+barrel-shaped rollers, have centres as the grooves of balls, alpha = tau: an outer raceway of the radius r_e = (D +
+d_pw/cos alpha)/2 is a sphere about the bearing's centre, where the rows are d_pw tan alpha apart.
 
-d the pitch diameter, w_i and w_o the speeds of the rings. The pivoting remains undetermined, a rotation about the line
-of contact, which no point contact resists. Raceway control (Jones 1959) has none at one of the rings, of the speed w
-and the angle alpha:
-
-    (omega - w e_a) . n = w_r cos alpha + (w_a - w) sin alpha = 0,
-
-the outer one at high speed, where the centrifugal force presses there. At equal angles, gamma = D cos(alpha)/d,
-
-    w_c = (w_i (1 - gamma) + w_o (1 + gamma))/2,
-
-and the rolling against the cage is d/(2 D) (1 - gamma^2)(w_o - w_i). Rollers have alpha = 0 and w_r = 0. Rotating
-w_r e_r with w_c requires the gyroscopic moment I w_c w_r about e_t, which friction must provide.
+**Rows.** The contact angle of the second row of a double-row bearing is the opposite one. Rows are at -+b/2 along the
+axis, b = `row_spacing`: a positive contact angle is a back-to-back arrangement, a negative one face-to-face.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
+from warpffrf.model import surfaces
+from warpffrf.model.bearings import rating
 from warpffrf.model.errors import InputError, require_array, require_count, require_number
 from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.surfaces import Shape
 from warpffrf.model.surfaces.form_deviations import Form
 
 SIDES = ("inner", "outer")
 STEEPEST = np.radians(80.0)  # contact angle up to which a groove that is open to the side carries
-LARGEST_OSCULATION = 5.0  # groove radius over ball diameter: a larger value is a length instead of a ratio
+LARGEST_OSCULATION = 20.0  # groove radius over ball diameter, of a self-aligning outer ring; larger is no ratio
 LARGEST_DEVIATION = 1e-2  # of the diameter: beyond, it is the diameter itself
+FLAT = 0.5 * np.pi + 1e-9  # contact angle [rad] of a thrust bearing, with round-off
+THRUST = np.radians(89.9)  # a raceway that is steeper is a plane
+CENTRED = 1e-9  # of the pitch diameter: round-off of an outer raceway whose centre is on the axis
 OSCULATION = 0.52  # of groove radius over ball diameter, where nothing is given: a deep-groove bearing's
 BALL_WIDTH, ROLLER_OVERHANG = 1.5, 0.4  # of the diameter of an element
 PLAIN = (int, float, tuple, type(None))  # of the values that results need
@@ -71,14 +73,28 @@ def pair(value: Any, name: str) -> tuple[Any, Any]:
     return both[0], both[1]
 
 
+@dataclass(frozen=True)
+class Track:
+    """Raceways of a row of contacts: axial position z [m] of the row's middle from the bearing's, and the sense [-] of
+    its contact angle, 1 or -1."""
+
+    z: float
+    sense: float
+
+
 class Geometry(ABC):
     """Common base of ball and roller bearings, whose dimensions are fields; see `BallGeometry`."""
 
     elements: int
     pitch_diameter: float
+    contact_angle: float
     clearance: float
+    rows: int
+    row_spacing: float
     diameter_deviations: Any
     width: float | None
+    bore: float | None
+    outside_diameter: float | None
 
     @property
     def label(self) -> str:
@@ -95,12 +111,47 @@ class Geometry(ABC):
     def default_width(self) -> float:
         """Width [m] of rings for which none is given."""
 
+    @property
+    def inclination(self) -> float:
+        """tau [rad]: of the line between both contacts of an element from the radial direction, of the first row."""
+        return self.contact_angle
+
+    @property
+    def tracks(self) -> tuple[Track, ...]:
+        """The rows of contacts, those of the first row of elements first."""
+        if self.rows == 1:
+            return (Track(0.0, 1.0),)
+        return Track(-0.5 * self.row_spacing, 1.0), Track(0.5 * self.row_spacing, -1.0)
+
+    @property
+    def places(self) -> list[tuple[float, Track]]:
+        """Angle [rad] about the axis and row of each element."""
+        return [(float(angle), track) for track in self.tracks[: self.rows] for angle in self.angles]
+
+    @property
+    def contacts(self) -> list[tuple[int, int]]:
+        """Element and track of each contact with a ring, by number: columns of results."""
+        shared = len(self.tracks) > self.rows  # by the same elements
+        return [
+            (i + (0 if shared else row * self.elements), row)
+            for row in range(len(self.tracks))
+            for i in range(self.elements)
+        ]
+
     def _check(self, *lengths: str) -> None:
         """lengths: names of the fields that are positive."""
         self._keep("elements", require_count(self.elements, f"{self.label}: elements", 2))
         for name in (*lengths, "pitch_diameter"):
             self._keep(name, require_number(getattr(self, name), f"{self.label}: {name} [m]", positive=True))
         self._keep("clearance", require_number(self.clearance, f"{self.label}: clearance [m]"))
+        self._keep("contact_angle", require_number(self.contact_angle, f"{self.label}: contact_angle [rad]"))
+        self._keep("rows", require_count(self.rows, f"{self.label}: rows", 1))
+        self._keep("row_spacing", require_number(self.row_spacing, f"{self.label}: row_spacing [m]", non_negative=True))
+        if self.rows > 2 or (self.rows == 2) != (self.row_spacing > 0.0):
+            raise InputError(
+                f"{self.label}: a double-row bearing has rows=2 and their distance row_spacing [m], a single-row one "
+                f"neither; got rows={self.rows} and row_spacing={self.row_spacing:g} m"
+            )
         if self.width is not None:
             self._keep("width", require_number(self.width, f"{self.label}: width [m]", positive=True))
         if self.diameter_deviations is not None:
@@ -120,8 +171,18 @@ class Geometry(ABC):
                 f"pitch diameter, {D / np.sin(np.pi / self.elements):.4g} m or more"
             )
 
+    def _check_rows(self, least: float) -> None:
+        """Raises `InputError` for rows that are less than `least` [m] apart."""
+        if self.rows == 2 and self.row_spacing < least:
+            raise InputError(
+                f"{self.label}: the elements of two rows that are {self.row_spacing:g} m apart overlap; row_spacing "
+                f"must be {least:.4g} m or more"
+            )
+
     def _checked_deviations(self) -> tuple[float, ...]:
-        found = require_array(self.diameter_deviations, f"{self.label}: diameter_deviations [m]", (self.elements,))
+        found = require_array(
+            self.diameter_deviations, f"{self.label}: diameter_deviations [m]", (self.rows * self.elements,)
+        )
         most = LARGEST_DEVIATION * self.diameter
         if np.max(np.abs(found)) > most:
             raise InputError(
@@ -132,23 +193,80 @@ class Geometry(ABC):
 
     @property
     def diameters(self) -> np.ndarray:
-        """(elements,) m, of the elements with their deviations."""
-        excess = np.zeros(self.elements) if self.diameter_deviations is None else np.array(self.diameter_deviations)
+        """(rows * elements,) m, of the elements with their deviations."""
+        excess = (
+            np.zeros(self.rows * self.elements)
+            if self.diameter_deviations is None
+            else np.array(self.diameter_deviations)
+        )
         return self.diameter + excess
 
     @property
     def angles(self) -> np.ndarray:
-        """(elements,) rad, of the elements about the axis, from the first one."""
+        """(elements,) rad, of the elements of a row about the axis, from the first one."""
         return 2.0 * np.pi * np.arange(self.elements) / self.elements
+
+    @property
+    @abstractmethod
+    def dynamic_rating(self) -> float:
+        """Basic dynamic load rating [N] of ISO 281, radial up to a contact angle of 45 degrees, axial beyond
+        (`warpffrf.model.bearings.rating`)."""
+
+    @property
+    @abstractmethod
+    def static_rating(self) -> float:
+        """Basic static load rating [N] of ISO 76, in the same direction."""
+
+    @abstractmethod
+    def load_factors(self, radial: float, axial: float) -> tuple[float, float]:
+        """X and Y [-] of ISO 281 in the equivalent load X F_r + Y F_a under the forces `radial` and `axial` [N]."""
 
     @property
     def apart(self) -> float:
         """Distance [m] of the centres of neighbours."""
         return self.pitch_diameter * float(np.sin(np.pi / self.elements))
 
+    @abstractmethod
+    def arc_radius(self, side: str) -> float | None:
+        """Radius [m] of a raceway in the axial section, side "inner" or "outer", None for a straight one."""
+
+    @property
+    def self_aligning(self) -> bool:
+        """Whether the outer raceway is a sphere about a point of the axis."""
+        radius = self.arc_radius("outer")
+        across = np.inf if radius is None else (radius - 0.5 * self.diameter) * np.cos(self.contact_angle)
+        return bool(abs(0.5 * self.pitch_diameter - across) < CENTRED * self.pitch_diameter)
+
+    def play(self, side: str) -> float:
+        """Distance [m] by which the raceway of a side, "inner" or "outer", lies away from elements in their middle: a
+        quarter of the diametral clearance each, half of it the inner one where the outer is a sphere, which stays
+        one."""
+        return self.clearance * ((0.5 if side == "inner" else 0.0) if self.self_aligning else 0.25)
+
+    def arc_centre(self, side: str, track: Track) -> tuple[float, float]:
+        """Radius and axial position [m] of the circle of centres of the raceway of a side, "inner" or "outer", and a
+        track, which is an arc in the axial section."""
+        radius = self.arc_radius(side)
+        assert radius is not None
+        sign, beyond = (1.0 if side == "inner" else -1.0), radius - 0.5 * self.diameter
+        across = sign * (beyond * np.cos(self.contact_angle) - self.play(side))
+        along = sign * track.sense * beyond * np.sin(self.contact_angle)
+        return float(0.5 * self.pitch_diameter + across), float(track.z + along)
+
+    def raceway(self, side: str, track: Track, where: Callable[[float], dict[str, Any]]) -> Shape:
+        """The surface of the raceway of a side, "inner" or "outer", and a track; where: axis_point and axis_direction
+        from the position [m] along the axis."""
+        radius, (across, along) = self.arc_radius(side), self.arc_centre(side, track)
+        assert radius is not None
+        if side == "inner":
+            return surfaces.Groove(radius=across - radius, groove_radius=radius, **where(along))
+        return surfaces.Ring(radius=across + radius, groove_radius=radius, **where(along))
+
     def describe(self) -> dict[str, Any]:
-        """Plain data, from which `from_description` restores it; without form deviations and profiles."""
-        plain = {name: value for name, value in vars(self).items() if isinstance(value, PLAIN) and name != "profile"}
+        """Plain data, from which `from_description` restores it; without form deviations and tables of profiles."""
+        plain = {name: value for name, value in vars(self).items() if isinstance(value, PLAIN)}
+        if not isinstance(plain.get("profile"), (int, float)):
+            plain.pop("profile", None)
         return {"type": type(self).__name__, **plain}
 
     def _keep(self, name: str, value: Any) -> None:
@@ -163,8 +281,10 @@ class BallGeometry(Geometry):
     elements: number of balls; ball_diameter, pitch_diameter [m]. osculation: groove radius over ball diameter, above
     0.5, one number or (inner, outer). contact_angle [rad], at which the balls just touch both rings, positive where
     thrust on the inner ring along the axis presses the bearing together; or clearance [m], diametral, negative for an
-    interference, a radial preload. shoulders [m]: height over the bottom of the groove, one or (inner, outer), from
-    which results compute the truncated fraction of a patch.
+    interference, a radial preload. rows, row_spacing [m]: 2 and the distance of the rows of a double-row bearing, of
+    which the first has the contact angle and the second the opposite one. four_point: whether balls of one row touch
+    two arcs on either ring, at the contact angle and at the opposite one. shoulders [m]: height over the bottom of the
+    groove, one or (inner, outer), from which results compute the truncated fraction of a patch.
 
     inner_form, outer_form: form deviation of a rigid raceway around its axis, of `warpffrf.films`, positive where
     material is missing, angles from the first ball: films.LobedForm(5e-6, 2) is oval. diameter_deviations (elements,)
@@ -182,6 +302,9 @@ class BallGeometry(Geometry):
     osculation: float | tuple[float, float] = OSCULATION
     contact_angle: float = 0.0
     clearance: float = 0.0
+    rows: int = 1
+    row_spacing: float = 0.0
+    four_point: bool = False
     shoulders: float | tuple[float | None, float | None] | None = None
     inner_form: Form | None = None
     outer_form: Form | None = None
@@ -192,6 +315,7 @@ class BallGeometry(Geometry):
 
     def __post_init__(self) -> None:
         self._check("ball_diameter")
+        self._check_rows(self.ball_diameter)
         given = pair(self.osculation, f"{self.label}: osculation")
         ratios = tuple(require_number(f, f"{self.label}: osculation", positive=True) for f in given)
         self._keep("osculation", ratios)
@@ -204,7 +328,11 @@ class BallGeometry(Geometry):
         name = f"{self.label}: shoulders [m]"
         heights = pair(self.shoulders, name)
         self._keep("shoulders", tuple(None if h is None else require_number(h, name, positive=True) for h in heights))
-        self._keep("contact_angle", require_number(self.contact_angle, f"{self.label}: contact_angle [rad]"))
+        if self.four_point and (self.rows != 1 or not self.contact_angle > 0.0):
+            raise InputError(
+                f"{self.label}: a four-point bearing has one row and a positive contact angle, of both arcs, got "
+                f"rows={self.rows} and contact_angle={self.contact_angle:g} rad; 0.6 rad (35 degrees) is usual"
+            )
         if abs(self.contact_angle) > STEEPEST:
             raise InputError(
                 f"{self.label}: contact_angle must lie between -{STEEPEST:.3g} and {STEEPEST:.3g} rad, got "
@@ -234,6 +362,23 @@ class BallGeometry(Geometry):
         return BALL_WIDTH * self.ball_diameter
 
     @property
+    def dynamic_rating(self) -> float:
+        return rating.ball_dynamic(*self._rated, self.osculation, self.rows)  # pyright: ignore[reportArgumentType]
+
+    @property
+    def static_rating(self) -> float:
+        return rating.ball_static(*self._rated, self.osculation, self.rows)  # pyright: ignore[reportArgumentType]
+
+    def load_factors(self, radial: float, axial: float) -> tuple[float, float]:
+        if self.rows == 2 and self.contact_angle:
+            return rating.double_row_load_factors(self.contact_angle, radial, axial, self.self_aligning)
+        return rating.ball_load_factors(self.rows * self.elements, self.diameter, self.contact_angle, radial, axial)
+
+    @property
+    def _rated(self) -> tuple[int, float, float, float]:
+        return self.elements, self.diameter, self.pitch_diameter, self.contact_angle
+
+    @property
     def reach(self) -> float:
         """A [m]: distance of the groove centres where the balls touch both rings."""
         return self.groove("inner") + self.groove("outer") - self.diameter
@@ -245,22 +390,21 @@ class BallGeometry(Geometry):
             return self.contact_angle
         return float(np.arccos(1.0 - self.clearance / (2.0 * self.reach)))
 
-    def centre(self, side: str) -> tuple[float, float]:
-        """Radius and axial position [m] of the circle of groove centres, side "inner" or "outer"."""
-        sign = 1.0 if side == "inner" else -1.0
-        beyond = self.groove(side) - 0.5 * self.diameter
-        across, along = beyond * np.cos(self.contact_angle), beyond * np.sin(self.contact_angle)
-        radius = 0.5 * self.pitch_diameter + sign * (across - 0.25 * self.clearance)
-        return float(radius), float(sign * along)
+    @property
+    def tracks(self) -> tuple[Track, ...]:
+        return (Track(0.0, 1.0), Track(0.0, -1.0)) if self.four_point else super().tracks
 
     def groove(self, side: str) -> float:
         """Groove radius [m], side "inner" or "outer"."""
         return self.osculation[SIDES.index(side)] * self.diameter  # pyright: ignore[reportIndexIssue]
 
+    def arc_radius(self, side: str) -> float:
+        return self.groove(side)
+
     def bottom(self, side: str) -> float:
         """Radius [m] of the bottom of the groove, side "inner" or "outer"."""
         sign = -1.0 if side == "inner" else 1.0
-        return self.centre(side)[0] + sign * self.groove(side)
+        return self.arc_centre(side, self.tracks[0])[0] + sign * self.groove(side)
 
     def curvatures(self, side: str, angle: Any) -> tuple[np.ndarray, np.ndarray]:
         """Relative curvatures (...) [1/m] of ball and raceway, side "inner" or "outer", across and along the groove,
@@ -268,7 +412,7 @@ class BallGeometry(Geometry):
         the radius of the groove centres."""
         sign = 1.0 if side == "inner" else -1.0
         c = np.cos(np.asarray(angle, dtype=float))
-        around = sign * c / (self.centre(side)[0] - sign * self.groove(side) * c)
+        around = sign * c / (self.arc_centre(side, self.tracks[0])[0] - sign * self.groove(side) * c)
         across = np.full(c.shape, 2.0 / self.diameter - 1.0 / self.groove(side))
         return across, 2.0 / self.diameter + around
 
@@ -276,23 +420,32 @@ class BallGeometry(Geometry):
 @named_arguments
 @dataclass(frozen=True, kw_only=True)
 class RollerGeometry(Geometry):
-    """Geometry of a cylindrical roller bearing.
+    """Geometry of a roller bearing: cylindrical, needle, tapered, spherical, toroidal or thrust, see the module.
 
-    elements: number of rollers; roller_diameter, pitch_diameter [m]; roller_length [m]: the effective one. clearance
-    [m]: diametral, negative for an interference. profile: of the rollers in addition to that of the contact law: the
-    crown radius [m], a table (z, drop), two arrays (n,) [m] from the middle, as of `surfaces.ProfiledCylinder`, or None
-    for straight ones. inner_form, outer_form, diameter_deviations (elements,) [m], width, bore and outside_diameter [m]
-    as of `BallGeometry`.
+    elements: number of rollers of a row; roller_diameter [m]: in the middle; pitch_diameter [m]; roller_length [m]: the
+    effective one. contact_angle [rad]: of the outer raceway, pi/2 of a thrust bearing. taper [rad]: half the angle
+    between opposite sides of a roller, None for that of rolling without slip of tapered rollers, 0 where raceways are
+    cylinders, planes or arcs. raceway_radii [m]: of the raceways in the axial section, one or (inner, outer), of
+    barrel-shaped rollers; None for straight ones. clearance [m]: diametral, negative for an interference.
+    rows, row_spacing [m]: as of `BallGeometry`; of a spherical roller bearing the contact angle is negative.
+    profile: of the rollers in addition to that of the contact law: the crown radius [m], a table (z, drop), two arrays
+    (n,) [m] from the middle, as of `surfaces.ProfiledCylinder`, or None for straight ones. inner_form, outer_form,
+    diameter_deviations (rows * elements,) [m], width, bore and outside_diameter [m] as of `BallGeometry`.
 
-    Raises `InputError` for elements that overlap or that reach to the axis, and a clearance beyond the size of the
-    rollers.
+    Raises `InputError` for elements that overlap or that reach to the axis, a clearance beyond the size of the rollers,
+    and profiles and raceways that do not fit each other.
     """
 
     elements: int
     roller_diameter: float
     roller_length: float
     pitch_diameter: float
+    contact_angle: float = 0.0
+    taper: float | None = None
+    raceway_radii: float | tuple[float, float] | None = None
     clearance: float = 0.0
+    rows: int = 1
+    row_spacing: float = 0.0
     profile: float | Any | None = None
     inner_form: Form | None = None
     outer_form: Form | None = None
@@ -308,6 +461,51 @@ class RollerGeometry(Geometry):
                 f"{self.label}: a clearance of {self.clearance:g} m is beyond the geometry, whose rollers are "
                 f"{self.diameter:g} m thick; it is the play of a ring across the bearing, some hundredths of a mm"
             )
+        if abs(self.contact_angle) > FLAT:
+            raise InputError(
+                f"{self.label}: contact_angle must lie between -pi/2 and pi/2 rad, that of a thrust bearing, got "
+                f"{self.contact_angle:g}; angles are in radians, np.radians(15) is 0.262"
+            )
+        if self.raceway_radii is not None:
+            self._check_arcs()
+        sides = self.raceway_radii is not None or not THRUST > abs(self.contact_angle) > 0.0
+        if self.taper is None:
+            self._keep("taper", 0.0 if sides else self._rolling_taper())
+        self._keep("taper", require_number(self.taper, f"{self.label}: taper [rad]", non_negative=True))
+        if self.taper and self.profile is not None:
+            raise InputError(
+                f"{self.label}: tapered rollers have the profile of their contact law; leave profile out, or give "
+                "contact=bearings.RollingContact(law=...)"
+            )
+        if self.taper and (self.raceway_radii is not None or self.taper >= abs(self.contact_angle)):
+            raise InputError(
+                f"{self.label}: a taper of {self.taper:g} rad, half the angle of a roller, must be below the contact "
+                f"angle of the outer raceway, {abs(self.contact_angle):g} rad, and raceways straight"
+            )
+
+        tau = abs(self.inclination)
+        self._check_rows(float(self.roller_length * np.cos(tau) + self.diameter * np.sin(tau)))
+
+    def _check_arcs(self) -> None:
+        name = f"{self.label}: raceway_radii [m]"
+        radii = tuple(require_number(r, name, positive=True) for r in pair(self.raceway_radii, name))
+        self._keep("raceway_radii", radii)
+        if not isinstance(self.profile, (int, float)) or not 0.0 < self.profile <= min(radii):
+            raise InputError(
+                f"{self.label}: raceways that are arcs of radii {radii[0]:g} and {radii[1]:g} m need barrel-shaped "
+                f"rollers: profile, their crown radius [m], somewhat smaller than both, got {self.profile!r}"
+            )
+        if self.arc_centre("inner", self.tracks[0])[0] <= radii[0]:
+            raise InputError(
+                f"{self.label}: an inner raceway of the radius {radii[0]:g} m in the axial section reaches the axis of "
+                "the bearing at this contact angle; use a smaller radius"
+            )
+
+    def _rolling_taper(self) -> float:
+        """nu [rad] with tan nu = D sin(alpha - nu)/d_pw, of rollers whose axes meet the raceways' on the bearing's."""
+        alpha, ratio = abs(self.contact_angle), self.diameter / self.pitch_diameter
+        root: Any = brentq(lambda nu: np.tan(nu) - ratio * np.sin(alpha - nu), 0.0, alpha)
+        return float(root)
 
     @property
     def diameter(self) -> float:
@@ -317,15 +515,78 @@ class RollerGeometry(Geometry):
     def default_width(self) -> float:
         return self.roller_length + ROLLER_OVERHANG * self.roller_diameter
 
+    @property
+    def inclination(self) -> float:
+        assert self.taper is not None
+        return float(np.copysign(abs(self.contact_angle) - self.taper, self.contact_angle))
+
+    def arc_radius(self, side: str) -> float | None:
+        return None if self.raceway_radii is None else self.raceway_radii[SIDES.index(side)]  # pyright: ignore[reportIndexIssue]
+
+    def axis(self, track: Track) -> tuple[float, float]:
+        """Radial and axial component [-] of the direction of the axis of a roller of a track."""
+        tau = self.inclination * track.sense
+        return float(-np.sin(tau)), float(np.cos(tau))
+
+    def angle_at(self, side: str) -> float:
+        """Contact angle [rad] of a raceway in the middle of the rollers, of the first row, side "inner" or "outer"."""
+        assert self.taper is not None
+        away = self.taper if side == "outer" else -self.taper
+        return float(np.copysign(abs(self.inclination) + away, self.contact_angle))
+
+    @property
+    def dynamic_rating(self) -> float:
+        thrust = rating.is_thrust(self.contact_angle)
+        b_m = 1.15 if self.raceway_radii is not None else 1.0 if thrust else rating.ROLLER_B_M
+        return rating.roller_dynamic(*self._size, self.contact_angle, self.rows, b_m)
+
+    @property
+    def static_rating(self) -> float:
+        return rating.roller_static(*self._size, self.contact_angle, self.rows)
+
+    def load_factors(self, radial: float, axial: float) -> tuple[float, float]:
+        return rating.roller_load_factors(self.contact_angle, radial, axial, self.rows)
+
+    @property
+    def _size(self) -> tuple[int, float, float, float]:
+        return self.elements, self.diameter, self.roller_length, self.pitch_diameter
+
     def bottom(self, side: str) -> float:
-        """Radius [m] of a raceway, side "inner" or "outer"."""
+        """Radius [m] of a raceway in the middle of the rollers, side "inner" or "outer"."""
         sign = -1.0 if side == "inner" else 1.0
-        return 0.5 * self.pitch_diameter + sign * (0.5 * self.diameter + 0.25 * self.clearance)
+        return float(
+            0.5 * self.pitch_diameter + sign * (0.5 * self.diameter * np.cos(self.inclination) + self.play(side))
+        )
+
+    def raceway(self, side: str, track: Track, where: Callable[[float], dict[str, Any]]) -> Shape:
+        if self.raceway_radii is not None:
+            return super().raceway(side, track, where)
+        sign, angle = (-1.0 if side == "inner" else 1.0), self.angle_at(side) * track.sense
+        at = where(track.z + sign * 0.5 * self.diameter * float(np.sin(self.inclination * track.sense)))
+        if abs(angle) > THRUST:
+            outward = -sign * np.sign(angle) * np.asarray(at["axis_direction"])
+            return surfaces.Plane(origin=at["axis_point"], outward=outward)
+        if not angle:
+            return (surfaces.Cylinder if side == "inner" else surfaces.Bore)(radius=self.bottom(side), **at)
+        kind = surfaces.Cone if side == "inner" else surfaces.ConicalBore
+        return kind(radius=self.bottom(side), half_angle=-angle, **at)
+
+    def roller(self, diameter: float, track: Track, where: dict[str, Any]) -> Shape:
+        """The surface of a roller of the diameter [m] and a track; where: axis_point and axis_direction."""
+        if self.taper:
+            half_angle = -self.taper * track.sense * np.sign(self.contact_angle)
+            return surfaces.Cone(radius=0.5 * diameter, half_angle=float(half_angle), **where)
+        if self.profile is None:
+            return surfaces.Cylinder(radius=0.5 * diameter, **where)
+        if isinstance(self.profile, (int, float)):
+            return surfaces.CrownedCylinder(radius=0.5 * diameter, crown_radius=float(self.profile), **where)
+        return surfaces.ProfiledCylinder(radius=0.5 * diameter, table=self.profile, **where)
 
     def curvature(self, side: str) -> float:
-        """Relative curvature [1/m] of roller and raceway, side "inner" or "outer"."""
+        """Relative curvature [1/m] of roller and raceway across their line of contact, side "inner" or "outer"."""
         sign = 1.0 if side == "inner" else -1.0
-        return 2.0 / self.diameter + sign / self.bottom(side)
+        assert self.taper is not None
+        return float(2.0 / self.diameter * np.cos(self.taper) + sign * np.cos(self.angle_at(side)) / self.bottom(side))
 
 
 def from_description(description: dict[str, Any]) -> BallGeometry | RollerGeometry:
@@ -333,29 +594,3 @@ def from_description(description: dict[str, Any]) -> BallGeometry | RollerGeomet
     kinds: dict[str, Any] = {kind.__name__: kind for kind in (BallGeometry, RollerGeometry)}
     fields = dict(description)
     return kinds[fields.pop("type")](**fields)
-
-
-@dataclass(frozen=True)
-class Rolling:
-    """Speeds [rad/s] of an element: `orbit` about the axis, and its rotation, `radial` outward and `axial` along the
-    axis, not against the cage but in the world."""
-
-    orbit: float
-    radial: float
-    axial: float
-
-
-def rolling(
-    diameter: float, pitch: float, inner: float, outer: float, angles: tuple[float, float], control: str = "outer"
-) -> Rolling:
-    """Without slip on rings of the speeds `inner` and `outer` [rad/s] at the contact angles (inner, outer) [rad], not
-    pivoting on the raceway `control`. Raises `InputError` for another name."""
-    if control not in SIDES:
-        raise InputError(f'rolling: control must be "inner" or "outer", the raceway without pivoting, got {control!r}')
-    (c_i, c_o), (s_i, s_o) = np.cos(angles), np.sin(angles)
-    R, r = 0.5 * pitch, 0.5 * diameter
-    speed, c, s = (inner, c_i, s_i) if control == "inner" else (outer, c_o, s_o)
-    rows = np.array([[R, -r * s_o, r * c_o], [R, r * s_i, -r * c_i], [0.0, c, s]])
-    known: Any = np.array([outer * (R + r * c_o), inner * (R - r * c_i), speed * s])
-    orbit, radial, axial = np.linalg.solve(rows, known)
-    return Rolling(float(orbit), float(radial), float(axial))

@@ -26,12 +26,13 @@ alpha_0, rings that are pressed by u along the axis have
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from warpffrf.model.bearings.geometry import Geometry
+from warpffrf.model.bearings.geometry import Geometry, Track
 from warpffrf.model.bodies import Body, Ground, SurfacePort
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
 
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")
 DEEP, SHOULDER = 1.6, 0.4  # of the diameter of an element
+WASHERS = np.radians(45.001)  # inclination beyond which rings are washers of a thrust bearing
 PERPENDICULAR = 1e-6  # cosine of `first` and the axis: six digits typed
 
 
@@ -90,7 +92,7 @@ class Place:
         """Unit vector (3,) of increasing angle."""
         return np.cos(angle) * self.axes[1] - np.sin(angle) * self.axes[0]
 
-    def in_user(self, body: Body | Ground, z: float = 0.0) -> dict[str, Any]:
+    def in_user(self, body: Body | Ground, z: float) -> dict[str, Any]:
         """axis_point and axis_direction of a surface about the bearing's axis, user frame of `body`, `z` [m] along the
         axis from the centre."""
         at = self.center + z * self.axis
@@ -119,6 +121,11 @@ def ring_mass(geometry: Geometry, side: str, material: Material, axis: np.ndarra
     D, pitch = geometry.diameter, geometry.pitch_diameter
     name, sign = ("bore", -1.0) if side == "inner" else ("outside_diameter", 1.0)
     shoulder, edge, given = pitch + sign * SHOULDER * D, pitch + sign * DEEP * D, getattr(geometry, name)
+    width = geometry.default_width if geometry.width is None else geometry.width
+    if abs(geometry.inclination) > WASHERS:  # washers on either side of the elements
+        inside = pitch - DEEP * D if geometry.bore is None else geometry.bore
+        outside = pitch + DEEP * D if geometry.outside_diameter is None else geometry.outside_diameter
+        return hollow_cylinder(inside, outside, max(0.5 * (width - D), SHOULDER * D), material, axis)
     if given is not None:
         edge = require_number(given, f"{geometry.label}: {name} [m]", positive=True)
         if sign * (edge - pitch) <= D:
@@ -127,30 +134,25 @@ def ring_mass(geometry: Geometry, side: str, material: Material, axis: np.ndarra
                 f"{'above' if side == 'inner' else 'below'} {pitch + sign * D:.4g} m"
             )
     edge = max(edge, 0.0)
-    width = geometry.default_width if geometry.width is None else geometry.width
+    width += geometry.row_spacing if geometry.width is None else 0.0
     return hollow_cylinder(min(edge, shoulder), max(edge, shoulder), width, material, axis)
 
 
-def ring_surface(
-    scene: Scene, side: str, given: Any, shape_of: Any, bearing: Bearing
-) -> tuple[Body | Ground, SurfacePort]:
-    """The body of a ring and its raceway.
+def ring_surfaces(
+    scene: Scene, side: str, given: Any, bearing: Bearing, offset: float = 0.0
+) -> tuple[Body | Ground, list[SurfacePort]]:
+    """The body of a ring and its raceways, one of each track; offset [m]: along the axis, in the sense of each track.
 
-    given: None for a rigid ring that is generated, a rigid body or the ground, which get the raceway, or a existing
-    contact surface, `body["rim"]`, of a flexible ring. shape_of: the shape of the raceway from its axis in user
-    axes. Raises `InputError`.
+    given: None for a rigid ring that is generated, a rigid body or the ground, which get the raceways, or an existing
+    contact surface, `body["rim"]`, of a flexible ring, two of them of a double-row bearing. Raises `InputError`.
     """
     name, place, geometry = bearing.name, bearing.place, bearing.geometry
     form: Form | None = getattr(geometry, f"{side}_form")
     label = f"bearing {name!r}: {side}"
-    if isinstance(given, SurfacePort):
-        _refuse_other_raceway(label, given, shape_of(given.body))
-        if form is not None:
-            raise InputError(
-                f"{label}_form: {given.label} is a surface of a flexible body, whose contact has no form deviation; "
-                "leave it out, or make the ring rigid"
-            )
-        return given.body, given
+    flexible = list(given) if isinstance(given, (tuple, list)) else [given]
+    tracks = [replace(track, z=track.z + track.sense * offset) for track in geometry.tracks]
+    if all(isinstance(port, SurfacePort) for port in flexible):
+        return _flexible_ring(label, flexible, side, bearing, tracks)
     if given is None:
         mass, inertia = ring_mass(geometry, side, bearing.materials[1], place.axis)
         given = scene.add_rigid_body(mass, inertia, name=f"{name} {side} ring", position=place.center)
@@ -165,11 +167,36 @@ def ring_surface(
             f"{label}: body {given.name!r} is flexible, so that its raceway is one of its contact surfaces; give that "
             f"instead of the body, one of {surfaces}"
         )
-    shape, round_form = shape_of(given), None
-    if form is not None:
-        begin = shape.chart(given.to_user(place.center + place.outward(0.0)))[0]
-        round_form = RoundForm.of(form, shape, f"{label}_form").turned(float(begin))
-    return given, given.surface(shape, name=f"{name} {side} raceway", form=round_form)
+    ports = []
+    for number, track in enumerate(tracks, start=1):
+        shape, round_form = geometry.raceway(side, track, partial(place.in_user, given)), None
+        if form is not None:
+            begin = shape.chart(given.to_user(place.center + place.outward(0.0)))[0]
+            round_form = RoundForm.of(form, shape, f"{label}_form").turned(float(begin))
+        named = f"{name} {side} raceway" if number == 1 else f"{name} {side} raceway {number}"
+        ports.append(given.surface(shape, name=named, form=round_form))
+    return given, ports
+
+
+def _flexible_ring(
+    label: str, ports: list[SurfacePort], side: str, bearing: Bearing, tracks: list[Track]
+) -> tuple[Body | Ground, list[SurfacePort]]:
+    """`ring_surfaces` of given contact surfaces of a flexible body."""
+    if len(ports) != len(tracks) or len({id(port.body) for port in ports}) > 1:
+        raise InputError(
+            f"{label}: the bearing has {len(tracks)} raceways on a ring, and {len(ports)} contact surfaces are given; "
+            "give (body['first'], body['second']) of a double-row bearing, in the sense of the axis"
+        )
+    if getattr(bearing.geometry, f"{side}_form") is not None:
+        raise InputError(
+            f"{label}_form: {ports[0].label} is a surface of a flexible body, whose contact has no form deviation; "
+            "leave it out, or make the ring rigid"
+        )
+    for port, track in zip(ports, tracks, strict=True):
+        _refuse_other_raceway(
+            label, port, bearing.geometry.raceway(side, track, partial(bearing.place.in_user, port.body))
+        )
+    return ports[0].body, ports
 
 
 @named_arguments

@@ -20,7 +20,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from warpffrf.model.errors import InputError, no_attribute
-from warpffrf.model.friction import Coulomb, FrictionLaw, RegularisedCoulomb, Stribeck, TabulatedFriction, TractionCurve
+from warpffrf.model.friction import (
+    Coulomb,
+    EyringTraction,
+    FrictionLaw,
+    RegularisedCoulomb,
+    Stribeck,
+    TabulatedFriction,
+    TractionCurve,
+)
 from warpffrf.model.laws import curves
 from warpffrf.model.laws.greenwood_tripp import GreenwoodTripp
 from warpffrf.model.laws.hunt_crossley import HuntCrossley
@@ -52,11 +60,11 @@ LAWS = {
 }  # fmt: skip
 
 __all__ = [
-    "LAWS", "LUMPED_LAWS", "Approach", "Coulomb", "ExponentialAsperities", "TabulatedForce", "FrictionLaw",
-    "GreenwoodTripp", "HertzPoint", "HuntCrossley", "IsoLamina", "Law", "LinearLayer", "LumpedLaw", "NonlinearLayer",
-    "PalmgrenLine", "PowerForce", "RegularisedCoulomb", "RollingHysteresis", "RollingResistanceArm",
-    "RollingResistance",
-    "Stribeck", "TabulatedFriction", "TabulatedLayer", "TractionCurve", "Unilateral", "as_law", "curves",
+    "LAWS", "LUMPED_LAWS", "Approach", "Coulomb", "ExponentialAsperities", "EyringTraction", "FrictionLaw",
+    "GreenwoodTripp", "HertzPoint", "HuntCrossley", "IsoLamina", "Law", "LinearLayer", "LumpedLaw",
+    "NonlinearLayer", "PalmgrenLine", "PowerForce", "RegularisedCoulomb", "RollingHysteresis", "RollingResistance",
+    "RollingResistanceArm", "Stribeck", "TabulatedForce", "TabulatedFriction", "TabulatedLayer", "TractionCurve",
+    "Unilateral", "as_law", "curves",
 ]  # fmt: skip
 
 

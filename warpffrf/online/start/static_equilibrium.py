@@ -80,6 +80,9 @@ LEAST = 1e-6  # s/m: the failure of a step of this size does not depend on its s
 # layers with low stiffness at touch, distant pairs that appear to close: a body whose first displacement would be too
 # large starts again with a shorter step
 RETREATS, RETREAT = 2, 1000.0
+# Surfaces in lumped contact, which may be apart at first, and the bodies between them: a step that moves a body by more
+# than this share of the smallest radius, or rotates it by more rad, may have passed through them, and is repeated
+FARTHEST, SHORTENED = 0.5, 6
 # s/m: 1 kg of a scene of 0.1 m then weighs 1 N/m, far below any spring that carries a load; larger ill-conditions the
 # joints
 LAST = 10.0
@@ -128,9 +131,15 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
     retreats = RETREATS if engine.compiled.elements.layers.count or model.pairs.count > 1 else 0
     rubs = any(contact.friction.acts for contact in engine.scene.small_sliding)
     settled = balanced = still = False
+    shortened, farthest = SHORTENED, _farthest(engine)
     for _ in range(MOST_STEPS):
         words = engine.state.ctl.numpy().copy()
+        begin = engine.checkpoint() if shortened and np.isfinite(farthest) else {}
         engine.static_step(tau)
+        if begin and not np.any(engine.word("status")) and _passes(engine, farthest):
+            engine.resume(begin)
+            shortened, too_long, failed_at, tau = shortened - 1, tau, moved, tau / GROWTH
+            continue
         status = engine.word("status")
         if np.any(status):
             if still:  # the remaining forces and energies are round-off, and may increase
@@ -181,6 +190,20 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
             before = latest = moved
         tau = longer
     return balanced and _at_rest(engine, free, creeping=True)
+
+
+def _farthest(engine: Engine) -> float:
+    """The displacement [m] of a body per step beyond which it may pass through one in lumped contact."""
+    ports = [port for contact in engine.scene.lumped_contacts for port in contact.ports]
+    radii = [float(p.surface.shape.radius) for p in ports if not p.surface.shape.profile().planar]
+    return FARTHEST * min(radii, default=np.inf)
+
+
+def _passes(engine: Engine, farthest: float) -> bool:
+    """Whether a body has moved that far [m], or rotated by more than `FARTHEST`, in the last step."""
+    count = len(engine.scene.bodies)
+    moves, turns = (getattr(engine.scratch, name).numpy()[:, :count] for name in ("dx", "psi"))
+    return bool(np.any(np.linalg.norm(moves, axis=-1) > farthest) or np.any(np.linalg.norm(turns, axis=-1) > FARTHEST))
 
 
 def _turned(engine: Engine) -> np.ndarray:

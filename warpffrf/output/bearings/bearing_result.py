@@ -1,25 +1,8 @@
-r"""One bearing of a run: one column per rolling element, and quantities of the whole bearing.
-
-Patches. Hertz patches of elements on raceways, from their loads, and truncation of an ellipse by a shoulder.
-
-A ball's patch is an ellipse across the groove, whose half-axes a >= b follow from the load, from the relative
-curvatures at the contact angle (`BallGeometry.curvatures`) and from E*. A roller has a line contact in every lamina:
-with the load Q and width w of a lamina, p0 = sqrt(Q E*/(pi R w)), R the relative radius; the largest is used.
-
-**Shoulder.** The groove of radius r ends at the height h over its bottom, at the angle arccos(1 - h/r) from there. The
-patch is centred on the contact angle alpha and extends a/r to either side of it along the groove. The part beyond the
-shoulder,
-
-    t = r (arccos(1 - h/r) - |alpha|) < a,
-
-is truncated: with s = t/a between -1 and 1, the fraction (2 + s)(1 - s)^2/4 of the force of the whole ellipse, whose
-pressure has the section (3/4)(1 - s^2) across it, if the groove continued.
-"""
+"""One bearing of a run: one column per rolling element, and quantities of the whole bearing."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -27,13 +10,17 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.bearings.bearing import BasicLife, ReferenceLife, basic_life, reference_life
 from warpffrf.model.bearings.flanges import ENDS
-from warpffrf.model.bearings.geometry import SIDES, BallGeometry, RollerGeometry, from_description
+from warpffrf.model.bearings.geometry import SIDES, BallGeometry, from_description
+from warpffrf.model.bearings.life import BasicLife, ReferenceLife, basic_life, reference_life
+from warpffrf.model.bearings.lubrication import CONDUCTIVITY
+from warpffrf.model.bearings.modified_life import ModifiedLife, fatigue_load_limit, modified_life, static_safety
 from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
+from warpffrf.model.oils import Oil
 from warpffrf.online.history.history import BodyHistory, History
-from warpffrf.output.contact.hertz import hertz_point
+from warpffrf.output.bearings.films import Films, film_thickness
+from warpffrf.output.bearings.patches import Patches, ShearBelow, ball_patches, cut_off, roller_patches, shear_below
 
 LOADED = 1e-9  # of the largest load: an element below is unloaded, without a direction of force
 GROUND = "ground"
@@ -44,7 +31,7 @@ NO_TILT = 1e-9  # rad
 
 class BearingResult(reprs.Shown):
     """A bearing as returned by `result.bearing(name)`; SI units, arrays (T, Z): one row per saved step, one column per
-    element.
+    element, of a double-row bearing those of the first row first, of a four-point one per ball and arc.
 
     Directions are those of the bearing's frame, which is fixed to the outer ring: towards the initial position of the
     first element, 90 degrees further, and along the axis. For distributed contact, if a ring or the elements are
@@ -62,7 +49,7 @@ class BearingResult(reprs.Shown):
         self.elements = list(description["elements"])
 
     def _facts(self) -> dict[str, Any]:
-        return {"name": self.name, "elements": f"{len(self.elements)} {self.kind}s", "rows": len(self.time)}
+        return {"name": self.name, "elements": f"{len(set(self.elements))} {self.kind}s", "rows": len(self.time)}
 
     # --- frame
 
@@ -302,23 +289,70 @@ class BearingResult(reprs.Shown):
 
     # --- the whole
 
-    def basic_life(self, capacity: float, row: int = -1, *, X: float = 1.0, Y: float = 0.0) -> BasicLife:
+    def basic_life(
+        self, capacity: float | None = None, row: int = -1, *, X: float | None = None, Y: float | None = None
+    ) -> BasicLife:
         """Basic rating life of ISO 281 at the load of the saved step `row`: capacity [N], factors X and Y of a
-        catalogue.
+        catalogue, None for those of the geometry, `dynamic_rating` and `load_factors`.
 
         Raises `InputError` if the equivalent load is zero.
         """
-        F = self.force[row]
-        return basic_life(self.kind, capacity, float(np.hypot(F[0], F[1])), float(F[2]), X=X, Y=Y)
+        capacity = self.geometry.dynamic_rating if capacity is None else capacity
+        radial, axial = float(np.hypot(*self.force[row, :2])), float(self.force[row, 2])
+        own = self.geometry.load_factors(radial, axial)
+        X, Y = (known if given is None else given for known, given in zip(own, (X, Y), strict=True))
+        return basic_life(self.kind, capacity, radial, axial, X=X, Y=Y)
 
-    def reference_life(self, capacity: float, row: int = -1, *, turning: str = "inner") -> ReferenceLife:
+    def reference_life(self, capacity: float | None = None, row: int = -1, *, turning: str = "inner") -> ReferenceLife:
         """Reference rating life of ISO/TS 16281 from the loads of the balls, or of the rollers' laminae, at the saved
-        step `row` (`model.bearings.bearing`); capacity [N], turning: the ring that rotates relative to the load. Raises
-        `InputError` for rollers in distributed contact, which have no laminae."""
+        step `row` (`model.bearings.bearing`); capacity [N], None for `dynamic_rating` of the geometry; turning: the
+        ring that rotates relative to the load. Raises `InputError` for rollers in distributed contact, which have no
+        laminae."""
+        capacity = self.geometry.dynamic_rating if capacity is None else capacity
         if isinstance(self.geometry, BallGeometry):
             return reference_life(self.geometry, capacity, self.inner_load[row], self.outer_load[row], turning=turning)
         inner, outer = (self._laminae(side)[row] for side in SIDES)
         return reference_life(self.geometry, capacity, inner, outer, turning=turning)
+
+    def modified_life(
+        self, capacity: float, static_capacity: float, *, kappa: float, contamination: float,
+        reliability: float = 90.0, row: int = -1, turning: str = "inner",
+    ) -> ModifiedLife:  # fmt: skip
+        """Modified reference life of ISO/TS 16281, a_1 a_ISO L_10r, at the saved step `row`: capacity and
+        static_capacity C_0 [N]; kappa [-]: viscosity ratio, `bearings.viscosity_ratio` or the film parameter to the
+        power 1.3; contamination [-]: e_C, `bearings.contamination_factor`; reliability [%]; turning: the ring that
+        rotates relative to the load. Raises `InputError`."""
+        found = self.reference_life(capacity, row, turning=turning)
+        limit = fatigue_load_limit(self.kind, static_capacity, self.geometry.pitch_diameter)
+        return modified_life(self.kind, found, limit, kappa, contamination, reliability=reliability)
+
+    def static_safety(self, static_capacity: float, row: int = -1, *, X: float = 0.6, Y: float = 0.5) -> float:
+        """s_0 = C_0/P_0 [-] of ISO 76 at the load of the saved step `row`: static_capacity C_0 [N]; X, Y [-]:
+        factors X_0 and Y_0, those of deep-groove ball bearings if not given. Raises `InputError` without a load."""
+        F = self.force[row]
+        return static_safety(static_capacity, float(np.hypot(F[0], F[1])), float(F[2]), X=X, Y=Y)
+
+    # --- lubrication, below the raceways
+
+    def film_thickness(
+        self, oil: Oil, *, roughness: float | Sequence[float] | None = None, thinning: float | None = None,
+        conductivity: float = CONDUCTIVITY, inlet: float | None = None,
+    ) -> dict[str, Films]:  # fmt: skip
+        """ "inner" and "outer" -> films (T, Z) [m] of the contacts, by Hamrock and Dowson (1977) of balls, by Dowson
+        (1968) of rollers (`model.bearings.lubrication`), from loads and motion of the run.
+
+        oil: oils.Barus or oils.Roelands, with the viscosity at the temperature of the inlet. roughness [m]: Rq of
+        elements and raceways, (0.05e-6, 0.1e-6), or one number of both together, for the film parameter. thinning
+        [1/K]: -d ln(viscosity)/dT, for the effect of heat with the conductivity [W/(m K)] of the oil; None: isothermal.
+        inlet [m]: distance from the centre of a ball's contact where the oil begins; None: fully flooded. Raises
+        `InputError`.
+        """
+        return film_thickness(self, oil, roughness, thinning, conductivity, inlet)
+
+    def shear_below(self, poisson_ratio: float = 0.3) -> dict[str, ShearBelow]:
+        """ "inner" and "outer" -> largest shear stress [Pa] below the centres of the Hertz patches, and its depth [m]
+        (T, Z), without friction; poisson_ratio [-]. Lumped contact only."""
+        return {side: shear_below(self._patches(side), poisson_ratio) for side in SIDES}
 
     def table(self, row: int = -1) -> dict[str, np.ndarray]:
         """Values of every element at the saved step `row`: column name with unit -> (Z,)."""
@@ -357,14 +391,15 @@ class BearingResult(reprs.Shown):
         """Warnings about a bearing without load, or loaded on flanks that are not designed for it."""
         if not loaded:
             return ["no element is loaded: the inner ring is free within the play, or the load unloads all elements"]
-        nominal = getattr(self.geometry, "contact_angle", 0.0)
+        tracks = self.geometry.tracks
+        nominal = self.geometry.contact_angle * np.array([tracks[i].sense for _, i in self.geometry.contacts])
         turned = np.count_nonzero(np.nan_to_num(self.inner_angle[row]) * nominal < 0.0)
         if not turned:
             return []
         return [
             f"{turned} {self.kind}s press on the flanks against the sense of the contact angle, "
-            f"{np.degrees(nominal):.4g} deg, which an angular contact bearing has no shoulder for; turn the bearing "
-            "round, or preload it"
+            f"{np.degrees(self.geometry.contact_angle):.4g} deg, which an angular contact bearing has no shoulder for; "
+            "mount the bearing the other way, or preload it"
         ]
 
     # --- from the histories
@@ -420,11 +455,15 @@ class BearingResult(reprs.Shown):
             raise InputError(
                 f"bearing {self.name!r}: patches of distributed contact are those of the pairs, result.contact(name)"
             )
-        modulus = 1.0 / sum(1.0 / E for E in self.description["moduli"])
         if isinstance(self.geometry, BallGeometry):
             load = np.where(np.isnan(self._angles(side)), 0.0, self._loads(side))
-            return ball_patches(self.geometry, side, load, np.nan_to_num(self._angles(side)), modulus)
-        return roller_patches(self.geometry, side, self._laminae(side), modulus)
+            return ball_patches(self.geometry, side, load, np.nan_to_num(self._angles(side)), self._modulus)
+        return roller_patches(self.geometry, side, self._laminae(side), self._modulus)
+
+    @property
+    def _modulus(self) -> float:
+        """E* [Pa] of elements and raceways."""
+        return 1.0 / sum(1.0 / E for E in self.description["moduli"])
 
     def _laminae(self, side: str) -> np.ndarray:
         """(T, Z, n) N, loads of the rollers' laminae."""
@@ -477,7 +516,8 @@ def printed(bearing: BearingResult, row: int) -> tuple[list[str], dict[str, list
     shown = {name: values for name, values in shown.items() if np.any(np.nan_to_num(values))}
     moved = UM * _rounded(bearing.displacement[row])
     tilt = 1e3 * _rounded(bearing.tilt[row][:2], NO_TILT)
-    count, loaded = len(bearing.elements), int(np.count_nonzero(_rounded(bearing.outer_load[row])))
+    carrying = np.flatnonzero(_rounded(bearing.outer_load[row]))
+    count, loaded = len(set(bearing.elements)), len({bearing.elements[i] for i in carrying})
     lines = [
         f"bearing {bearing.name!r} at {bearing.time[row]:.6g} s: {loaded} of {count} {bearing.kind}s loaded",
         f"inner ring moved against the outer one since the start by ({', '.join(f'{x:.5g}' for x in moved)}) um, "
@@ -488,43 +528,3 @@ def printed(bearing: BearingResult, row: int) -> tuple[list[str], dict[str, list
         torque = f"{bearing.friction_torque[row]:.5g} N m on the inner ring"
         lines.append(f"friction: {torque}, {shown['friction [W]'].sum():.5g} W")
     return lines, {name: ["-" if np.isnan(x) else f"{x:.5g}" for x in values] for name, values in shown.items()}
-
-
-@dataclass(frozen=True)
-class Patches:
-    """Patches of all elements on one raceway (T, Z): half-axes [m], a along the axis of the bearing across a groove
-    (nan for rollers) and b around it, and peak pressure [Pa]; 0 without load."""
-
-    half_axis_across: np.ndarray
-    half_axis_around: np.ndarray
-    peak_pressure: np.ndarray
-
-
-def ball_patches(geometry: BallGeometry, side: str, load: np.ndarray, angle: np.ndarray, modulus: float) -> Patches:
-    """Patches for loads [N] and contact angles [rad] (T, Z); modulus E* [Pa]."""
-    across, around, peak = (np.zeros(load.shape) for _ in range(3))
-    for at in np.argwhere(load > 0.0):
-        i = tuple(at)
-        curvatures = geometry.curvatures(side, angle[i])
-        found = hertz_point(float(load[i]), np.diag([float(c) for c in curvatures]), modulus)
-        across[i], around[i] = found.half_width, found.half_width_along
-        peak[i] = found.peak_pressure
-    return Patches(across, around, peak)
-
-
-def roller_patches(geometry: RollerGeometry, side: str, laminae: np.ndarray, modulus: float) -> Patches:
-    """Patches for loads of laminae (T, Z, m) [N]; modulus E* [Pa]."""
-    line = laminae.max(axis=-1) / (geometry.roller_length / laminae.shape[-1])
-    curvature = geometry.curvature(side)
-    peak = np.sqrt(line * modulus * curvature / np.pi)
-    half = np.sqrt(4.0 * line / (curvature * np.pi * modulus))
-    return Patches(np.full(half.shape, np.nan), half, peak)
-
-
-def cut_off(geometry: BallGeometry, side: str, patches: Patches, angle: np.ndarray, shoulder: float) -> np.ndarray:
-    """Fraction (T, Z) of the ellipse's force beyond a shoulder of the height [m]; see the module."""
-    r = geometry.groove(side)
-    room = r * (np.arccos(np.clip(1.0 - shoulder / r, -1.0, 1.0)) - np.abs(angle))
-    a = patches.half_axis_across
-    s = np.clip(np.divide(room, a, out=np.ones_like(a), where=a > 0.0), -1.0, 1.0)
-    return np.where(a > 0.0, 0.25 * (2.0 + s) * (1.0 - s) ** 2, 0.0)

@@ -25,7 +25,17 @@ A line of half-width a, t = z/a, in plane strain (K. L. Johnson, Contact Mechani
     sigma_x = p0 [2 t - (1 + 2 t^2)/w],      sigma_z = -p0/w,      sigma_y = nu (sigma_x + sigma_z),     w^2 = 1 + t^2.
 
 The largest shear (sigma_x - sigma_z)/2 = p0 (t - t^2/w) is 0.300 p0 at 0.786 a, von Mises' stress at nu = 0.3 0.558 p0
-at 0.704 a. An ellipse of semi-axes a > b, x along a, m = 1 - b^2/a^2, t = z/a = cot phi, T^2 = (b^2 + z^2)/(a^2 + z^2),
+at 0.704 a. At any (x, z), with M and N of the signs of z and x (Johnson, eq. 4.49), r^2 = M^2 + N^2,
+
+    2 M^2, 2 N^2 = sqrt((a^2 - x^2 + z^2)^2 + 4 x^2 z^2) +- (a^2 - x^2 + z^2),
+    sigma_x = -p0/a (M (1 + (z^2 + N^2)/r^2) - 2 z),    sigma_z = -p0/a M (1 - (z^2 + N^2)/r^2),
+    tau_zx = -p0/a N (M^2 - z^2)/r^2,
+
+and under the traction mu p along x (eq. 7.8) in addition mu times tau_zx for sigma_z, sigma_x for tau_zx, and
+
+    sigma_x = p0/a (N (2 - (z^2 - M^2)/r^2) - 2 x).
+
+An ellipse of semi-axes a > b, x along a, m = 1 - b^2/a^2, t = z/a = cot phi, T^2 = (b^2 + z^2)/(a^2 + z^2),
 F and E the incomplete elliptic integrals of (phi, m) (H. R. Thomas and V. A. Hoersch, Univ. of Illinois Bull. 212,
 1930; Johnson eq. 4.28; tests/output compares them with the half-space under the Hertz pressure):
 
@@ -180,6 +190,20 @@ class HertzLine(NamedTuple):
     radius: float  # m, 1/(1/R1 + 1/R2) at mid-width
     modulus: float  # Pa, E*
     reason: str = ""  # why the theory does not apply; the numbers are NaN then
+
+    def stress(self, x: Any, z: Any, *, friction: float = 0.0, poisson_ratio: float = 0.3) -> np.ndarray:
+        """(..., 6) Pa: stress xx, yy, zz, xy, yz, zx in plane strain at x across the line from its middle, z > 0 the
+        depth [m], of any shape that broadcasts, tension positive; friction [-]: traction along x over the pressure."""
+        x, z = np.broadcast_arrays(np.asarray(x, float), np.asarray(z, float))
+        square = self.half_width**2 - x * x + z * z
+        root = np.hypot(square, 2.0 * x * z)
+        M, N = np.sqrt(0.5 * (root + square)), np.sign(x) * np.sqrt(0.5 * np.maximum(root - square, 0.0))
+        size = self.peak_pressure / self.half_width
+        x_x, z_z = -size * (M * (1.0 + (z * z + N * N) / root) - 2.0 * z), -size * M * (1.0 - (z * z + N * N) / root)
+        z_x = -size * N * (M * M - z * z) / root
+        along = size * (N * (2.0 - (z * z - M * M) / root) - 2.0 * x)
+        x_x, z_z, z_x = x_x + friction * along, z_z + friction * z_x, z_x + friction * x_x
+        return np.stack([x_x, poisson_ratio * (x_x + z_z), z_z, 0.0 * x, 0.0 * x, z_x], axis=-1)
 
 
 class HertzPoint(NamedTuple):

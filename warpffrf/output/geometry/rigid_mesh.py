@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.bearings.flanges import ENDS
-from warpffrf.model.bearings.geometry import SIDES, BallGeometry, from_description, pair
+from warpffrf.model.bearings.geometry import SIDES, BallGeometry, Track, from_description, pair
 from warpffrf.model.bearings.parts import DEEP, SHOULDER
 from warpffrf.output.geometry.places import Pose, grid_theta_offset
 from warpffrf.output.geometry.scene_view import GROUND, BodyView, SceneView
@@ -40,6 +40,7 @@ POLE = 1.0 - 1e-6  # of the radius of an arc: where it ends
 COAXIAL = 1e-6  # of the radius, and of a unit vector: surfaces about the same axis
 SOLID, THIN = 0.25, 1.05  # inertia about the axis over mass and radius squared, of a cylinder
 MARKER, ROD = 0.02, 0.008  # radii of marker and rods, of the scene's size
+RIB, WASHER = 0.1, 0.4  # height of a rib and thickness of a washer, of the diameter of an element
 CAGE = 0.12, 0.3  # half height and half width of a cage, of the diameter of its elements
 PLAIN_SIZE = 0.1  # m, of a scene without anything that has a size
 
@@ -283,12 +284,14 @@ def _bearing(description: dict[str, Any], bodies: dict[str, BodyView]) -> list[t
     found = []
     for side in SIDES:
         body = bodies.get(description[side])
-        raceway = f"{description['name']} {side} raceway"
-        if body is not None and raceway in body.shapes:
-            ribs = [s for end in ENDS if (s := f"{description['name']} {side} {end} rib") in body.shapes]
-            found.append((body.name, [raceway, *ribs], _ring(description, geometry, side, body)))
+        if body is None:
+            continue
+        own = f"{description['name']} {side} "
+        names = [n for n in body.shapes if n.startswith(own) and n.removeprefix(own).split()[0] in ("raceway", *ENDS)]
+        if any(n.startswith(f"{own}raceway") for n in names):
+            found.append((body.name, names, _ring(description, geometry, side, body)))
     if description["kind"] == "roller":
-        for name in description["elements"]:
+        for name in dict.fromkeys(description["elements"]):
             if name in bodies and bodies[name].shapes:
                 mesh = _roller(bodies[name].shapes, geometry.roller_length)
                 found.append((name, list(bodies[name].shapes), mesh))
@@ -297,41 +300,115 @@ def _bearing(description: dict[str, Any], bodies: dict[str, BodyView]) -> list[t
         axes, (height, width) = np.asarray(description["axes"]), np.array(CAGE) * geometry.diameter
         if description["kind"] == "roller":
             width = 0.5 * geometry.roller_length - height
-        r = 0.5 * geometry.pitch_diameter + height * np.array([-1.0, 1.0])
-        band = _closed([([r[0], r[0]], [-width, width])], ([r[1], r[1]], [width, -width]))
-        found.append((cage.name, list(cage.shapes), revolved(np.zeros(3), axes, band)))
+        for track in geometry.tracks[: geometry.rows]:
+            found.append(
+                (cage.name, list(cage.shapes), revolved(np.zeros(3), axes, _band(geometry, track, height, width)))
+            )
     return found
 
 
+def _band(geometry: Any, track: Track, height: float, width: float) -> Lines:
+    """Section of a cage around the row `track`, of half the height and half the width [m], inclined as its elements."""
+    middle, tau = np.array([0.5 * geometry.pitch_diameter, track.z]), geometry.inclination * track.sense
+    if isinstance(geometry, BallGeometry):
+        tau = 0.0
+    along, across = np.array([-np.sin(tau), np.cos(tau)]), np.array([np.cos(tau), np.sin(tau)])
+    corners = [middle + i * width * along + j * height * across for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    return _polygon(corners)
+
+
+def _polygon(corners: list[np.ndarray]) -> Lines:
+    """A section of straight sides between corners (radius, axial position) [m]."""
+    pairs = zip(corners, [*corners[1:], corners[0]], strict=True)
+    return [([p[0], q[0]], [p[1], q[1]]) for p, q in pairs]
+
+
 def _ring(description: dict[str, Any], geometry: Any, side: str, body: BodyView) -> TriangleMesh:
-    """A ring between its raceway, with lands or ribs beside it, and its bore or outside diameter."""
-    name, sign = description["name"], -1.0 if side == "inner" else 1.0
-    shape = body.shapes[f"{name} {side} raceway"]
+    """A ring between its raceways, with lands or ribs next to them, and its bore or outside diameter."""
+    sign = -1.0 if side == "inner" else 1.0
+    first = body.shapes[f"{description['name']} {side} raceway"]
     center = Pose(**description["poses"][body.name]).to_user(np.asarray(description["center"])[None])[0]
-    middle = float((center - shape.axis_point) @ shape.e_a)
     D, pitch = geometry.diameter, geometry.pitch_diameter
     given = geometry.bore if side == "inner" else geometry.outside_diameter
-    edge = 0.5 * max(pitch + sign * DEEP * D if given is None else given, 0.0)
-    land = 0.5 * (pitch + sign * SHOULDER * D)
     half = 0.5 * (geometry.default_width if geometry.width is None else geometry.width)
-    low, high = middle - half, middle + half
-    begin, stop = low, high
+    if first.profile().planar:
+        return _washer(geometry, center, first)
+    low, high = -half, half
+    if geometry.rows == 2 and geometry.width is None:
+        low, high = low - 0.5 * geometry.row_spacing, high + 0.5 * geometry.row_spacing
+    line: Lines = []
+    at = low
+    for shape, begin, stop in _raceways(description, geometry, side, body, center, (low, high)):
+        off = float((center - shape.axis_point) @ shape.e_a)
+        r, z = _line(shape, begin + off, stop + off)
+        land = _land(geometry, sign, float(r[0]) if begin > at else float(r[-1]))
+        if begin > at:
+            line += [*_step(line, land, at), ([land, land], [at, begin])]
+        line += [*_step(line, float(r[0]), begin), (r, z - off)]
+        at = stop
+    if at < high:
+        land = _land(geometry, sign, float(line[-1][0][-1]))
+        line += [*_step(line, land, at), ([land, land], [at, high])]
+    far = max(sign * np.concatenate([r for r, _ in line]))
+    edge = 0.5 * given if given is not None else sign * max(0.5 * sign * (pitch + sign * DEEP * D), far + RIB * D)
+    edge = max(edge, 0.0)
+    return revolved(center, first.frame, _closed(line, ([edge, edge], [high, low])))
+
+
+def _step(line: Lines, radius: float, z: float) -> Lines:
+    """The face that leads from the end of `line` to a radius [m] at z [m]; none at its beginning or without a step."""
+    return [_face(float(line[-1][0][-1]), radius, z)] if line and line[-1][0][-1] != radius else []
+
+
+def _land(geometry: Any, sign: float, radius: float) -> float:
+    """Radius [m] of the land or rib next to a raceway that ends at a radius [m]."""
+    land = 0.5 * (geometry.pitch_diameter + sign * SHOULDER * geometry.diameter)
     if isinstance(geometry, BallGeometry):
-        r, shoulder = geometry.groove(side), pair(geometry.shoulders, "shoulders")[SIDES.index(side)]
-        height = sign * (geometry.bottom(side) - land) if shoulder is None else shoulder
-        land = geometry.bottom(side) - sign * height
-        reach = np.sqrt(r**2 - max(r - height, 0.0) ** 2)
-        begin, stop = max(-reach, low), min(reach, high)
-    else:
-        along = 0.5 * geometry.roller_length
-        begin = middle - along if f"{name} {side} back rib" in body.shapes else low
-        stop = middle + along if f"{name} {side} front rib" in body.shapes else high
-    line: Lines = [_line(shape, begin, stop)]
-    if begin > low:
-        line[:0] = [([land, land], [low, begin]), _face(land, line[0][0][0], begin)]
-    if stop < high:
-        line += [_face(line[-1][0][-1], land, stop), ([land, land], [stop, high])]
-    return revolved(shape.axis_point, shape.frame, _closed(line, ([edge, edge], [high, low])))
+        height = pair(geometry.shoulders, "shoulders")[0 if sign < 0.0 else 1]
+        side = SIDES[0 if sign < 0.0 else 1]
+        return land if height is None else geometry.bottom(side) - sign * height
+    if geometry.inclination:
+        return radius - sign * RIB * geometry.diameter
+    return land
+
+
+def _raceways(
+    description: dict[str, Any], geometry: Any, side: str, body: BodyView, center: np.ndarray, ends: tuple[float, float]
+) -> list[tuple[Any, float, float]]:
+    """Shape, begin and end [m] along the axis from the centre of each raceway, in ascending order within the `ends`."""
+    name, found = description["name"], []
+    for number, track in enumerate(geometry.tracks, start=1):
+        suffix = "" if number == 1 else f" {number}"
+        shape = body.shapes[f"{name} {side} raceway{suffix}"]
+        middle = float((shape.axis_point - center) @ shape.e_a)
+        if isinstance(geometry, BallGeometry):
+            r, land = geometry.groove(side), _land(geometry, -1.0 if side == "inner" else 1.0, 0.0)
+            reach = float(np.sqrt(max(r**2 - max(r - abs(shape.radius - land), 0.0) ** 2, 0.0)))
+            begin, stop = middle - reach, middle + reach
+            if geometry.four_point:
+                begin, stop = (begin, 0.0) if middle > 0.0 else (0.0, stop)
+        else:
+            along = 0.5 * geometry.roller_length * float(np.cos(geometry.inclination))
+            if geometry.raceway_radii is not None:
+                sign = -1.0 if side == "inner" else 1.0
+                middle = track.z + sign * 0.5 * geometry.diameter * float(np.sin(geometry.inclination * track.sense))
+            ribs = {ENDS[end] * track.sense for end in ENDS if f"{name} {side} {end} rib{suffix}" in body.shapes}
+            inward = 0.0 if geometry.rows == 1 else -np.sign(track.z)
+            open_low, open_high = (0.0 if s == inward else e for s, e in zip((-1.0, 1.0), ends, strict=True))
+            begin = middle - along if -1.0 in ribs else open_low
+            stop = middle + along if 1.0 in ribs else open_high
+        found.append((shape, max(begin, ends[0]), min(stop, ends[1])))
+    found.sort(key=lambda one: one[1])
+    return found
+
+
+def _washer(geometry: Any, center: np.ndarray, plane: Any) -> TriangleMesh:
+    """The washer of a thrust bearing below its plane raceway."""
+    top = float((plane.axis_point - center) @ plane.e_0)
+    bottom = top - WASHER * geometry.diameter
+    inside, outside = 0.5 * geometry.pitch_diameter + 0.5 * (1.0 + RIB) * geometry.roller_length * np.array([-1.0, 1.0])
+    corners = [np.array(at) for at in ((inside, top), (outside, top), (outside, bottom), (inside, bottom))]
+    return revolved(center, np.stack([plane.e_1, plane.e_a, plane.e_0]), _polygon(corners))
 
 
 def _roller(shapes: dict[str, Any], length: float) -> TriangleMesh:

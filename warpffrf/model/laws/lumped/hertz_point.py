@@ -102,6 +102,15 @@ class HertzPoint(LumpedLaw):
         return 1.0 / sum(1.0 / m.plane_strain_modulus for m in self._materials())
 
 
+def load_at_pressure(peak: float, small: float, large: float, modulus: float) -> float:
+    """Load [N] at which the pressure in the middle is `peak` [Pa], for the relative curvatures `small` <= `large` [1/m]
+    and the modulus E* [Pa]: F = (2/3) p0 pi a b."""
+    k2 = _ratio_squared(small, large, "point contact")
+    return float(
+        (2.0 / 3.0 * np.pi * np.sqrt(k2) * peak) ** 3 * (elliprd(0.0, k2, 1.0) / (np.pi * modulus * small)) ** 2
+    )
+
+
 def _ratio_squared(small: float, large: float, label: str) -> float:
     """k^2 of the module docstring."""
     if large - small <= ROUND * large:
