@@ -15,6 +15,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.output.bodies.skin import ShownSkin
 from warpffrf.output.geometry.places import Pose
 from warpffrf.output.geometry.reference import START, Reference
+from warpffrf.output.plots.scene_picture import ScenePicture
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result
 
@@ -85,3 +86,13 @@ def test_an_unknown_reference_is_refused(carried: Any, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"picture: relative_to.*'boer'.*bore"):
         result.picture(tmp_path / "x.png", relative_to="boer")
     result.picture(tmp_path / "x.png", relative_to="bore")
+
+
+def test_a_picture_shows_all_of_a_magnified_body(carried: Any) -> None:
+    result, row, factor = of(carried), np.array([ROW]), 2000.0
+    picture = ScenePicture(result, "displacement", row, factor=factor, what="picture", relative_to="bore")
+    for name, shown in picture.skins.items():
+        points = shown.points + shown.carried(ROW) + factor * shown.displacement(ROW)
+        seen = Pose.of(result.history.bodies, name, ROW).to_world(points) @ picture.axes[:2].T
+        assert np.all(seen > picture.low) and np.all(seen < picture.high)
+        assert np.linalg.norm(factor * shown.displacement(ROW), axis=1).max() > 0.2 * shown.size

@@ -98,11 +98,15 @@ class ScenePicture:
         for done, i in enumerate(self.rows):
             if seen is not None:
                 seen(done)
-            for shown in self.skins.values():
+            places = []
+            for name, shown in self.skins.items():
                 u = shown.displacement(i)
                 moved = max(moved, largest([np.linalg.norm(u, axis=1)]))
                 tops.append(largest([self._values(shown, u, i)]))
-            places = [self._close_up(i)] if self.near else self._bodies(i)
+                drawn = shown.points + shown.carried(i) + (factor or 1.0) * u  # a chosen factor stays within the margin
+                places.append(self._pose(name, i).to_world(drawn))
+            places += [self._pose(name, i).to_world(mesh.points) for name, mesh in self.rigid.items()]
+            places = [self._close_up(i)] if self.near else places
             corners.append(_ends(np.concatenate(places) @ self.axes[:2].T))
         low, high = _ends(np.concatenate(corners))
         pad = MARGIN * float((high - low).max())
