@@ -112,10 +112,11 @@ def _machine_view(recorder: Any, arrows: list[str], aspect: float = 1.0) -> Any:
     solids = [f"+ {recorder.rigid.path(name)}" for name in recorder.rigid.meshes]
     surfaces = [f"+ {recorder.path('world', name, 'surface')}" for name in recorder.bodies]
     frames = [f"{body}/frame" for body in bodies]
+    drawn = "to scale" if recorder.factor == 1.0 else f"magnified {recorder.factor:g} times"
     return rrb.Spatial3DView(
         origin=recorder.path("world", EYE),
         contents=["+ /world/triad", *solids, *surfaces, *arrows, *[f"+ {frame}" for frame in frames]],
-        name=f"Machine: elastic deformation magnified {recorder.factor:g} times" if recorder.bodies else "Machine",
+        name=f"Machine: elastic deformation{recorder.reference.words} {drawn}" if recorder.bodies else "Machine",
         eye_controls=_machine_eye(recorder, aspect),
         overrides={frame: rrb.EntityBehavior(visible=False) for frame in frames},  # pyright: ignore[reportArgumentType]
         line_grid=False,
