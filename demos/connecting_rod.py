@@ -130,10 +130,11 @@ def main(out: str | Path = "out/connecting_rod", *, quick: bool = False, progres
     degrees = crank_degrees(steel)
     counts, fires = within(degrees), within(degrees, *FIRING)
     films = {"steel": steel.film(FILM), STIFF.name: stiff.film(FILM)}
-    shown = degrees[counts]
+    shown, circle = degrees[counts], np.linspace(0.0, 2.0 * np.pi, 121)
     save_panels([
         Panel("The pin in the clearance circle", "along the rod, over the clearance", "across",
-              {name: tuple(film.eccentricity[counts].T / CLEARANCE) for name, film in films.items()}, equal=True),
+              {name: tuple(film.eccentricity[counts].T / CLEARANCE) for name, film in films.items()},
+              {"clearance": (np.cos(circle), np.sin(circle))}, equal=True),
         Panel("Smallest film", "crank angle [deg]", "[µm]",
               {name: (shown, film.smallest_gap[counts] * 1e6) for name, film in films.items()}),
         Panel("Peak pressure", "crank angle [deg]", "[MPa]",

@@ -94,7 +94,9 @@ class Shapes:
         for color, load in zip(COLORS, ELASTICA, strict=False):
             x, _, z = self.shape[int(np.argmin(np.abs(self.load - load)))].T / LENGTH
             ax.plot(x, z, marker="o", ms=5, lw=0.8, color=color, label=f"PL²/EI = {load:g}")
-        ax.set(xlabel="x/L [-]", ylabel="z/L [-]", aspect="equal", title="Ends of the bodies")
+        ax.set(xlabel="x/L [-]", ylabel="z/L [-]", aspect="equal")
+        ax.set_title("Ends of the bodies", fontsize=10)
+        ax.grid(alpha=0.25, lw=0.5)
         ax.legend(frameon=False, fontsize=8)
 
 

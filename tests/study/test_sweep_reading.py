@@ -8,12 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 from sweep_scenes import IN_TIME, bob, rest, shy_bob
 
 import warpffrf as wf
 from page_reader import Page
 from warpffrf import cli
 from warpffrf.model.errors import InputError
+from warpffrf.output.plots.restyle import INCH, PAPER
 from warpffrf.study.sweeps.parameters import latin, saltelli
 from warpffrf.study.sweeps.reading import surface as surfaces
 from warpffrf.study.sweeps.reading.page import page
@@ -240,6 +242,29 @@ def test_an_output_over_time_has_a_line_a_row_and_shows_which_ended_early() -> N
     assert cross.get_xdata() == pytest.approx([10.0]) and len(figure.axes) == 2  # eight gains share a colour bar
     with pytest.raises(InputError, match=r"'max\(last\(force\)\)'"):
         plot(rows, "force", kind="map")
+
+
+def test_a_colour_bar_keeps_the_colours_of_its_curves_in_the_dark_theme() -> None:
+    time, gain = np.linspace(0.0, 0.02, 5), np.arange(1.0, 13.0)
+    rows = Rows({"gain": gain}, {"force": gain[:, None] * time}, unit="N", dims=("time",), time=time)
+    figure = plot(rows, "force", theme="dark", width=0.09)
+    assert figure.get_facecolor()[:3] == pytest.approx(PAPER) and figure.get_figwidth() == pytest.approx(0.09 / INCH)
+    (ax,) = drawn(figure)
+    (bar,) = (one for one in figure.axes if one is not ax)
+    shown = bar.collections[-1].get_cmap()
+    for line, value in zip(filled(ax), (gain - 1.0) / 11.0, strict=True):
+        assert to_rgb(line.get_color()) == pytest.approx(shown(value)[:3], abs=0.02)
+
+
+@pytest.mark.parametrize("failed", [(), (1,)])
+def test_maps_of_grids_and_samples_begin_dark_in_the_dark_theme(failed: tuple[int, ...]) -> None:
+    points = latin(20, 2, 0)
+    for at in (grid(u=[0.0, 1.0], v=[0.0, 1.0, 2.0]), {"u": points[:, 0], "v": points[:, 1]}):
+        figure = plot(Rows(at, {"y": at["u"]}, failed=failed), "y", kind="map", theme="dark")
+        colors = drawn(figure)[0].collections[0].get_cmap()
+        assert sum(colors(0.0)[:3]) < 0.2 < 2.0 < sum(colors(1.0)[:3])
+    with pytest.raises(InputError, match="theme is 'drak'"):
+        plot(Rows(at, {"y": at["u"]}), "y", theme="drak")
 
 
 def test_vectors_need_a_component_and_names_are_looked_up() -> None:

@@ -16,6 +16,10 @@ FIELD = typer.Option(
     metavar="FIELD",
     help="What surfaces are coloured by: displacement, pressure, traction, slip, state, wear or von_mises.",
 )
+RELATIVE_TO = typer.Option(
+    metavar="NAME",
+    help="Of results: show elastic displacements relative to this interface, or to the 'start'; default: user frames.",
+)
 OVERWRITE = typer.Option("--overwrite", help="Replace an existing file.")
 
 
@@ -29,6 +33,7 @@ def add_picture_commands(app: typer.Typer) -> None:
         every: Annotated[
             int | None, typer.Option(help="Of results: draw every n-th saved step; default: at most 300 of them.")
         ] = None,
+        relative_to: Annotated[str | None, RELATIVE_TO] = None,
         out: Annotated[
             Path | None,
             typer.Option("--out", metavar="RRD", help="Of results: write the recording here and open no viewer."),
@@ -50,8 +55,10 @@ def add_picture_commands(app: typer.Typer) -> None:
             from warpffrf.output.recording import viewer
 
             if file.suffix.lower() == viewer.ENDING:
-                if out is not None or every is not None or field != "displacement":
-                    raise InputError("a recording is shown unchanged; --field, --every and --out are for results (.h5)")
+                if any(option is not None for option in (out, every, relative_to)) or field != "displacement":
+                    raise InputError(
+                        "a recording is shown unchanged; --field, --every, --relative-to and --out are for results"
+                    )
                 _show(file, serve, bind)
                 return
             if out is None and not serve and not viewer.has_screen():
@@ -60,11 +67,11 @@ def add_picture_commands(app: typer.Typer) -> None:
                     "writes it for another machine, and warpffrf picture draws without a screen"
                 )
             if out is not None:
-                print(_recorded(file, out, field, every, overwrite, Asked.quiet))
+                print(_recorded(file, out, field, every, relative_to, overwrite, Asked.quiet))
                 return
             with tempfile.TemporaryDirectory() as folder:
                 recording = Path(folder) / f"{file.stem}{viewer.ENDING}"
-                said = _recorded(file, recording, field, every, False, Asked.quiet)
+                said = _recorded(file, recording, field, every, relative_to, False, Asked.quiet)
                 if not Asked.quiet:
                     print(said)
                 _show(recording, serve, bind)
@@ -78,7 +85,7 @@ def add_picture_commands(app: typer.Typer) -> None:
         field: Annotated[str, FIELD] = "displacement",
         time: Annotated[
             float | None,
-            typer.Option(metavar="SECONDS", help="Draw the saved step nearest to this time; default: the last."),
+            typer.Option(metavar="SECONDS", help="Of results: draw the saved step nearest to it; default: the last."),
         ] = None,
         every: Annotated[
             int | None, typer.Option(help="Of a .gif or .mp4: a frame for every n-th saved step; default: at most 100.")
@@ -95,13 +102,15 @@ def add_picture_commands(app: typer.Typer) -> None:
         deformation_factor: Annotated[
             float | None, typer.Option(help="Magnification of elastic displacements; default: chosen automatically.")
         ] = None,
+        relative_to: Annotated[str | None, RELATIVE_TO] = None,
         theme: Annotated[str, THEME] = "light",
         width: Annotated[float | None, WIDTH] = None,
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:
         """Draw the bodies of a run, still or moving; results need neither screen nor viewer.
 
-        A recording is drawn as it opens in the viewer; a server requires xvfb and mesa-vulkan-drivers.
+        A recording is drawn as it opens in the viewer, at its begin, as the viewer cannot be opened at another time;
+        a server requires xvfb and mesa-vulkan-drivers.
 
         Example: warpffrf picture press.h5 press.gif --field von_mises
         """
@@ -112,17 +121,17 @@ def add_picture_commands(app: typer.Typer) -> None:
             from warpffrf.output.result import Result
 
             if file.suffix.lower() == ENDING:
-                of_results = (time, every, view, deformation_factor, width)
+                of_results = (time, every, view, deformation_factor, relative_to, width)
                 if any(option is not None for option in of_results) or (field, theme) != ("displacement", "light"):
                     raise InputError(
                         "a recording is drawn by its viewer as it opens, at its begin; --time, --view, --theme and the "
-                        "other options are for results (.h5)"
+                        "other options are for results: warpffrf picture RUN.h5"
                     )
                 print(f"written to {recording_picture(file, out, overwrite=overwrite)}")
                 return
             result = Result.load(file)
             common: dict[str, Any] = {"view": view, "deformation_factor": deformation_factor, "theme": theme}
-            common["overwrite"] = overwrite
+            common |= {"relative_to": relative_to, "overwrite": overwrite}
             if out.suffix.lower() in ENDINGS:
                 written = result.animate(out, field, every=every, fps=fps, progress=not Asked.quiet, **common)
             else:
@@ -140,7 +149,9 @@ def _show(recording: Path, serve: bool, bind: str) -> None:
     viewer.run(command)
 
 
-def _recorded(file: Path, out: Path, field: str, every: int | None, overwrite: bool, is_quiet: bool) -> str:
+def _recorded(
+    file: Path, out: Path, field: str, every: int | None, relative_to: str | None, overwrite: bool, is_quiet: bool
+) -> str:
     """Record a results file; returns a summary."""
     import time
 
@@ -149,6 +160,9 @@ def _recorded(file: Path, out: Path, field: str, every: int | None, overwrite: b
     from warpffrf.output.written_file import Written
 
     begin = time.perf_counter()
-    info = record(Result.load(file), out, color=field, every=every, overwrite=overwrite, progress=not is_quiet)
+    info = record(
+        Result.load(file), out, color=field, every=every, relative_to=relative_to, overwrite=overwrite,
+        progress=not is_quiet,
+    )  # fmt: skip
     written = Written.of("recording", info.path, time.perf_counter() - begin)
     return f"recording: {written}, {info.frames} frames"

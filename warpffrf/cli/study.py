@@ -14,6 +14,7 @@ import typer
 
 from warpffrf.cli.errors import INTERRUPTED, one_line_errors
 from warpffrf.cli.global_options import Asked
+from warpffrf.cli.results import THEME, WIDTH
 
 IN_FILE = "simulate."  # prefix of options of the run in `--set`
 
@@ -233,6 +234,8 @@ def add_sweep_plot_command(app: typer.Typer) -> None:
         where: Annotated[
             list[str] | None, typer.Option("--where", metavar="NAME=VALUE", help="Only these rows. Repeat for more.")
         ] = None,
+        theme: Annotated[str, THEME] = "light",
+        width: Annotated[float | None, WIDTH] = None,
         overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing picture.")] = False,
     ) -> None:
         """Draw an output of a sweep over a parameter, over time, or as a map of two parameters.
@@ -252,7 +255,7 @@ def add_sweep_plot_command(app: typer.Typer) -> None:
                 chosen[name] = values[0]
             entry = int(component) if component is not None and component.isdecimal() else component
             open_sweep(folder).plot(
-                output, x=x, y=y, hue=hue, style=style, col=col, component=entry, where=chosen, path=out,
-                overwrite=overwrite,
+                output, x=x, y=y, hue=hue, style=style, col=col, component=entry, where=chosen, theme=theme,
+                width=width, path=out, overwrite=overwrite,
             )  # fmt: skip
             print(f"written to {out}")

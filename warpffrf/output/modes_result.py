@@ -182,7 +182,7 @@ class Modes(reprs.Shown):
     def plot_shape(self, i: int, ax: Axes | None = None, *, scale: float = 0.06) -> Axes:
         """Draw mode i on the matplotlib axes `ax` (new ones if None) and return them: deformed skins in colour, red at
         the largest motion, over the undeformed ones in grey, at the instant of the largest displacement; rigid bodies
-        as boxes of the same mass and inertia. scale [-]: largest displacement drawn, as a fraction of the extent of the
+        as solids, as in pictures of a run. scale [-]: largest displacement drawn, as a fraction of the extent of the
         bodies.
 
         Raises InputError for an unknown mode and a scale that is not positive.

@@ -471,8 +471,8 @@ class Result(reprs.Shown):
 
     def picture(
         self, path: str | os.PathLike[str], field: str = "displacement", *, time: float | None = None,
-        view: str | None = None, deformation_factor: float | None = None, theme: str = "light",
-        width: float | None = None, overwrite: bool = False,
+        view: str | None = None, deformation_factor: float | None = None, relative_to: str | None = None,
+        theme: str = "light", width: float | None = None, overwrite: bool = False,
     ) -> Path:  # fmt: skip
         """Draw the bodies at the saved step nearest to `time` [s], the last one if None, into the picture `path` (.png,
         .pdf, .svg); requires neither screen nor viewer.
@@ -481,36 +481,38 @@ class Result(reprs.Shown):
         "wear", and "von_mises" for bodies reduced with `stress={"skin": "skin"}`. view: "front" (from -y), "side" (from
         +x), "top", "iso", or the name of a contact or film for a close-up; None: one that suits the extents of the
         bodies. deformation_factor [-]: magnification of the elastic displacement; None: chosen from 1, 2, 5, 10, ...,
-        1 in a close-up. theme, width: "dark" and the width [m] of a printed column. Raises
+        1 in a close-up. relative_to: name of an interface, whose motion is then neither shown as displacement nor
+        magnified, of the bodies that have it; "start": the whole motion of flexible bodies since the first saved step;
+        None: their user frames. theme, width: "dark" and the width [m] of a printed column. Raises
         InputError for a field that no body has, a time outside of the run, an unknown view or theme, a factor that is
         not positive, and an existing file, unless `overwrite` is set and warpffrf wrote it.
         """
         from warpffrf.output.plots.animation import write_still
 
         return write_still(
-            self, path, field, time=time, factor=deformation_factor, view=view, theme=theme, width=width,
-            overwrite=overwrite,
+            self, path, field, time=time, factor=deformation_factor, view=view, relative_to=relative_to, theme=theme,
+            width=width, overwrite=overwrite,
         )  # fmt: skip
 
     def animate(
         self, path: str | os.PathLike[str], field: str = "displacement", *, every: int | None = None, fps: float = 15.0,
-        view: str | None = None, deformation_factor: float | None = None, theme: str = "light",
-        overwrite: bool = False, progress: bool = True,
+        view: str | None = None, deformation_factor: float | None = None, relative_to: str | None = None,
+        theme: str = "light", overwrite: bool = False, progress: bool = True,
     ) -> Path:  # fmt: skip
         """Draw the bodies over the run into `path`, a .gif, or an .mp4 (requires the program ffmpeg); camera and colour
         scale are the same in all frames.
 
-        field, view, deformation_factor, theme, overwrite: as of `picture`. every: number of saved steps per frame,
-        None: at most 100 frames; fps [1/s]: frames per second; progress: report the progress on stderr. An interrupted
-        animation leaves no file. Raises InputError as `picture`, for another file ending, and for an .mp4 without
-        ffmpeg.
+        field, view, deformation_factor, relative_to, theme, overwrite: as of `picture`. every: number of saved steps
+        per frame, None: at most 100 frames; fps [1/s]: frames per second; progress: report the progress on stderr. An
+        interrupted animation leaves no file. Raises InputError as `picture`, for another file ending, and for an .mp4
+        without ffmpeg.
         """
         from warpffrf.output.plots.animation import write_animation
 
         with speaking(progress):
             return write_animation(
-                self, path, field, every=every, fps=fps, factor=deformation_factor, view=view, theme=theme,
-                overwrite=overwrite, progress=progress,
+                self, path, field, every=every, fps=fps, factor=deformation_factor, view=view,
+                relative_to=relative_to, theme=theme, overwrite=overwrite, progress=progress,
             )  # fmt: skip
 
     def small_sliding_page(self, contact: str | None = None, times: Vector | None = None) -> Figure:

@@ -231,6 +231,12 @@ class SmallSlidingResult(reprs.Shown):
         return self.pressure.max(axis=1, initial=0.0)
 
     @cached_property
+    def peak_position(self) -> np.ndarray:
+        """(T, 3) m, user frame of the first body: centre of the cell with the largest pressure; NaN without
+        pressure."""
+        return np.where(self.peak_pressure[:, None] > 0.0, self.points[np.argmax(self.pressure, axis=1)], np.nan)
+
+    @cached_property
     def counts(self) -> np.ndarray:
         """(T, states) numbers of open, sticking and slipping cells."""
         return np.stack([(self.state == state).sum(axis=1) for state in (OPEN, STICK, SLIP)], axis=1)

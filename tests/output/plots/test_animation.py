@@ -16,6 +16,7 @@ import warpffrf as wf
 from warpffrf.model.errors import InputError
 from warpffrf.output.bodies.skin import ShownSkin
 from warpffrf.output.geometry.places import Pose, grid_theta_offset
+from warpffrf.output.geometry.reference import Reference
 from warpffrf.output.geometry.rigid_mesh import rigid_meshes
 from warpffrf.output.plots.animation import NEEDS_FFMPEG
 from warpffrf.output.plots.colors import ColorScale
@@ -237,8 +238,9 @@ def test_a_film(result: Result, tmp_path: Path) -> None:
 @pytest.mark.parametrize("points", [40, 200, 10**9])
 def test_fewer_points_show_the_same_peak(result: Result, points: int) -> None:
     """The patch is narrower than the distance of the points that are kept of a fine mesh."""
+    reference = Reference(result.view.bodies, result.history.bodies, None, "test")
     for skin in result.skins().values():
-        shown, last = ShownSkin(skin, points), len(result.time) - 1
+        shown, last = ShownSkin(skin, points, reference), len(result.time) - 1
         peak = skin.field("pressure", last).max()
         assert peak > 0.0 and shown.values("pressure", last).max() == peak
         assert points < len(skin.points) or np.array_equal(shown.values("pressure", last), skin.field("pressure", last))

@@ -12,9 +12,14 @@ import warpffrf as wf
 from warpffrf.model import joints
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.output.plots.modes import CORNERS, SIDES, MovedSkin, draw_shape, eye_axes, inertia_box, outward, skins_of
+from warpffrf.output.plots.modes import CORNERS, MovedSkin, draw_shape, eye_axes, outward, skins_of
 
 SIZE = np.array([0.3, 0.02, 0.1])  # m
+RADIUS, LENGTH, MASS, LEVEL = 0.03, 0.08, 2.0, -0.53  # m, m, kg, m: the bob and its floor
+SIDES = np.array(
+    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4],
+     [1, 5, 7], [1, 7, 3]]
+)  # fmt: skip
 
 
 def polygons(ax: Any) -> list[np.ndarray]:
@@ -44,33 +49,40 @@ def test_the_moment_at_which_it_is_farthest_is_drawn_over_the_undeformed_skin() 
     assert np.all(moved.reshape(-1, 2) > low) and np.all(moved.reshape(-1, 2) < high)
 
 
-def test_boxes_have_their_mass_and_inertia() -> None:
-    """A box of 2 kg has J = m/12 (b^2 + c^2); turned and longer than what is allowed, it keeps its shape."""
-    b = SIZE**2
-    inertia = np.diag(2.0 / 12.0 * (b.sum() - b))
-    points, triangles = inertia_box(2.0, inertia, np.inf)
-    assert np.ptp(points, axis=0) == pytest.approx(SIZE) and np.array_equal(triangles, SIDES)
-    turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
-    points = inertia_box(2.0, turn @ inertia @ turn.T, 0.15)[0]
-    assert np.ptp(points @ turn, axis=0) == pytest.approx(0.5 * SIZE)
+def test_triangles_are_turned_outwards() -> None:
     inside_out = MovedSkin(CORNERS, SIDES[:, ::-1], 0.0 * CORNERS)
     assert np.array_equal(outward(inside_out).triangles, SIDES)
     assert np.array_equal(outward(MovedSkin(CORNERS, SIDES, 0.0 * CORNERS)).triangles, SIDES)
 
 
 def test_modes_of_a_scene_are_drawn(body: ReducedBody) -> None:
-    """A rigid pendulum and a roller on a hinge: both are there, the swinging one moves."""
+    """A pendulum with a rigid cylinder, clear of the floor, and a fixed roller: both are there, the swinging one moves
+    about its hinge, and the cylinder has its radius and the length of its inertia."""
     scene = wf.Scene(gravity=(0.0, 0.0, -9.81))
-    bob = scene.add_rigid_body(2.0, (0.02, 0.02, 0.02), name="bob", position=(0.3, 0.0, -0.5))
+    across = MASS * (3.0 * RADIUS**2 + LENGTH**2) / 12.0
+    skin = wf.surfaces.Cylinder(radius=RADIUS, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
+    bob = scene.add_rigid_body(
+        MASS, (across, 0.5 * MASS * RADIUS**2, across), name="bob", position=(0.3, 0.0, -0.5), surfaces={"skin": skin}
+    )
+    plane = wf.surfaces.Plane(origin=(0, 0, LEVEL - 1e-3), outward=(0, 0, 1))
+    floor = scene.ground.surface(plane, name="floor")
+    scene.add(wf.LumpedContact(bob["skin"], floor, law=wf.laws.PalmgrenLine(LENGTH), name="clear"))
     scene.add(joints.Revolute(scene.ground, bob.at((0, 0, 0.5)), axis=(0, 1, 0)))
     roller = scene.add_body(body, name="roller", position=(1.0, 0.0, 0.0))
     scene.add(joints.Fixed(scene.ground, roller["bore"]))
     modes = wf.eigenmodes(scene, 3, progress=False)
     swings = int(np.argmax([modes.energy_shares(i)["bob"] for i in range(len(modes))]))
-    skin, box = skins_of(modes, swings)
+    skin, solid = skins_of(modes, swings)
     assert skin.points == pytest.approx(body.surface.points + [1.0, 0.0, 0.0], abs=1e-6)
-    assert box.points.mean(axis=0) == pytest.approx([0.3, 0.0, -0.5], abs=1e-9) and len(box.points) == 8
-    far = np.abs(box.displacement).max()
+    away = solid.points - [0.3, 0.0, -0.5]
+    round_ = away[away[:, 2] <= 0.0]  # a rod leads upwards, to the hinge
+    assert np.hypot(round_[:, 0], round_[:, 2]).max() == pytest.approx(RADIUS, rel=1e-9)
+    assert np.ptp(round_[:, 1]) == pytest.approx(LENGTH, rel=1e-9)
+    from_hinge = solid.points - [0.3, 0.0, 0.0]
+    turned = np.cross([0.0, 1.0, 0.0], from_hinge)
+    rate = modes.shape(swings, "bob").rotation[1]
+    assert solid.displacement == pytest.approx(rate * turned, abs=1e-9 * abs(rate))
+    far = np.abs(solid.displacement).max()
     assert np.abs(skin.displacement).max() < 1e-6 * far
     ax = modes.plot_shape(swings)
     still, moved = polygons(ax)

@@ -18,6 +18,7 @@ from warpffrf.output.recording import recorder as recorder_module
 from warpffrf.output.recording.extent import HALF_FIELD, distance, extent, length_text, round_length, seen_along
 from warpffrf.output.recording.film_scene import LIFTED, MAP_SHAPE, FilmScene, _sorted
 from warpffrf.output.recording.frames import BodyFrames
+from warpffrf.output.recording.glyphs import joined
 from warpffrf.output.recording.layout import MOST_PANELS, MOST_SECONDS, RUN_SECONDS, TURN_SECONDS, _emptiest, _speed
 from warpffrf.output.recording.magnification import largest_factor
 from warpffrf.output.recording.rigid_bodies import RigidBodies
@@ -123,14 +124,15 @@ def test_magnification_ends_where_surfaces_would_meet() -> None:
         view=SimpleNamespace(pairs={}, films={"f": met}), history=SimpleNamespace(bodies={"shaft": still()})
     )
 
-    def limit(share: float) -> float:
+    def limit(share: float, carried: float = 0.0) -> float:
         u = np.zeros((1, columns_, 3))
         u[0, 7] = share * c * outwards[7]
-        body = BodyFrames(points, np.zeros((0, 3), dtype=int), u, 0.0)
+        body = BodyFrames(points, np.zeros((0, 3), dtype=int), u, carried * c * outwards[None], 0.0)
         return largest_factor(result, {"shaft": body}, np.array([0]), np.array([0]))
 
     assert limit(0.4) == pytest.approx(2.5, rel=1e-9)
     assert limit(-0.4) == np.inf
+    assert limit(0.4, carried=0.2) == pytest.approx(2.0, rel=1e-9)  # what the reference takes of the clearance
 
 
 def test_the_time_is_shown_so_slowly_that_turns_can_be_followed() -> None:
@@ -152,6 +154,11 @@ def test_a_legend_stands_where_no_curve_is() -> None:
     x = np.linspace(0.0, 1.0, 101)
     assert _emptiest([x, x**2 + 0.3 * x]) in (rrb.Corner2D.LeftTop, rrb.Corner2D.RightBottom)
     assert _emptiest([np.where(x > 0.5, 0.0, 1.0), np.zeros(101)]) == rrb.Corner2D.RightTop
+
+
+def test_labels_that_would_cover_each_other_are_one() -> None:
+    places = [np.array([x, 0.0, 0.0]) for x in (0.0, 0.5, 0.05, 0.45, 0.0)]
+    assert joined(["a", "b", "c", "", "d"], places, 0.1) == ["a\nc\nd", "b", "", "", ""]
 
 
 def test_lengths_are_round_and_have_units() -> None:

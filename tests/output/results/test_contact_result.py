@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from synthetic_run import DURATION, E_MODULUS, HALF_WIDTH, PEAK, PITCH, POISSON, R, make_history
+from synthetic_run import DURATION, E_MODULUS, HALF_WIDTH, PEAK, PITCH, POISSON, TURN, WIDTH, R, make_history
 
 from warpffrf.output.contact.hertz import HertzLine
 from warpffrf.output.contact.result import line_moments, node_means
@@ -72,6 +72,15 @@ def test_contact_of_a_hertz_run(result: Result) -> None:
     patch = contact.pressure(3)
     assert patch.pressure.shape == (len(patch.theta), len(patch.z))
     assert np.diff(patch.arc) == pytest.approx(np.full(len(patch.arc) - 1, R * PITCH))
+
+
+def test_the_peak_stays_on_top_of_a_roller_that_rotates(result: Result) -> None:
+    """In the user frame of the roller, which rotates by +angle about y, the top moves back by the angle."""
+    angle = TURN * result.time / DURATION
+    x, y, z = result.contact("lower-upper").peak_position.T
+    assert np.hypot(x, z) == pytest.approx(np.full(len(angle), R), rel=1e-12) and np.all(np.abs(y) <= 0.5 * WIDTH)
+    assert np.unwrap(np.arctan2(-x, z)) == pytest.approx(angle, abs=0.05 * PITCH)
+    assert angle[-1] > 5.0 * PITCH
 
 
 def test_hertz_helper_is_johnsons_formula(result: Result) -> None:

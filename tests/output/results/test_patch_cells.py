@@ -151,6 +151,19 @@ def test_peak_does_not_depend_on_where_strips_lie(strips: int) -> None:
     assert contact.peak_pressure[0] == pytest.approx(1e9, rel=5e-3)  # fourth order, over a strip of 0.37 half-widths
 
 
+@pytest.mark.parametrize("shape", [Cylinder, Sphere])
+@pytest.mark.parametrize("strips", [8, 11])
+def test_the_peak_is_at_the_middle_of_an_ellipse(shape: Any, strips: int) -> None:
+    z0 = 1.2e-3
+    contact = made(shape(radius=0.02, axis_point=(0, 0, 0), axis_direction=(0, 1, 0)), strips=strips, rows=30, z0=z0)
+    exact = contact.view.first.shape.point(0.3, z0)
+    assert contact.peak_position[0] == pytest.approx(exact, abs=1e-9)
+    contact.history.pressure = 0.0 * contact.history.pressure
+    nothing = CellContactResult(contact.history, contact.view)
+    nothing.patch_kind = "point"
+    assert np.all(np.isnan(nothing.peak_position))
+
+
 def test_stress_errors_are_not_known(result: Result) -> None:
     found = result.contact(PAIR).stress_errors(-1)
     assert found and all(np.isnan(one.von_mises) and "cells that travel" in one.reason for one in found.values())

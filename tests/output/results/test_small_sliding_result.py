@@ -57,6 +57,12 @@ def test_cells_cover_the_face(lap: SmallSlidingResult) -> None:
     np.testing.assert_allclose(means / lap.area[:, None], lap.points, atol=1e-15)
 
 
+def test_the_peak_is_in_the_cell_of_the_largest_pressure(lap: SmallSlidingResult) -> None:
+    for pressure, at in zip(lap.pressure, lap.peak_position, strict=True):
+        (cell,) = np.flatnonzero(np.all(lap.points == at, axis=1))
+        assert pressure[cell] == pressure.max() > 0.0
+
+
 def test_forces_of_cells_add_up_to_the_joint_s(result: Result, lap: SmallSlidingResult) -> None:
     """And those to what presses and pushes the upper block, as no load step has inertia."""
     own = np.concatenate([-lap.pressure[:, :, None], lap.traction], axis=2) * lap.area[:, None]

@@ -37,6 +37,7 @@ from warpffrf.output.bodies.normal_loads import SmallSlidingLoads, faces_on_skin
 from warpffrf.output.bodies.patch_on_skin import PatchOnSkin, patch_on_skin, tangential_forces
 from warpffrf.output.bodies.stress import BodyStress
 from warpffrf.output.geometry.places import SkinSurface
+from warpffrf.output.geometry.reference import Reference
 from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView
 from warpffrf.output.geometry.skin_nodes import thinned
 
@@ -258,11 +259,11 @@ def require_field(skins: dict[str, Skin], field: str, what: str) -> None:
 
 class ShownSkin:
     """A skin of at most `max_points` points: `points` (n, 3) [m, user frame], `triangles` (t, 3), `size` [m], the
-    largest extent of the full skin."""
+    largest extent of the full skin; its displacements are relative to a `reference`."""
 
-    def __init__(self, skin: Skin, max_points: int) -> None:
+    def __init__(self, skin: Skin, max_points: int, reference: Reference) -> None:
         sectors = max((s.recovery.sectors for s in skin.body.reduced.contact_surfaces.values()), default=1)
-        self.skin = skin
+        self.skin, self.reference = skin, reference
         self.kept, self.triangles = thinned(skin.points, skin.triangles, max_points, sectors)
         self.points = skin.points[self.kept]
         # node of the skin -> point that represents it: thinning must not lose a patch between points
@@ -270,8 +271,12 @@ class ShownSkin:
         self.size = float(np.ptp(skin.points, axis=0).max())
 
     def displacement(self, i: int) -> np.ndarray:
-        """Elastic displacement (n, 3) [m], user axes, at saved step `i`."""
-        return self.skin.displacement(i)[self.kept]
+        """Elastic displacement (n, 3) [m] relative to the reference, user axes, at saved step `i`."""
+        return self.skin.displacement(i)[self.kept] - self.carried(i)
+
+    def carried(self, i: int) -> np.ndarray:
+        """Displacement (n, 3) [m] with the reference, user axes, at saved step `i`; it is not magnified."""
+        return self.reference.motion(self.skin.body.name, self.points, i)
 
     def values(self, field: str, i: int) -> np.ndarray:
         """One of `Skin.fields` (n,) in SI units at saved step `i`, the largest of the nodes that a point represents;

@@ -31,6 +31,7 @@ from warpffrf.output.contact.hertz import (
 from warpffrf.output.contact.patch_moments import Moments
 from warpffrf.output.contact.stress_error import StressError
 from warpffrf.output.exposed_histories import Recorded
+from warpffrf.output.geometry.places import grid_theta_offset
 from warpffrf.output.geometry.scene_view import PairView
 
 log = logging.getLogger("warpffrf")
@@ -64,6 +65,18 @@ def section_moments(x: np.ndarray, p: np.ndarray, h: Any, own: float) -> LineMom
     second = (p * ((x - center[..., None]) ** 2 + own * (h * h)[..., None])).sum(axis=-1) / safe
     half_width = np.where(touching, 2.0 * np.sqrt(np.maximum(second, 0.0)), 0.0)
     return LineMoments(h * total, center, half_width)
+
+
+def vertex(x: np.ndarray, p: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Positions (T,) of the largest value of parabolas through the samples p (T, n) at x (T, n), ascending, before, at
+    and after the largest one `at` (T,); that of the sample itself where a neighbour is zero or missing."""
+    steps, before, after = np.arange(len(x)), np.maximum(at - 1, 0), np.minimum(at + 1, x.shape[1] - 1)
+    (x0, x1, x2), (p0, p1, p2) = ([values[steps, n] for n in (before, at, after)] for values in (x, p))
+    inside = (before < at) & (at < after) & (p0 > 0.0) & (p2 > 0.0)
+    rise = np.divide(p1 - p0, x1 - x0, out=np.zeros_like(p1), where=inside)
+    bend = np.divide(p2 - p1, x2 - x1, out=np.zeros_like(p1), where=inside) - rise
+    inside &= bend < 0.0
+    return np.where(inside, 0.5 * (x0 + x1) - 0.5 * rise * (x2 - x0) / np.where(inside, bend, 1.0), x1)
 
 
 class PairResult(reprs.Shown, ABC):
@@ -231,6 +244,20 @@ class PairResult(reprs.Shown, ABC):
     @abstractmethod
     def peak_pressure(self) -> np.ndarray:
         """(T,) Pa, largest pressure in the patch."""
+
+    @cached_property
+    def peak_position(self) -> np.ndarray:
+        """(T, 3) m, user frame of the first body: point of its undeformed surface with the largest pressure, by
+        parabolas through the largest node or cell across the patch, for a point contact also along the meridian; NaN
+        without contact."""
+        p, surface = self.mean_pressure, self.view.first
+        steps = np.arange(len(p))
+        j, k = np.unravel_index(np.argmax(p.reshape(len(p), p.shape[1] * p.shape[2]), axis=1), p.shape[1:])
+        theta, z = vertex(self.theta, p[steps, :, k], j), self.rows[steps, k]
+        if self.patch_kind == "point":
+            z = vertex(self.rows, p[steps, j], k)
+        points = surface.shape.point(theta + grid_theta_offset(surface), z)
+        return np.where(self.touching[:, None], points, np.nan)
 
     @property
     @abstractmethod

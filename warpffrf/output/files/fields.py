@@ -173,6 +173,7 @@ FIRST_USER = "user frame of the first body"
 SMALL_SLIDING_DERIVED = (
     Field("small_sliding_loss", "loss", "J", "by friction so far"),
     Field("small_sliding_peak_pressure", "peak_pressure", "Pa", "mean over a cell"),
+    Field("small_sliding_peak_position", "peak_position", "m", f"{FIRST_USER}, cell of the largest pressure", AXIS),
     Field("small_sliding_stick_area", "stick_area", "m2", "none"),
     Field("small_sliding_slip_area", "slip_area", "m2", "none"),
     Field("small_sliding_slip_share", "slip_share", "1", "of the area under pressure"),
@@ -232,6 +233,7 @@ FRICTION_FIELDS = (
 DERIVED_FIELDS = (
     Field("contact_half_width", "half_width", "m", "first surface, at mid-width"),
     Field("contact_peak_pressure", "peak_pressure", "Pa", "first surface"),
+    Field("contact_peak_position", "peak_position", "m", f"{FIRST_USER}, of the largest pressure", AXIS),
     Field("contact_line_load", "line_load", "N/m", "first surface, at mid-width"),
     Field("contact_normal_load", "normal_load", "N", "integral of the pressure over the first surface"),
     Field("contact_half_widths", "half_widths", "m", FIRST, DIRECTION),

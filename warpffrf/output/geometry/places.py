@@ -23,6 +23,7 @@ k_theta e_theta e_theta + k_z t_z t_z` in the common tangent plane, convex posit
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Any
 
@@ -244,7 +245,7 @@ class Pose:
         self.position, self.rotation = np.asarray(position, float), np.asarray(rotation, float)
 
     @classmethod
-    def of(cls, bodies: dict[str, Any], name: str, i: int) -> Pose:
+    def of(cls, bodies: Mapping[str, Any], name: str, i: int) -> Pose:
         """Pose of the body called `name` at saved step `i`; a name without a motion is the ground."""
         motion = bodies.get(name)
         return cls() if motion is None else cls(motion.position[i], motion.rotation[i])

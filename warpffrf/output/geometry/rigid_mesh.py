@@ -17,6 +17,7 @@ diameter.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -59,26 +60,37 @@ def rigid_meshes(result: Any, size: float | None = None) -> dict[str, RigidMesh]
 
     size [m]: of the scene, that of planes and markers; None: that of the largest body.
     """
-    return _Scene(result).meshes(size)
+    history, steps = result.history, len(result.time)
+    rows = np.unique(np.linspace(0, steps - 1, min(steps, ROWS)).astype(int))
+    columns = {name: contact.center_column for name, contact in history.contacts.items()}
+    places = {name: contact.place for name, contact in history.lumped_contacts.items()}
+    return _Scene(result.view, history.bodies, rows, columns, places).meshes(size)
+
+
+def meshes_in_state(view: SceneView, bodies: Mapping[str, Any]) -> dict[str, RigidMesh]:
+    """The mesh of each rigid body, as of a run, in one state without known patches: `bodies` have a `position` (1, 3)
+    [m] and a `rotation` (1, 4). Second surfaces then extend along the whole contact grid of the first one."""
+    meshes = _Scene(view, bodies, np.zeros(1, dtype=int), {}, {}).meshes(None)
+    return {name: mesh for name, mesh in meshes.items() if name != GROUND}
 
 
 class _Scene:
-    """Surfaces of a run, and where they are touched."""
+    """Surfaces of a scene, and where they are touched: at the columns (T,) of the middles of patches and at the places
+    (T, 3) [m] of lumped contacts at `rows`."""
 
-    def __init__(self, result: Any) -> None:
-        self.result, self.view = result, result.view
-        view: SceneView = self.view
-        steps = len(result.time)
-        self.rows = np.unique(np.linspace(0, steps - 1, min(steps, ROWS)).astype(int))
+    def __init__(
+        self, view: SceneView, motions: Mapping[str, Any], rows: np.ndarray, columns: Mapping[str, np.ndarray],
+        places: Mapping[str, np.ndarray],
+    ) -> None:  # fmt: skip
+        self.view, self.motions, self.rows = view, motions, rows
         self.touched: dict[tuple[str, str], list[np.ndarray]] = {}  # places (n, 3) [m, user frame], by body and surface
         self.bodies = {name: body for name, body in view.bodies.items() if body.reduced is None}
         for name, met in view.pairs.items():
-            self._distributed(met, result.history.contacts[name].center_column)
+            self._distributed(met, columns.get(name))
         for met in view.films.values():
             self._distributed(met, None)
-        for name, met in view.lumped.items():
-            place = result.history.lumped_contacts[name].place
-            for body, surface in _sides(met):
+        for name, place in places.items():
+            for body, surface in _sides(view.lumped[name]):
                 self._touch(body, surface, [place[i][None] for i in self.rows], self.rows)
         for met in view.small_sliding.values():
             if met.second_body.reduced is None:
@@ -137,7 +149,7 @@ class _Scene:
     # --- places that are touched
 
     def _pose(self, name: str, i: int) -> Pose:
-        return Pose.of(self.result.history.bodies, name, int(i))
+        return Pose.of(self.motions, name, int(i))
 
     def _distributed(self, met: Any, center_column: np.ndarray | None) -> None:
         """The patches' middles at both ends of the first surface's grid, or the ends of a film, on a rigid second

@@ -245,14 +245,12 @@ class Anchor:
         kind, name, body, interface, point, loaded = data
         return cls(kind, name, body, interface, np.array(point, dtype=float), bool(loaded))
 
-    def local(self, body: Any, modal: np.ndarray, factor: float) -> np.ndarray:
-        """The position (3,) [m, user frame] on `body`, its `BodyView`, with the interface's motion times `factor` at
-        modal coordinates (m,)."""
+    def displacement(self, body: Any, modal: np.ndarray) -> np.ndarray:
+        """Displacement (3,) [m, user axes] with the interface of `body`, its `BodyView`, at modal coordinates (m,)."""
         if self.interface is None or body.reduced is None or not len(modal):
-            return self.point
-        motion = factor * interface_motion(body, self.interface, modal)
-        arm = self.point - body.reduced.interfaces[self.interface].point
-        return self.point + motion[:3] + np.cross(motion[3:], arm)
+            return np.zeros(3)
+        motion = interface_motion(body, self.interface, modal)
+        return motion[:3] + np.cross(motion[3:], self.point - body.reduced.interfaces[self.interface].point)
 
 
 def scene_anchors(scene: Any) -> tuple[Anchor, ...]:

@@ -40,11 +40,13 @@ Frame = Callable[[np.ndarray], Any]  # takes pixels (height, width, 3) uint8
 
 def write_still(
     result: Any, path: str | os.PathLike[str], field: str, *, time: float | None, factor: float | None,
-    view: str | None, theme: str, width: float | None, overwrite: bool,
+    view: str | None, relative_to: str | None, theme: str, width: float | None, overwrite: bool,
 ) -> Path:  # fmt: skip
     """Draw the bodies at the saved step nearest to `time` [s]; see `Result.picture`."""
     i = row_at(result, time, "picture")
-    picture = ScenePicture(result, field, np.array([i]), factor=factor, what="picture", view=view, theme=theme)
+    picture = ScenePicture(
+        result, field, np.array([i]), factor=factor, what="picture", view=view, relative_to=relative_to, theme=theme
+    )
     figure = picture.figure()
     picture.draw(figure, i)
     if width is not None:
@@ -54,7 +56,7 @@ def write_still(
 
 def write_animation(
     result: Any, path: str | os.PathLike[str], field: str, *, every: int | None, fps: float, factor: float | None,
-    view: str | None, theme: str, overwrite: bool, progress: bool,
+    view: str | None, relative_to: str | None, theme: str, overwrite: bool, progress: bool,
 ) -> Path:  # fmt: skip
     """Draw every `every`th saved step, None: about `MAX_FRAMES` frames; see `Result.animate`."""
     check_ending(path, "animate", ENDINGS)
@@ -70,8 +72,9 @@ def write_animation(
     bar = Progress("ranges of the animation", len(rows), enabled=progress, unit="frame")
     try:
         picture = ScenePicture(
-            result, field, rows, factor=factor, what="animate", view=view, theme=theme, seen=bar.update
-        )
+            result, field, rows, factor=factor, what="animate", view=view, relative_to=relative_to, theme=theme,
+            seen=bar.update,
+        )  # fmt: skip
     finally:
         bar.close()
     figure = picture.figure()

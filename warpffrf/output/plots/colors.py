@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.output.contact.friction import STATES
-from warpffrf.output.plots.restyle import BODIES
+from warpffrf.output.plots.restyle import BODIES, CURVES
 
 LEVELS = 256
 MOST_BARS = 3  # of a legend in one column
@@ -217,7 +217,7 @@ def value_colors(low: float, high: float, *, ratios: bool) -> Any:
     from matplotlib.colors import ListedColormap, LogNorm, Normalize
 
     whole = colormaps[MAP]
-    shown = ListedColormap([whole(BRIGHTEST * n / (LEVELS - 1)) for n in range(LEVELS)])
+    shown = ListedColormap([whole(BRIGHTEST * n / (LEVELS - 1)) for n in range(LEVELS)], CURVES)
     return ScalarMappable((LogNorm if ratios else Normalize)(low, high), shown)
 
 

@@ -5,15 +5,15 @@ Mode shapes. Pictures of mode shapes: the deformed skins of bodies in colour ove
 
 A mode of a scene is complex: its motion is Re(u exp(i w t)). It is drawn at the instant of the largest displacement of
 the point with the largest amplitude, Re(u exp(-i arg u_max)). Displacements are scaled so that the largest is a given
-fraction of the extent of the drawing; colours show amplitudes |u| over the largest. Rigid bodies have no skin: they are
-drawn as a box of the same mass and inertia, with sides l_x^2 = 6 (J_y + J_z - J_x)/m along their principal axes, at
-most `BOX` of the extent of the skins.
+fraction of the extent of the drawing; colours show amplitudes |u| over the largest. Rigid bodies are drawn as the
+solids of a run (`rigid_mesh`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,9 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import skin_displacement
+from warpffrf.output.geometry.places import Pose
+from warpffrf.output.geometry.rigid_mesh import meshes_in_state
+from warpffrf.output.geometry.scene_view import scene_view
 from warpffrf.output.geometry.skin_nodes import thinned
 from warpffrf.output.plots.colors import ColorScale
 from warpffrf.output.plots.raster import LIGHT, facing
@@ -140,13 +143,8 @@ def draw_skin(
 
 DRAWN = 0.06  # largest displacement drawn, of the largest extent
 GREY, THROUGH = (0.62, 0.65, 0.69), 0.35  # of the undeformed skin
-BOX = 0.25  # largest side of a rigid body's box, of the extent of the skins
 COLUMNS, PANEL = 4, (3.6, 3.1)  # of a page of shapes; inches
 CORNERS = np.array([[i, j, k] for i in (-0.5, 0.5) for j in (-0.5, 0.5) for k in (-0.5, 0.5)])
-SIDES = np.array(
-    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4],
-     [1, 5, 7], [1, 7, 3]]
-)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,36 +158,22 @@ class MovedSkin:
 
 
 def skins_of(modes: Any, i: int) -> list[MovedSkin]:
-    """Mode `i` of `Modes` of a scene: skins of the flexible bodies in the reference state of the modes, and boxes of
+    """Mode `i` of `Modes` of a scene: skins of the flexible bodies in the reference state of the modes, and solids of
     the rigid ones, world axes."""
-    found, rigid = [], []
-    bodies = list(modes.scene.bodies)
-    flexible = [body for body in bodies if body.reduced is not None and len(body.reduced.surface.triangles)]
+    found = []
+    flexible = [body for body in modes.scene.bodies if body.reduced is not None and len(body.reduced.surface.triangles)]
     for body in flexible:
         skin = mode_skin(body.reduced, MAX_TRIANGLES // 2 // len(flexible))
         A, origin = rot.matrix(modes.found.rotation[body.name]), modes.found.position[body.name]
         still = skin.points + skin_displacement(body, modes.found.modal[body.name])[skin.kept]
         found.append(MovedSkin(origin + still @ A.T, skin.triangles, modes.displacement(i, body.name)[skin.kept]))
-    every = np.concatenate([skin.points for skin in found]) if found else np.zeros((0, 3))
-    longest = BOX * float(np.ptp(every, axis=0).max()) if len(every) else np.inf
-    for body in bodies:
-        if body.reduced is not None:
-            continue
-        A, shape = rot.matrix(modes.found.rotation[body.name]), modes.shape(i, body.name)
-        corners, triangles = inertia_box(body.mass, body.inertia, longest)
-        arms = (corners + body.center_of_mass) @ A.T
+    poses = {name: Pose(modes.found.position[name], modes.found.rotation[name]) for name in modes.found.position}
+    state = {name: SimpleNamespace(position=[pose.position], rotation=[pose.rotation]) for name, pose in poses.items()}
+    for name, mesh in meshes_in_state(scene_view(modes.scene), state).items():
+        shape, arms = modes.shape(i, name), poses[name].turned(mesh.points)
         moved = shape.translation + np.cross(shape.rotation, arms)
-        rigid.append(MovedSkin(modes.found.position[body.name] + arms, triangles, moved))
-    return found + rigid
-
-
-def inertia_box(mass: float, inertia: np.ndarray, longest: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points (8, 3) [m] about the centre of mass, and triangles, of the box of `mass` [kg] and `inertia` (3, 3)
-    [kg m2], scaled down to sides of at most `longest` [m]."""
-    values, axes = np.linalg.eigh(inertia)
-    sides = np.sqrt(np.maximum(6.0 * (values.sum() - 2.0 * values) / mass, 0.0))
-    sides = np.maximum(sides, 0.02 * sides.max())  # a plate without thickness is also seen edge-on
-    return CORNERS * (sides * min(1.0, longest / max(sides.max(), np.finfo(float).tiny))) @ axes.T, SIDES
+        found.append(MovedSkin(poses[name].position + arms, mesh.triangles, moved))
+    return found
 
 
 def draw_shape(ax: Any, skins: Sequence[MovedSkin], title: str, *, drawn: float = DRAWN) -> None:

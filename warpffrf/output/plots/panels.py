@@ -32,6 +32,7 @@ COLORS = ("#1b6ca8", "#d1495b", "#2a9d6f", "#b57f00", "#6d5aa8", "#4f5d6b")
 REFERENCE_DASH = (0, (5, 3))
 STYLES = ("-", "--", ":", "-.")  # another line style after all colours, so that no line is used twice
 MARKS = "os^D"
+RINGS = 6  # with a value, of a polar panel, at most
 
 
 class Drawn(Protocol):
@@ -95,6 +96,7 @@ class Polar(Panel):
         axes.set_theta_zero_location("S")
         axes.set_rlabel_position(200)
         super().draw(axes)
+        axes.yaxis.get_major_locator().base.set_params(nbins=RINGS)  # of the locator that leaves the centre out
         axes.set(xlabel="", ylabel="")
         axes.set_title(f"{self.title} {self.y_label}", fontsize=10)
         axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.1))

@@ -24,6 +24,7 @@ PAPER, INK = np.array([0.082, 0.094, 0.114]), np.array([0.93, 0.94, 0.95])  # of
 GREY, COLORED = 0.1, 0.4  # saturations
 BRIGHT = 0.7  # lightness of the first colour of a map that is changed
 BODIES = "bodies"  # name of colour maps of bodies, which have the same colours in both themes
+CURVES = "curves"  # name of colour maps of curves, whose colours change as those of the curves
 INCH = 0.0254  # m
 PANEL = 0.088  # m: narrowest panel with legible text
 FONTS, SHRUNK = (6.5, 8.5), 0.75  # points in print, and of the size on a screen
@@ -111,7 +112,7 @@ def darken(figure: Any) -> None:
         elif isinstance(part, Patch):
             edge, face, alpha = part.get_edgecolor(), part.get_facecolor(), part.get_alpha()
             part.set(edgecolor=other(edge), facecolor=other(face), alpha=alpha)
-        elif isinstance(part, LineCollection | ContourSet):
+        elif isinstance(part, LineCollection) or (isinstance(part, ContourSet) and not part.filled):
             part.set_edgecolor(list(darkened(part.get_edgecolor())))
         elif isinstance(part, ScalarMappable) and part.get_array() is not None:
             part.set_cmap(_dark_map(part.get_cmap()))
@@ -121,8 +122,8 @@ def _dark_map(cmap: Any) -> Any:
     from matplotlib.colors import ListedColormap
 
     table = cmap(np.arange(cmap.N))
-    if cmap.name == BODIES:
-        return cmap
+    if cmap.name in (BODIES, CURVES):
+        return cmap if cmap.name == BODIES else ListedColormap(darkened(table), CURVES)
     if table[0, :3].min() + table[0, :3].max() < 2.0 * BRIGHT:
         return cmap
     return cmap.reversed() if cmap.name.endswith("_r") else ListedColormap(darkened(table, of_map=True), cmap.name)

@@ -17,6 +17,7 @@ import numpy as np
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_number, unknown_name
 from warpffrf.output.bodies.skin import CONTACT_FIELDS, DISPLACEMENT, ShownSkin, require_field
 from warpffrf.output.geometry.places import Pose, grid_theta_offset
+from warpffrf.output.geometry.reference import Reference
 from warpffrf.output.geometry.rigid_mesh import rigid_meshes
 from warpffrf.output.geometry.skin_nodes import automatic_factor
 from warpffrf.output.plots.colors import ColorClasses, draw_bar, field_scale, instant, largest
@@ -58,7 +59,8 @@ def row_at(result: Any, time: float | None, what: str) -> int:
 class ScenePicture:
     """Draws the bodies of `result` at any of `rows`, coloured by `field` of `Skin.fields` or "displacement".
 
-    factor: magnification of the elastic displacement; None: chosen from 1, 2, 5, 10, ..., 1 in a close-up. view: one of
+    factor: magnification of the elastic displacement `relative_to` a reference (`Reference`); None: chosen from 1, 2,
+    5, 10, ..., 1 in a close-up. view: one of
     `VIEWS`, or the name of a contact or film for a close-up; None: that suits the extents. seen: called with the number
     of rows processed by the first pass. Raises InputError for a field that no body has, a factor that is not positive,
     an unknown view or theme, and a scene without anything to draw.
@@ -66,7 +68,7 @@ class ScenePicture:
 
     def __init__(
         self, result: Any, field: str, rows: np.ndarray, *, factor: float | None, what: str, view: str | None = None,
-        theme: str = "light", seen: Seen | None = None,
+        relative_to: str | None = None, theme: str = "light", seen: Seen | None = None,
     ) -> None:  # fmt: skip
         require_theme(theme)
         if factor is not None:
@@ -79,7 +81,8 @@ class ScenePicture:
         self.result, self.field, self.theme = result, field, theme
         self.near = view if view in near else None
         most = MOST_COUNTED if self.near else max(MAX_TRIANGLES // 2 // max(len(skins), 1), FEWEST_POINTS)
-        self.skins = {name: ShownSkin(skin, most) for name, skin in skins.items()}
+        self.reference = Reference(result.view.bodies, result.history.bodies, relative_to, what)
+        self.skins = {name: ShownSkin(skin, most, self.reference) for name, skin in skins.items()}
         self.rigid = rigid_meshes(result)
         sizes = {name: (mesh.points.shape, float(f"{mesh.volume:.6g}")) for name, mesh in self.rigid.items()}
         alike = list(dict.fromkeys(sizes.values()))
@@ -95,11 +98,15 @@ class ScenePicture:
         for done, i in enumerate(self.rows):
             if seen is not None:
                 seen(done)
-            for shown in self.skins.values():
+            places = []
+            for name, shown in self.skins.items():
                 u = shown.displacement(i)
                 moved = max(moved, largest([np.linalg.norm(u, axis=1)]))
                 tops.append(largest([self._values(shown, u, i)]))
-            places = [self._close_up(i)] if self.near else self._bodies(i)
+                drawn = shown.points + shown.carried(i) + (factor or 1.0) * u  # a chosen factor stays within the margin
+                places.append(self._pose(name, i).to_world(drawn))
+            places += [self._pose(name, i).to_world(mesh.points) for name, mesh in self.rigid.items()]
+            places = [self._close_up(i)] if self.near else places
             corners.append(_ends(np.concatenate(places) @ self.axes[:2].T))
         low, high = _ends(np.concatenate(corners))
         pad = MARGIN * float((high - low).max())
@@ -167,7 +174,7 @@ class ScenePicture:
         parts, loads = [], []
         for name, shown in self.skins.items():
             u = shown.displacement(i)
-            points = self._pose(name, i).to_world(shown.points + self.factor * u)
+            points = self._pose(name, i).to_world(shown.points + shown.carried(i) + self.factor * u)
             values, classes = self._values(shown, u, i), isinstance(self.scale, ColorClasses)
             parts.append(lit(points, shown.triangles, self.axes, values, self._colors, nearest=classes))
             loaded = shown.triangles[np.any(values[shown.triangles] > 0.0, axis=1)]
@@ -183,7 +190,8 @@ class ScenePicture:
         if self.near:
             words += f", '{self.near}'"
         if self.skins:
-            words += ", elastic displacement " + ("to scale" if self.factor == 1.0 else f"drawn {self.factor:g} times")
+            words += f", elastic displacement{self.reference.words} "
+            words += "to scale" if self.factor == 1.0 else f"drawn {self.factor:g} times"
             draw_bar(figure.add_axes(BAR), self.scale)
         figure.text(0.5, 0.955, words, ha="center", va="center", fontsize=11)
         if self.theme != THEMES[0]:

@@ -102,6 +102,8 @@ class ContactScene:
         wide, reach = self.window.high - self.window.low, self.window.reach
         self.across = min(max(wide, NARROW * reach), LONG * reach)  # m, of a close-up
         self.bar = round_length(reach)  # m, along the arc
+        along = np.asarray(recorder.bodies[contact.view.first_body.name].points) @ contact.view.first.shape.e_a
+        self.length = float(np.ptp(along))  # m, of the first body along the axis of its surface
 
     def world(self, *parts: str) -> str:
         """Entity below the patch's frame."""
@@ -175,11 +177,10 @@ class ContactScene:
         )
 
     def _forces(self, frame: fr.PatchFrame, i: int) -> None:
-        """Both forces, drawn outside the bodies' ends so that no body hides them; none without load, and no numbers if
-        there are too many contacts."""
+        """Both forces, drawn outside the first body's end so that no body hides them; none without load, and no number
+        if there are too many contacts."""
         recorder, contact = self.recorder, self.contact
-        low, high = contact.ends
-        origin = frame.origin - frame.axes[:, 1] * 0.75 * (high - low)
+        origin = frame.origin - frame.axes[:, 1] * 0.75 * self.length
         scale = ARROW_LENGTH * recorder.size / recorder.top_force if recorder.top_force > 0.0 else 0.0
         vectors = np.stack([contact.force[i], contact.force_second[i]]) * scale
         newton = [float(np.linalg.norm(contact.force[i])), float(np.linalg.norm(contact.force_second[i]))]
@@ -188,14 +189,12 @@ class ContactScene:
             recorder.stream.log(path, recorder.rr.Arrows3D(vectors=np.zeros((0, 3))))
             return
         labelled = len(recorder.contacts) <= MOST_LABELS
-        names = (contact.view.first_body.name, contact.view.second_body.name)
-        labels = [f"on {name}: {force_text(value)}" for name, value in zip(names, newton, strict=True)]
         arrows = recorder.rr.Arrows3D(
             origins=np.stack([origin, origin]),
             vectors=vectors,
             colors=[FIRST_COLOR, SECOND_COLOR],
             radii=0.012 * recorder.size,
-            labels=labels if labelled else None,
+            labels=[force_text(max(newton))] if labelled else None,  # in the middle of both
             show_labels=labelled,
         )
         recorder.stream.log(path, arrows)

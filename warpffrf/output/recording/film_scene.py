@@ -117,7 +117,7 @@ class FilmScene:
         return rrb.Spatial3DView(
             origin=self.world(EYE),
             contents=[f"+ {self.world(field)}", f"+ {second}/solid", f"+ {second}/surface"],
-            name=f"{self.title(field)} on '{self.view.first_body.name}', which is left out",
+            name=self.title(field),
             eye_controls=rrb.EyeControls3D(
                 position=FIELD * eye / np.linalg.norm(eye), look_target=(0.0, 0.0, 0.0), eye_up=tuple(along)
             ),

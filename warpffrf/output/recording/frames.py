@@ -18,6 +18,7 @@ from warpffrf.model.messages.progress import Progress
 from warpffrf.output.bodies.skin import DISPLACEMENT, ShownSkin, Skin
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.geometry.places import grid_theta_offset, rotate, tangents
+from warpffrf.output.geometry.reference import Reference
 
 BLENDED = 0.999  # opacity of transparent pictures: the viewer draws those of opacity 1 on black
 RELIEF_HEIGHT = 0.35  # height of the pressure relief over the patch, as part of the length shown along the arc
@@ -29,28 +30,33 @@ class BodyFrames:
 
     points: np.ndarray  # (n, 3) m, user frame
     triangles: np.ndarray  # (t, 3)
-    displacement: np.ndarray  # (F, n, 3) m, float32, user frame
+    displacement: np.ndarray  # (F, n, 3) m, float32, user frame, relative to the reference
+    carried: np.ndarray  # (F, n, 3) m, float32, likewise, with the reference
     size: float  # m, largest extent
     values: np.ndarray | None = None  # (F, n) float32, another field in SI units, if requested
 
 
 def body_frames(
-    skins: dict[str, Skin], rows: np.ndarray, max_points: int, field: str, progress: bool = False
+    skins: dict[str, Skin], rows: np.ndarray, max_points: int, field: str, reference: Reference, progress: bool = False
 ) -> dict[str, BodyFrames]:
-    """The `skins` of all flexible bodies at the given rows with a `field` of `Skin.fields`; progress: progress
-    callback."""
+    """The `skins` of all flexible bodies at the given rows with a `field` of `Skin.fields`, and displacements relative
+    to a `reference`; progress: report the progress."""
     frames = {}
     bar = Progress("skins of the recording", len(skins) * len(rows), enabled=progress, unit="skin")
     for done, (name, skin) in enumerate(skins.items()):
-        shown = ShownSkin(skin, max_points)
-        displacement = np.empty((len(rows), len(shown.points), 3), dtype=np.float32)
+        shown = ShownSkin(skin, max_points, reference)
+        shape = len(rows), len(shown.points), 3
+        displacement = np.empty(shape, dtype=np.float32)
+        carried = np.broadcast_to(np.float32(0.0), shape) if reference.name is None else np.empty_like(displacement)
         values = None if field == DISPLACEMENT else np.empty((len(rows), len(shown.points)), dtype=np.float32)
         for f, i in enumerate(rows):
             bar.update(done * len(rows) + f)
             displacement[f] = shown.displacement(i)
+            if reference.name is not None:
+                carried[f] = shown.carried(i)
             if values is not None:
                 values[f] = shown.values(field, i)
-        frames[name] = BodyFrames(shown.points, shown.triangles, displacement, shown.size, values)
+        frames[name] = BodyFrames(shown.points, shown.triangles, displacement, carried, shown.size, values)
     bar.close()
     return frames
 

@@ -13,7 +13,7 @@ from warpffrf.output.geometry.scene_view import Anchor
 from warpffrf.output.plots.colors import largest
 from warpffrf.output.recording.extent import length_text, round_length
 
-JOINT_COLOR, LOAD_COLOR, LUMPED_COLOR = (50, 155, 85), (225, 100, 50), (80, 130, 230)
+COLORS = {"joint": (50, 155, 85), "force": (225, 100, 50), "lumped": (80, 130, 230)}
 ARROW_LENGTH = 0.3  # of the scene's largest body, for the largest force of the run
 ARROW_RADIUS, POINT_RADIUS = 0.008, 0.012  # of the largest body
 TRIAD, TRIAD_RADIUS = 0.4, 0.012  # of the radius of what is shown: longest arrow, and its radius
@@ -21,6 +21,7 @@ TRIAD_PLACE = np.array([-0.25, -0.1, -0.1])  # of the radius, from the lowest co
 TRIAD_COLORS = [(230, 80, 80), (90, 180, 90), (90, 130, 255)]  # x, y, z
 LEAST_SHOWN = 1e-3  # of the largest force: shorter arrows are dots
 MOST_LABELS = 8  # more names would hide the picture
+LABEL_ROOM = 0.1  # of the largest body: labels closer to each other would cover each other
 
 
 class Glyphs:
@@ -54,38 +55,38 @@ class Glyphs:
         ))  # fmt: skip
 
     def frame(self, i: int) -> None:
-        """Log the arrows of saved row i: forces on the second side of each joint, on each loaded anchor, and on the
-        first body of each lumped contact."""
-        for anchor in self.loaded:
-            color = JOINT_COLOR if anchor.kind == "joint" else LOAD_COLOR
-            self._arrow(anchor.kind, anchor.name, self._place(anchor, i), self._force(anchor)[i], color)
-        for name, contact in self.lumped.items():
-            self._arrow("lumped", name, contact.place[i].copy(), contact.force[i], LUMPED_COLOR)
-
-    def _arrow(self, kind: str, name: str, at: np.ndarray, force: np.ndarray, color: tuple[int, int, int]) -> None:
-        rr, stream = self.recorder.rr, self.recorder.stream
+        """Log the arrows of saved row i, which end where the forces act: on the second side of each joint, on each
+        loaded anchor, and on the first body of each lumped contact."""
+        drawn = [(anchor.kind, anchor.name, self._place(anchor, i), self._force(anchor)[i]) for anchor in self.loaded]
+        drawn += [("lumped", name, contact.place[i].copy(), contact.force[i]) for name, contact in self.lumped.items()]
         scale = ARROW_LENGTH * self.size / self.top_force if self.top_force > 0.0 else 0.0
-        size = float(np.linalg.norm(force))
-        path = self.recorder.path("world", f"{kind}_arrows", name)
-        stream.log(f"{path}/place", rr.Points3D([at], colors=[color], radii=POINT_RADIUS * self.size))
-        if size <= LEAST_SHOWN * self.top_force:
-            stream.log(f"{path}/force", rr.Arrows3D(vectors=np.zeros((0, 3))))
-            return
-        # an applied force ends at its anchor, a reaction starts there, so that neither hides the anchor
-        vector = scale * force
-        origin = at - vector if kind == "force" else at
-        label = [f"{name} {force_text(size)}"] if self.labelled else None
-        arrow = rr.Arrows3D(
-            origins=[origin], vectors=[vector], colors=[color], radii=ARROW_RADIUS * self.size, labels=label,
-            show_labels=self.labelled,
-        )  # fmt: skip
-        stream.log(f"{path}/force", arrow)
+        sizes = [float(np.linalg.norm(force)) for *_, force in drawn]
+        words = [
+            f"{name} {force_text(size)}" if size > LEAST_SHOWN * self.top_force else ""
+            for (_, name, *_), size in zip(drawn, sizes, strict=True)
+        ]
+        labels = joined(words, [at - 0.5 * scale * force for *_, at, force in drawn], LABEL_ROOM * self.size)
+        rr, stream = self.recorder.rr, self.recorder.stream
+        for (kind, name, at, force), said, label in zip(drawn, words, labels, strict=True):
+            path, color = self.recorder.path("world", f"{kind}_arrows", name), COLORS[kind]
+            stream.log(f"{path}/place", rr.Points3D([at], colors=[color], radii=POINT_RADIUS * self.size))
+            if not said:
+                stream.log(f"{path}/force", rr.Arrows3D(vectors=np.zeros((0, 3))))
+                continue
+            shown = self.labelled and bool(label)
+            arrow = rr.Arrows3D(
+                origins=[at - scale * force], vectors=[scale * force], colors=[color], radii=ARROW_RADIUS * self.size,
+                labels=[label] if shown else None, show_labels=shown,
+            )  # fmt: skip
+            stream.log(f"{path}/force", arrow)
 
     def _place(self, anchor: Anchor, i: int) -> np.ndarray:
         if anchor.body is None:
             return anchor.point
         motion = self.result.history.bodies[anchor.body]
-        local = anchor.local(self.result.view.bodies[anchor.body], motion.modal[i], self.recorder.factor)
+        moved = anchor.displacement(self.result.view.bodies[anchor.body], motion.modal[i])
+        carried = self.recorder.reference.motion(anchor.body, anchor.point[None], i)[0]
+        local = anchor.point + carried + self.recorder.factor * (moved - carried)
         return motion.position[i] + rotate(motion.rotation[i], local[None])[0]
 
 
@@ -95,6 +96,17 @@ def triad(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, str]:
     radius = float(np.linalg.norm(points, axis=1).max())
     length, origin = round_length(TRIAD * radius), points.min(axis=0) + radius * TRIAD_PLACE
     return origin, origin + length * np.eye(3), length_text(length)
+
+
+def joined(words: list[str], places: list[np.ndarray], room: float) -> list[str]:
+    """Labels of `words` at `places` (3,) [m]: of those closer than `room` [m] to the first of them that has one, all in
+    one label with a line each, and "" for the others."""
+    labels = [""] * len(words)
+    for n, word in enumerate(words):
+        near = (m for m in range(n) if labels[m] and np.linalg.norm(places[m] - places[n]) < room)
+        at = next(near, n)
+        labels[at] = "\n".join(filter(None, (labels[at], word)))
+    return labels
 
 
 def force_text(value: float) -> str:

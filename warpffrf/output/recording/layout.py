@@ -51,8 +51,7 @@ def blueprint(recorder: Any) -> Any:
     close_ups += [scene.view(field) for scene in recorder.small_sliding_scenes for field in scene.fields]
     maps = [_map(scene, field) for scene in loaded for field in scene.fields]
     maps += [scene.map_view(field) for scene in recorder.film_scenes for field in scene.fields]
-    zones = [rrb.Spatial2DView(origin=zone.path(), name=zone.title) for zone in recorder.load_zones]
-    paths = [rrb.Spatial2DView(origin=orbit.path(), name=orbit.title) for orbit in recorder.orbits]
+    zones, paths = [zone.view() for zone in recorder.load_zones], [orbit.view() for orbit in recorder.orbits]
     legends = [rrb.Spatial2DView(origin="/legend", name="Colours, fixed over the run")] if recorder.scales else []
     series = machine_series(result)
     machine_plots = [_plot(kind, title, _of_kind(series, kind)) for kind, title in plot_kinds(result).items()]
@@ -113,10 +112,11 @@ def _machine_view(recorder: Any, arrows: list[str], aspect: float = 1.0) -> Any:
     solids = [f"+ {recorder.rigid.path(name)}" for name in recorder.rigid.meshes]
     surfaces = [f"+ {recorder.path('world', name, 'surface')}" for name in recorder.bodies]
     frames = [f"{body}/frame" for body in bodies]
+    drawn = "to scale" if recorder.factor == 1.0 else f"magnified {recorder.factor:g} times"
     return rrb.Spatial3DView(
         origin=recorder.path("world", EYE),
         contents=["+ /world/triad", *solids, *surfaces, *arrows, *[f"+ {frame}" for frame in frames]],
-        name=f"Machine: elastic deformation magnified {recorder.factor:g} times" if recorder.bodies else "Machine",
+        name=f"Machine: elastic deformation{recorder.reference.words} {drawn}" if recorder.bodies else "Machine",
         eye_controls=_machine_eye(recorder, aspect),
         overrides={frame: rrb.EntityBehavior(visible=False) for frame in frames},  # pyright: ignore[reportArgumentType]
         line_grid=False,
@@ -219,7 +219,7 @@ def _close_up(recorder: Any, scene: Any, field: str) -> Any:
     return rrb.Spatial3DView(
         origin=scene.world(EYE),
         contents=[f"+ {scene.world(relief_name(field))}", f"+ {scene.world('scale')}", f"+ {first}/surface"],
-        name=f"{_titled(recorder, scene, field)}: close-up, the bar is {length_text(scene.bar)} along the arc",
+        name=f"{_titled(recorder, scene, field)}, the bar is {length_text(scene.bar)}",
         eye_controls=rrb.EyeControls3D(
             position=CLOSE_UP_DISTANCE * np.array([0.75, -0.45, 0.5]), look_target=(0.0, 0.0, 0.0),
             eye_up=(0.0, 0.0, 1.0),

@@ -1,9 +1,9 @@
 r"""The largest magnification of elastic displacements that draws no surfaces into each other.
 
 A node of the first surface of a contact or an oil film is at the distance g from the second surface where both bodies
-are undeformed at their present poses, and at g + e with their displacements, e = (u_1 - u_2).n along the normal n of
-the second surface. Drawn with the factor f it is at g + f e: where e is negative, surfaces approach each other, up to
-f = g/(-e). Depths below `INVISIBLE` of the body are admitted.
+are undeformed at their present poses, moved with the references of displacements, and at g + e with their displacements
+relative to these, e = (u_1 - u_2).n along the normal n of the second surface. Drawn with the factor f it is at g + f e:
+where e is negative, surfaces approach each other, up to f = g/(-e). Depths below `INVISIBLE` of the body are admitted.
 """
 
 from __future__ import annotations
@@ -39,10 +39,13 @@ def largest_factor(result: Any, bodies: dict[str, BodyFrames], rows: np.ndarray,
             poses = [Pose.of(result.history.bodies, b.name, int(rows[f])) for b in (met.first_body, met.second_body)]
             at = poses[1].to_user(poses[0].to_world(first.points[nodes]))
             theta, z, gap = shape.chart(at)
-            moved = poses[1].turned_back(poses[0].turned(first.displacement[f, nodes].astype(float)))
-            if tree is not None and second is not None:
-                moved = moved - second.displacement[f, others[tree.query(at)[1]]]
-            closing = -np.einsum("ni,ni->n", moved, shape.normal(theta, z))
-            room = np.maximum(gap, 0.0) + INVISIBLE * first.size
+            normal, opening = shape.normal(theta, z), []
+            beside = None if tree is None else others[tree.query(at)[1]]
+            for field in ("carried", "displacement"):
+                moved = poses[1].turned_back(poses[0].turned(getattr(first, field)[f, nodes].astype(float)))
+                if beside is not None:
+                    moved = moved - getattr(second, field)[f, beside]
+                opening.append(np.einsum("ni,ni->n", moved, normal))
+            closing, room = -opening[1], np.maximum(gap + opening[0], 0.0) + INVISIBLE * first.size
             most = min(most, float(np.min(room[closing > 0.0] / closing[closing > 0.0], initial=np.inf)))
     return most

@@ -34,6 +34,7 @@ from warpffrf.model.messages.progress import Progress
 from warpffrf.online.history.history import History
 from warpffrf.output.bodies.normal_loads import left_out
 from warpffrf.output.bodies.skin import DISPLACEMENT, VON_MISES, Skin, require_field
+from warpffrf.output.geometry.reference import Reference
 from warpffrf.output.geometry.scene_view import GROUND
 from warpffrf.output.geometry.skin_nodes import automatic_factor, frame_rows, round_factor, rows_every, vertex_normals
 from warpffrf.output.plots.colors import (
@@ -63,13 +64,14 @@ AXES_LENGTH = 0.58  # of the largest body: extends beyond a roller's rim
 AXES_COLORS = [(230, 80, 80), (90, 200, 90), (90, 130, 255)]  # x, y, z
 COLOR_NAMES = {VON_MISES: "von Mises stress", "slip": "slip speed", "wear": "wear index"}
 CONTACT_TEXT = (
-    "The close-up travels with the patch on the first body: the height of the relief is the pressure. The patch map is "
+    "The close-up travels with the patch on the first body: the height of the relief is the pressure, and a bar along "
+    "the arc has the length that its title says. The patch map is "
     "the same patch unwrapped, the arc to the right along e_theta and the axis of the first body upwards."
 )
 FILM_TEXT = (
-    "Oil films are shown on their first surface and unwrapped: pressure, gap, and the fraction of the gap that is "
-    "filled. The orbit is the path of the shaft's centre in the circle of the clearance, in directions that rotate "
-    "with the first body."
+    "Oil films are shown on their first surface, without its body, and unwrapped: pressure, gap, and the fraction of "
+    "the gap that is filled. The orbit is the path of the shaft's centre in the circle of the clearance, in directions "
+    "that rotate with the first body."
 )
 FRICTION_TEXT = (
     "With friction every cell, of the contact grid or of those that travel with the patch, is open, sticks or slips. "
@@ -99,6 +101,7 @@ def record(
     path: str | os.PathLike[str],
     *,
     deformation_factor: float | None = None,
+    relative_to: str | None = None,
     max_frames: int = 300,
     every: int | None = None,
     max_points: int = MAX_POINTS,
@@ -113,7 +116,9 @@ def record(
     bodies reduced with `stress={"skin": "skin"}` (surfaces without stress are dark grey).
 
     deformation_factor [-]: magnification of the elastic displacement; None: chosen from 1, 2, 5, 10, ... so that no
-    surfaces of contacts and films are drawn into each other; rigid motion is never magnified. Every `every`th saved row
+    surfaces of contacts and films are drawn into each other; rigid motion is never magnified. relative_to: name of an
+    interface, whose motion is then neither shown as displacement nor magnified, of the bodies that have it; "start":
+    the whole motion of flexible bodies since the first saved step; None: their user frames. Every `every`th saved row
     and the last are drawn; None: at most `max_frames` rows; at most `max_points` points of each body's surface. Rows
     with non-finite values are omitted and listed in the return value and in the recording. progress: report the
     progress on stderr. Raises InputError for a path that cannot be written, a factor or count that is not positive, a
@@ -136,14 +141,15 @@ def record(
     target = checked_output_path(path, "record", overwrite=overwrite)
     skins = result.skins()
     require_field(skins, color, "record: color")
+    reference = Reference(result.view.bodies, result.history.bodies, relative_to, "record")
     saved = len(result.time)
     rows, stride = frame_rows(saved, max_frames) if every is None else (rows_every(saved, every), every)
     with np.errstate(invalid="ignore"):
-        bodies = fr.body_frames(skins, rows, max_points, color, progress)
+        bodies = fr.body_frames(skins, rows, max_points, color, reference, progress)
     good = np.array([_row_is_finite(result, bodies, f, int(i)) for f, i in enumerate(rows)])
     skipped = [int(i) for i in rows[~good]]
     with written_whole(target) as partial:
-        recorder = _Recorder(result, skins, bodies, rows, good, stride, deformation_factor, color)
+        recorder = _Recorder(result, skins, bodies, rows, good, stride, deformation_factor, color, reference)
         recorder.write(partial, skipped, progress)
     return RecordingInfo(target, int(good.sum()), stride, recorder.factor, skipped, recorder.notes)
 
@@ -183,6 +189,7 @@ class _Recorder:
         stride: int,
         factor: float | None,
         color: str,
+        reference: Reference,
     ) -> None:
         import rerun as rr
 
@@ -196,6 +203,7 @@ class _Recorder:
             good,
             stride,
         )
+        self.reference = reference
         self.contacts = [result.contact(name) for name in result.finite_sliding_names]
         drawn = np.flatnonzero(good)  # row by row: a copy of all rows would double the memory
         shown = [np.linalg.norm(b.displacement[f], axis=-1) for b in bodies.values() for f in drawn]
@@ -285,8 +293,8 @@ class _Recorder:
         if self.bodies:
             notes.insert(
                 0,
-                f"elastic displacement is magnified {self.factor:g} times, rigid motion is not, so touching surfaces "
-                "are drawn apart",
+                f"elastic displacement{self.reference.words} is magnified {self.factor:g} times, rigid motion is not, "
+                "so touching surfaces are drawn apart",
             )
         if self.factor > max(self.apart, 1.0):
             notes.insert(
@@ -386,7 +394,7 @@ class _Recorder:
             if name not in self.bodies:
                 continue
             body = self.bodies[name]
-            positions = (body.points + self.factor * body.displacement[f]).astype(np.float32)
+            positions = (body.points + body.carried[f] + self.factor * body.displacement[f]).astype(np.float32)
             values = np.linalg.norm(body.displacement[f], axis=-1) if body.values is None else body.values[f]
             colors = self.skin_scale.packed(values)
             mesh = rr.Mesh3D.from_fields(vertex_positions=positions, vertex_colors=colors)

@@ -21,6 +21,15 @@ TRACE_COLOR, POINT_COLOR = (67, 162, 202), (230, 57, 70)
 BEYOND = 1.2  # of the path that axes extend
 LEAST_ORBIT = 1e-9  # of the pitch diameter: below is round-off
 THICK, THIN = 3.0, 1.0  # points of the screen: radii of lines
+AROUND = 1.15  # of what is drawn, that a view shows
+
+
+def round_view(origin: str, title: str, reach: float) -> Any:
+    """A view of everything within `reach` of the middle."""
+    import rerun.blueprint as rrb
+
+    ends = -AROUND * reach, AROUND * reach
+    return rrb.Spatial2DView(origin=origin, name=title, visual_bounds=rrb.VisualBounds2D(x_range=ends, y_range=ends))
 
 
 class LoadZone:
@@ -36,6 +45,10 @@ class LoadZone:
     def path(self, *parts: str) -> str:
         """Entity below that of the picture."""
         return self.recorder.path("load_zones", self.name, *parts)
+
+    def view(self) -> Any:
+        """The whole circle."""
+        return round_view(self.path(), self.title, 1.0)
 
     def static(self) -> None:
         """Log the circles and what they stand for."""
@@ -82,13 +95,25 @@ class Orbit:
         """Entity below that of the picture."""
         return self.recorder.path("orbits", self.name, *parts)
 
+    @property
+    def points(self) -> np.ndarray:
+        """The path (n, 2) [µm], right and downwards."""
+        return 1e6 * self.path_[np.all(np.isfinite(self.path_), axis=1)] * [1.0, -1.0]
+
+    @property
+    def reach(self) -> float:
+        """Length of the axes [µm]."""
+        return 1e6 * self.limit or float(f"{BEYOND * largest([np.abs(self.points)]):.2g}")
+
+    def view(self) -> Any:
+        """The whole path and the circle."""
+        return round_view(self.path(), self.title, max(self.reach, largest([np.abs(self.points)])))
+
     def static(self) -> None:
         """Log the whole path, the circle of the clearance, and axes with their length."""
-        rr, log = self.recorder.rr, self.recorder.log_static
-        points = 1e6 * self.path_[np.all(np.isfinite(self.path_), axis=1)] * [1.0, -1.0]
-        reach = 1e6 * self.limit or float(f"{BEYOND * largest([np.abs(points)]):.2g}")
+        rr, log, reach = self.recorder.rr, self.recorder.log_static, self.reach
         line, thin = rr.Radius.ui_points(THIN), rr.Radius.ui_points(0.5 * THIN)
-        log(self.path("path"), rr.LineStrips2D([points], colors=[TRACE_COLOR], radii=line))
+        log(self.path("path"), rr.LineStrips2D([self.points], colors=[TRACE_COLOR], radii=line))
         cross = [[[-reach, 0.0], [reach, 0.0]], [[0.0, -reach], [0.0, reach]]]
         lines = [*cross, *([reach * CIRCLE] if self.limit else [])]
         log(self.path("axes"), rr.LineStrips2D(lines, colors=[INK_RGB], radii=thin))

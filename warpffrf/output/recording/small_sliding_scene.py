@@ -83,8 +83,10 @@ class SmallSlidingScene:
             translation=motion.position[i].copy(), quaternion=rr.Quaternion(xyzw=motion.rotation[i].copy())
         )
         log(self.path(), pose)
-        corners = self._on.corners + recorder.factor * self._on.displacement(i)
-        places = corners.reshape(-1, 3).astype(np.float32)
+        corners = self._on.corners.reshape(-1, 3)
+        carried = recorder.reference.motion(contact.view.first_body.name, corners, i)
+        moved = self._on.displacement(i).reshape(-1, 3)
+        places = (corners + carried + recorder.factor * (moved - carried)).astype(np.float32)
         values = {"pressure": contact.pressure, "state": contact.state, "loss": contact.loss_density}
         for field in self.fields:
             colors = recorder.small_sliding_colors.scale(field).packed(values[field][i])[self._on.cell].repeat(3)

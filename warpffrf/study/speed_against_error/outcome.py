@@ -21,6 +21,7 @@ from typing import Any
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.files.paths import checked_output_path, written_whole
 from warpffrf.output.plots.picture import write_picture
+from warpffrf.output.plots.restyle import require_theme, restyle
 from warpffrf.study.markdown import table
 from warpffrf.study.speed_against_error.choices import text_of
 from warpffrf.study.speed_against_error.errors import OWN, RECOMMENDED
@@ -110,13 +111,20 @@ class SpeedError:
                 partial.write_text(content, encoding="utf-8")
         return paths + self.draw(Path(folder) / "speed_error", overwrite=overwrite)
 
-    def draw(self, stem: str | Path, *, overwrite: bool = False) -> list[Path]:
-        """Write the pictures STEM.png and, if steps were varied, STEM_steps.png; raises as `write`."""
+    def draw(
+        self, stem: str | Path, *, theme: str = "light", width: float | None = None, overwrite: bool = False
+    ) -> list[Path]:
+        """Write the pictures STEM.png and, if steps were varied, STEM_steps.png; theme, width [m]: as of
+        `Result.plot`; raises as `write`, and InputError for an unknown theme."""
+        require_theme(theme)
         about = self.rows, self.measures, self.reference["apart"]
         pareto = pareto_figure(*about, self.title)
         steps = steps_figure(*about, self.orders(), self.title)
         figures = {f"{stem}.png": pareto} | ({} if steps is None else {f"{stem}_steps.png": steps})
-        return [write_picture(figure, path, "speed_error", overwrite=overwrite) for path, figure in figures.items()]
+        return [
+            write_picture(restyle(figure, theme, width), path, "speed_error", overwrite=overwrite)
+            for path, figure in figures.items()
+        ]
 
 
 NONE = "-"  # for missing values

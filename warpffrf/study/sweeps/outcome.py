@@ -131,7 +131,8 @@ class Sweep(reprs.Shown):
     def plot(
         self, output: str, *, x: str | None = None, y: str | None = None, hue: str | None = None,
         style: str | None = None, col: str | None = None, kind: str | None = None, component: str | int | None = None,
-        where: Mapping[str, Any] | None = None, path: str | os.PathLike[str] | None = None, overwrite: bool = False,
+        where: Mapping[str, Any] | None = None, theme: str = "light", width: float | None = None,
+        path: str | os.PathLike[str] | None = None, overwrite: bool = False,
     ) -> Any:  # fmt: skip
         """A matplotlib Figure of an output: over the parameter `x` or over time, or over `x` and `y`.
 
@@ -140,14 +141,15 @@ class Sweep(reprs.Shown):
         connected. An output over time has one line per row. kind: "map", or y=: cells of a whole grid, triangles
         between the rows of a sample, and points if further parameters vary; the rows with the least and the largest
         value are marked. component: of a vector, "x", "y", "z", or a number. where: {parameter: value}, selects rows.
-        Rows without a value are marked with a cross, and the title counts them. path: file to write, .png, .pdf or
-        .svg. Raises InputError for unknown names, values that no row has, and outputs of several numbers per row.
+        Rows without a value are marked with a cross, and the title counts them. theme, width: "dark", and the width [m]
+        of a printed column, as of `Result.plot`. path: file to write, .png, .pdf or .svg. Raises InputError for unknown
+        names and themes, values that no row has, and outputs of several numbers per row.
         """
         from warpffrf.study.sweeps.reading.plot import plot
 
         return plot(
             self, output, x=x, y=y, hue=hue, style=style, col=col, kind=kind, component=component, where=where,
-            path=path, overwrite=overwrite,
+            theme=theme, width=width, path=path, overwrite=overwrite,
         )  # fmt: skip
 
     def response(

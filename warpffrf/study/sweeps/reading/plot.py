@@ -72,10 +72,11 @@ def panels_of(
 
 
 def plot(
-    table: Table, output: str, *, path: str | os.PathLike[str] | None = None, overwrite: bool = False, **chosen: Any
-) -> Any:
+    table: Table, output: str, *, theme: str = "light", width: float | None = None,
+    path: str | os.PathLike[str] | None = None, overwrite: bool = False, **chosen: Any,
+) -> Any:  # fmt: skip
     """A matplotlib Figure of an output, `chosen` by the arguments of `panels_of`; written to `path` if given."""
-    figure = panels_figure(*panels_of(table, output, **chosen))
+    figure = panels_figure(*panels_of(table, output, **chosen), theme=theme, width=width)
     if path is not None:
         write_picture(figure, path, "sweep: picture", overwrite=overwrite)
     return figure
