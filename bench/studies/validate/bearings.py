@@ -8,8 +8,18 @@ from typing import Any
 import numpy as np
 
 from references.closed_forms.ball_bearing import BallBearing
+from scenes.bearing_kinds import (
+    OF_TWO_ROWS,
+    barrels,
+    barrels_in_rows,
+    solved,
+    tapered_bearing,
+    tapered_row,
+    two_rows_of_balls,
+)
 from scenes.published_bearings import P7, P7_CAPACITY, UM, p7, p8, p9, p10
 from studies.validate.case import Row, case
+from warpffrf.model.bearings import BallGeometry
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium
 
@@ -111,3 +121,20 @@ def roller_bearing_209() -> Iterator[Row]:
     Q = [history.lumped_contacts[c.name].normal_force[-1] for c in bearing.contacts_of("outer")]
     for number, theirs in enumerate((1956.0, 1384.0, 0.0)):
         yield Row(f"roller {number}", Q[number], theirs, 0.01, "N", None if theirs else 1956.0)
+
+
+@case(ROOM, "H. Sjoevall (1933), rings that move in parallel")
+def kinds_of_bearings() -> Iterator[Row]:
+    """Two rows of balls, tapered, spherical and toroidal rollers against sums over their elements in closed form"""
+    balls = BallGeometry(**OF_TWO_ROWS, contact_angle=np.radians(30.0), row_spacing=0.015)
+    spherical, toroidal = barrels(10.0), barrels(0.0)
+    for name, found, exact in (
+        ("two rows of balls", solved(balls, (2e3, 1.5e3))[1], two_rows_of_balls(balls, 2e3, 1.5e3)),
+        ("tapered", tapered_bearing((6e3, 4e3), 20)[1], tapered_row(20).solve(6e3, 4e3, (1e-5, 2e-5))[1]),
+        ("spherical", solved(spherical, (1e4, 1.5e3))[1], barrels_in_rows(spherical).solve(1e4, 1.5e3, (5e-5, 0.0))[1]),
+        ("toroidal", solved(toroidal, (1e4, 0.0))[1], barrels_in_rows(toroidal).solve(1e4, 0.0, (5e-5, 0.0))[1]),
+    ):
+        ours, theirs = found.outer_load[-1], exact.ravel()
+        worst, most = int(np.argmax(np.abs(ours - theirs))), float(theirs.max())
+        yield Row(f"{name}, largest load", float(ours.max()), most, 0.01, "N")
+        yield Row(f"{name}, load that differs most", float(ours[worst]), float(theirs[worst]), 0.01, "N", most)

@@ -7,77 +7,40 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq, root
+from scipy.optimize import brentq
 
 import warpffrf as wf
-from references.closed_forms.ball_bearing import BallBearing
 from references.closed_forms.rolling_bearings import Rows, iso_profiles, lamina_force, sjoevall, tapered
-from warpffrf.model import laws
-from warpffrf.model.bearings import BallGeometry, Bearing, Flanges, RollerGeometry
-from warpffrf.output.bearings.bearing_result import BearingResult
+from scenes.bearing_kinds import (
+    ALPHA,
+    COUNT,
+    LENGTH,
+    MM,
+    OF_TWO_ROWS,
+    PITCH,
+    RIB,
+    UM,
+    D,
+    barrels,
+    barrels_in_rows,
+    book_of,
+    solved,
+    tapered_bearing,
+    tapered_row,
+    two_rows_of_balls,
+)
+from warpffrf.model.bearings import BallGeometry, RollerGeometry
 
-MM, UM = 1e-3, 1e-6
 ROUND_OFF = 1e-9
 LOADS = 1e-2  # of the largest load: promised
 EXACT = 2e-3  # of the largest load: contact angles that change by a tenth of a degree
 MANY = 5e-3  # of the largest load: sums over 40 elements, of integrals
 
 
-def solved(geometry: Any, force: tuple[float, float], **others: Any) -> tuple[Bearing, BearingResult]:
-    """Equilibrium under (radial, axial) [N], the inner ring is guided in parallel, along z and the axis y."""
-    scene = wf.Scene()
-    add = scene.add_ball_bearing if isinstance(geometry, BallGeometry) else scene.add_roller_bearing
-    bearing = add("b", geometry, first=(0, 0, 1), outer=scene.ground, **others)
-    slide = scene.add_rigid_body(1.0, np.eye(3), name="slide")
-    scene.add(wf.joints.Prismatic(scene.ground.at((0, 0, 0)), slide.at((0, 0, 0)), axis=(0, 0, 1)))
-    scene.add(wf.joints.Prismatic(slide.at((0, 0, 0)), bearing.inner.at((0, 0, 0)), axis=(0, 1, 0)))
-    scene.add(wf.forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, force[1], force[0])))
-    result = wf.equilibrium(scene)
-    assert result.status == "completed", result.message
-    return bearing, result.bearing("b")
-
-
-class InSphere(BallBearing):
-    """A ball in an outer sphere: a round patch."""
-
-    def one_contact(self, groove: float, sign: float) -> float:
-        if sign > 0.0:
-            return super().one_contact(groove, sign)
-        modulus = 0.5 * self.youngs_modulus / (1.0 - self.poisson_ratio**2)
-        return 4.0 / 3.0 * modulus * (2.0 / self.diameter - 1.0 / groove) ** -0.5
-
-
-def book_of(geometry: BallGeometry) -> BallBearing:
-    kind = InSphere if geometry.self_aligning else BallBearing
-    return kind(
-        geometry.elements, geometry.diameter, geometry.pitch_diameter, geometry.groove("inner"),
-        geometry.groove("outer"), 0.0, 210e9,
-    )  # fmt: skip
-
-
-def two_rows_of_balls(geometry: BallGeometry, F_r: float, F_a: float) -> np.ndarray:
-    """Q (2 Z,) [N] by the equations of ISO/TS 16281 of two rows with opposite contact angles."""
-    book, phi, alpha = book_of(geometry), geometry.angles, geometry.contact_angle
-
-    def taken(x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        X = book.reach * np.cos(alpha) + UM * x[0] * np.cos(phi)
-        return [book.balls(X, book.reach * np.sin(s * alpha) + UM * x[1] + 0.0 * phi) for s in (1.0, -1.0)]
-
-    def lacking(x: np.ndarray) -> list[float]:
-        rows = taken(x)
-        radial = sum(np.sum(Q * np.cos(angle) * np.cos(phi)) for Q, angle in rows)
-        return [float(radial - F_r), float(sum(np.sum(Q * np.sin(angle)) for Q, angle in rows) - F_a)]
-
-    return np.concatenate([Q for Q, _ in taken(root(lacking, (10.0, 3.0), tol=1e-12).x)])
-
-
 @pytest.mark.parametrize("force", [(2000.0, 0.0), (0.0, 2000.0), (2000.0, 1500.0)])
 @pytest.mark.parametrize("angle", [30.0, -30.0])
 def test_two_rows_of_balls(force: tuple[float, float], angle: float) -> None:
-    geometry = BallGeometry(
-        elements=12, ball_diameter=10 * MM, pitch_diameter=50 * MM, contact_angle=np.radians(angle), rows=2,
-        row_spacing=15 * MM,
-    )  # fmt: skip
+    geometry = BallGeometry(**OF_TWO_ROWS, contact_angle=np.radians(angle), row_spacing=15 * MM)
     _, found = solved(geometry, force)
     exact = two_rows_of_balls(geometry, *force)
     for load in (found.inner_load[-1], found.outer_load[-1]):
@@ -150,19 +113,6 @@ def test_four_points_under_thrust_and_radial_load() -> None:
     assert np.abs(both.sum(axis=0) - exact).max() < EXACT * exact.max()
 
 
-D, PITCH, LENGTH, ALPHA, COUNT = 8 * MM, 55 * MM, 12 * MM, np.radians(14.0), 16
-RIB = 0.4 * MM
-
-
-def tapered_bearing(force: tuple[float, float], count: int = COUNT) -> tuple[RollerGeometry, BearingResult]:
-    geometry = RollerGeometry(
-        elements=count, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH, contact_angle=ALPHA
-    )
-    apex = 0.5 * PITCH / np.sin(geometry.inclination)  # from the rollers' middle to the point where all axes meet
-    ribs = Flanges(0.0, outer=None, inner="back", end_radius=0.9 * apex, height=RIB, law=laws.PowerForce(1e9, 1.5))
-    return geometry, solved(geometry, force, flanges=ribs)[1]
-
-
 def test_tapered_rollers_under_thrust() -> None:
     """Raceways and ribs in the balance of a roller."""
     geometry, found = tapered_bearing((0.0, 5000.0))
@@ -182,10 +132,8 @@ def test_tapered_rollers_under_thrust() -> None:
 
 def test_tapered_rollers_under_combined_load() -> None:
     """Sjoevall's distribution, of 40 rollers of a long thin bearing: outer loads as those of a row at alpha_e."""
-    K = lamina_force(LENGTH, iso_profiles(LENGTH, D))
-    geometry, found = tapered_bearing((6000.0, 4000.0), count=20)
-    row = Rows(20, (ALPHA,), 0.0, K)
-    _, exact = row.solve(6000.0, 4000.0, (10 * UM, 20 * UM))
+    _, found = tapered_bearing((6000.0, 4000.0), count=20)
+    _, exact = tapered_row(20).solve(6000.0, 4000.0, (10 * UM, 20 * UM))
     load = found.outer_load[-1]
     print(load, exact[0])
     assert np.abs(load - exact[0]).max() < LOADS * exact.max()
@@ -206,19 +154,10 @@ def test_sums_of_many_rollers_are_the_integrals() -> None:
 @pytest.mark.parametrize(("alpha", "thrust"), [(0.0, 0.0), (10.0, 0.0), (10.0, 1500.0)])
 def test_barrel_shaped_rollers(alpha: float, thrust: float) -> None:
     """Toroidal, one row between arcs, and spherical, two rows in a sphere, with play, under radial load and thrust."""
-    a, d, pitch, length, play, count = np.radians(alpha), 12 * MM, 100 * MM, 14 * MM, 40 * UM, 20
-    r = 0.5 * (d + pitch / np.cos(a)) if alpha else 0.3
-    rows: dict[str, Any] = {"rows": 2, "row_spacing": pitch * np.tan(a)} if alpha else {}
-    geometry = RollerGeometry(
-        elements=count, roller_diameter=d, roller_length=length, pitch_diameter=pitch, contact_angle=-a,
-        raceway_radii=r, profile=0.97 * r, clearance=play, **rows,
-    )  # fmt: skip
+    geometry = barrels(alpha)
     assert geometry.self_aligning == bool(alpha)
     _, found = solved(geometry, (10e3, thrust))
-    x = length * ((np.arange(30) + 0.5) / 30 - 0.5)
-    drop = x**2 / r * (1.0 / 0.97 - 1.0)  # of both contacts
-    row = Rows(count, (-a, a) if alpha else (0.0,), 0.5 * play * np.cos(a), lamina_force(length, drop))
-    shift, exact = row.solve(10e3, thrust, (50 * UM, 0.0))
+    shift, exact = barrels_in_rows(geometry).solve(10e3, thrust, (50 * UM, 0.0))
     load = found.outer_load[-1]
     assert np.abs(load - exact.ravel()).max() < LOADS * exact.max()
     assert found.displacement[-1][0] == pytest.approx(shift[0], rel=LOADS)
