@@ -77,7 +77,7 @@ def test_a_contact_that_carries_little_is_beside_the_machine() -> None:
     contacts = {name: SimpleNamespace(force=np.full((3, 1), F)) for name, F in forces.items()}
     scene = SimpleNamespace(bodies=[])
     history: Any = SimpleNamespace(
-        contacts=contacts, lumped_contacts={}, films={}, small_sliding={}, scene=scene, bodies={}
+        contacts=contacts, lumped_contacts={}, films={}, small_sliding={}, scene=scene, bodies={}, energy={}
     )
     found = quantities(history)
     assert [found[f"force of contact {name!r}"].size for name in forces] == pytest.approx([2e4, 20.0, 20.0])

@@ -60,8 +60,8 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
     strips = int(np.count_nonzero(found.pressure[last].max(axis=1) > 0.0))
     if strips < FEWEST:
         notes.append(
-            f"contact {contact.name!r}: the patch is {strips} cells wide where it is most loaded, under {FEWEST}: "
-            "forces may be off by 1 %, peak pressures by 3 %; use cells= with more strips across"
+            f"contact {contact.name!r}: the patch is {strips} cells wide where it is most loaded, under {FEWEST}; use "
+            "cells= with more strips across"
         )
     notes += _cut(contact, found)
     travelled = np.abs(cells.column - cells.column[0]).max() * contact.a.surface.grid.pitch

@@ -27,7 +27,7 @@ from warpffrf.output.budget.contacts import (
     tolerance_lines,
 )
 from warpffrf.output.budget.figures import UNKNOWN, is_main, with_all_figures
-from warpffrf.output.budget.stresses import stress_by_pressure, stress_lines
+from warpffrf.output.budget.stresses import PEAK, stress_by_pressure, stress_lines
 from warpffrf.output.budget.time_step import SOURCE as TIME_STEP
 from warpffrf.output.budget.time_step import time_step_lines
 
@@ -116,7 +116,7 @@ def worst_lines(lines: Sequence[BudgetLine]) -> list[BudgetLine]:
     worst = []
     for source in dict.fromkeys(line.source for line in lines if line.source != UNKNOWN):
         every = [line for line in lines if line.source == source]
-        own = [line for line in every if is_main(line)] or every
+        own = [line for line in every if is_main(line) or line.of.startswith(PEAK)] or every
         worst.append(max((line for line in own if line.found), key=lambda line: line.size, default=own[0]))
     return worst
 
