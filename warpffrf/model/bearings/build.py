@@ -11,6 +11,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from warpffrf.model import laws, surfaces
 from warpffrf.model.arguments import Vector
 from warpffrf.model.bearings.bearing import ELEMENT_SURFACE, Bearing
@@ -168,6 +170,8 @@ def add_ball_bearing(
     return bearing
 
 
+ROUND_OFF = 1e-6  # of the length of a roller
+EDGE = 0.005  # of the length of a roller: at its ends, where it drops by as much
 ROLLER_KINDS = ("cylinder", "crowned_cylinder", "profiled_cylinder")  # of surfaces of flexible elements
 
 
@@ -189,9 +193,11 @@ def add_roller_bearing(
 ) -> Bearing:
     """Add a cylindrical roller bearing: rings, rollers, their contacts and a cage; returns them as a `Bearing`.
 
-    geometry: `bearings.RollerGeometry(...)`. flanges: `bearings.Flanges(...)`, ribs that stop the rollers along their
-    axes, None for rollers that are free along them. As of `add_ball_bearing`: scene, name, position [m], axis and first
-    (3,), directions in the world, inner, outer, cage, contact and materials; an element_body has a profile of its own.
+    geometry: `bearings.RollerGeometry(...)`; straight rigid rollers on a flexible raceway that is wider end sharply at
+    `roller_length`, others where the table of their profile does. flanges: `bearings.Flanges(...)`, ribs that stop the
+    rollers along their axes, None for rollers that are free along them. As of `add_ball_bearing`: scene, name, position
+    [m], axis and first (3,), directions in the world, inner, outer, cage, contact and materials; an element_body has a
+    profile of its own.
     Raises `InputError` for incompatible arguments.
     """
     label = f"bearing {name!r}"
@@ -201,6 +207,9 @@ def add_roller_bearing(
     of = materials if isinstance(materials, Materials) else Materials(materials)
     place = Place.of(label, position, axis, first)
     bearing = Bearing(name, "roller", geometry, place, of.both)
+    profile, length = geometry.profile, geometry.roller_length
+    if profile is None and any(_width(ring) > length * (1.0 + ROUND_OFF) for ring in (inner, outer)):
+        profile = _with_ends(length)
 
     def raceway_of(side: str, body: Body | Ground) -> Any:
         kind = surfaces.Cylinder if side == "inner" else surfaces.Bore
@@ -209,7 +218,7 @@ def add_roller_bearing(
     def element_of(diameter: float) -> tuple[float, Any, Any]:
         return (
             *hollow_cylinder(0.0, diameter, geometry.roller_length, of.both[0], place.axis),
-            _roller(0.5 * diameter, geometry.profile, {"axis_point": (0.0, 0.0, 0.0), "axis_direction": place.axis}),
+            _roller(0.5 * diameter, profile, {"axis_point": (0.0, 0.0, 0.0), "axis_direction": place.axis}),
         )
 
     default = laws.IsoLamina(geometry.roller_length, profile=geometry.profile is None)
@@ -224,6 +233,18 @@ def add_roller_bearing(
     if flanges is not None:
         flanges.hold(scene, bearing)
     return bearing
+
+
+def _width(ring: Any) -> float:
+    """Of a flexible raceway along its axis [m]; 0 of others."""
+    grid = ring.surface.grid if isinstance(ring, SurfacePort) else None
+    return 0.0 if grid is None else float(np.ptp(grid.z))
+
+
+def _with_ends(length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Table of a straight roller that drops within `EDGE` of its ends [m]."""
+    edge, half = EDGE * length, 0.5 * length
+    return np.array([-half, edge - half, half - edge, half]), np.array([edge, 0.0, 0.0, edge])
 
 
 def _roller(radius: float, profile: Any, where: dict[str, Any]) -> surfaces.Shape:

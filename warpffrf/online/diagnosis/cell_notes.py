@@ -183,7 +183,8 @@ def _over_end(contact: Contact, found: ContactHistory) -> list[str]:
 def _travelled(contact: Contact, found: ContactHistory, history: History) -> list[str]:
     """A line contact whose partner has moved along the axis: its ends are modelled at their initial positions."""
     a, b = contact.a, contact.b
-    if found.cells is None or b.rigid or getattr(b.surface.far, "ends", ()) == ():
+    ends = hasattr(b.surface.shape, "table") if b.rigid else getattr(b.surface.far, "ends", ())
+    if found.cells is None or not ends:
         return []
     own, other = history.bodies[a.body.name], history.bodies[b.body.name]
     place = other.position + np.einsum("tij,j->ti", _turns(other.rotation), b.surface.shape.axis_point)

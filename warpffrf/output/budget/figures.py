@@ -50,7 +50,7 @@ ARM = 0.1  # of the size of the machine: torques are relative at least to its fo
 # four linear cells along
 ASKEW = 0.145
 SHARED = 0.3  # of the error of an approach at a given force: machines prescribe forces, approaches, or neither
-NEGLIGIBLE = LIGHT**2  # of the energy of the machine: deformations with less are listed, and not among the largest
+NEGLIGIBLE = LIGHT  # of displacements and energy of the machine: errors of deformations with less are not the largest
 MAIN = (
     "force", "stiffness", "pressure", "motion", "deformation", "moment", "loss", "largest friction force",
     "all results", "energy in the system", "smallest gap", "largest pressure",
@@ -69,9 +69,8 @@ def kind_and_owner(name: str) -> tuple[str, str]:
 
 
 def is_main(line: BudgetLine) -> bool:
-    """Whether it counts in the whole run: other quantities follow from it, as from forces and motions, and it is not a
-    deformation with a `NEGLIGIBLE` part of the energy."""
-    return line.source != UNKNOWN and kind_and_owner(line.of)[0] in MAIN and line.share >= NEGLIGIBLE
+    """Whether other quantities follow from it, as from forces and motions."""
+    return line.source != UNKNOWN and kind_and_owner(line.of)[0] in MAIN
 
 
 def figures(history: History, view: SceneView) -> dict[str, Quantity]:
@@ -289,8 +288,12 @@ class Error:
     def __str__(self) -> str:
         if not self.source:
             return ""
-        part = f"; it has {self.share:.1g} of the energy" if self.share < NEGLIGIBLE else ""
-        return f"{100.0 * self.size:.2g} % ({self.source}{part})"
+        return f"{100.0 * self.size:.2g} % ({self.source}{part_of(self.share)})"
+
+
+def part_of(share: float) -> str:
+    """The share of a `NEGLIGIBLE` deformation as text, else ""."""
+    return f"; it has {share:.1g} of the motion and energy" if share < NEGLIGIBLE else ""
 
 
 def errors(lines: Sequence[BudgetLine]) -> dict[str, dict[str, Error]]:

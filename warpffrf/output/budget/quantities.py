@@ -26,7 +26,7 @@ SPIKE = 10.0  # times the median of a force under load: bouncing balls reach 1.4
 class Quantity:
     """One quantity of a run: `values` (T, n) at its saved steps. Errors are magnitudes of differences over `size`;
     values above `most` are not compared. beside: text of a report on a reference value that is not the quantity's own.
-    share: of a deformation the largest strain energy, a fraction of that of the machine.
+    share: of a deformation its part of the largest displacement, or of the energy, in the machine: the larger.
     """
 
     name: str
@@ -76,8 +76,9 @@ def quantities(history: History) -> dict[str, Quantity]:
         if modal.size:
             omega = 2.0 * np.pi * np.asarray(body.reduced.frequencies)
             strain = 0.5 * float(np.sum((omega * modal) ** 2, axis=1).max(initial=0.0))
-            share = min(strain / energy, 1.0) if energy > 0.0 else 1.0
             deformation = _over_mean_square(f"deformation of body {body.name!r}", modal / np.sqrt(body.mass))
+            whole = (strain, energy), (_largest(deformation.values), max(ways.values()))
+            share = max(min(own / all_, 1.0) if all_ > 0.0 else 1.0 for own, all_ in whole)
             found.append(replace(deformation, share=share))
     for name, contact in history.small_sliding.items():
         loss = contact.loss.sum(axis=1, keepdims=True)
@@ -93,9 +94,14 @@ def _places(body: Any, history: History) -> Array:
     return np.concatenate([motion.position, gyration * axes], axis=1)
 
 
+def _largest(values: Array) -> float:
+    """The largest magnitude of values (T, n)."""
+    return float(np.linalg.norm(values, axis=1).max(initial=0.0))
+
+
 def _way(places: Array) -> float:
     """The largest distance [m] from the mean."""
-    return float(np.linalg.norm(places - places.mean(axis=0), axis=1).max()) if len(places) else 0.0
+    return _largest(places - places.mean(axis=0)) if len(places) else 0.0
 
 
 def machine_size(history: History) -> float:
