@@ -11,6 +11,7 @@ from warpffrf.output.budget.figures import total
 
 RADIUS, WIDTH, LOAD = 0.05, 0.02, 60.0  # m, m, N
 FACTOR = 3.0
+CHANCE = 3e-3  # errors of several meshes that are smaller are chance, of either sign
 RUBBER = wf.Material(4e6, 0.49, 1100.0)
 
 
@@ -36,11 +37,16 @@ def nip(body: wf.ReducedBody, cells: tuple[int, int] | None = None) -> wf.Result
 
 
 @pytest.mark.parametrize(
-    "thickness", [2.5e-3, pytest.param(5e-3, marks=pytest.mark.slow), pytest.param(1e-2, marks=pytest.mark.slow)]
+    ("thickness", "mesh"),
+    [
+        (2.5e-3, (96, 3, 8, 1)),
+        pytest.param(5e-3, (96, 2, 6, 2), marks=pytest.mark.slow),
+        pytest.param(1e-2, (96, 3, 12, 1), marks=pytest.mark.slow),
+    ],
 )
-def test_pressures_of_a_layer_follow_its_stiffness_at_a_given_load(thickness: float) -> None:
-    """Linear cells are too soft or too stiff for a thin wall: of a half-space the peak would be that of the load."""
-    own, exact = nip(cover(thickness, 96, 3, 8, 1)), nip(cover(thickness, 160, 3, 8, 2), (21, 31))
+def test_pressures_of_a_layer_follow_its_stiffness_at_a_given_load(thickness: float, mesh: tuple[int, ...]) -> None:
+    """Coarse cells are too soft or too stiff for a thin wall: of a half-space the peak would be that of the load."""
+    own, exact = nip(cover(thickness, *mesh)), nip(cover(thickness, 160, 3, 8, 2), (21, 31))
     found, true = own.contact("pair"), exact.contact("pair")
     for kind, error in (
         ("peak pressure", found.peak_pressure[-1] / true.peak_pressure[-1] - 1.0),
@@ -48,7 +54,7 @@ def test_pressures_of_a_layer_follow_its_stiffness_at_a_given_load(thickness: fl
     ):
         stated = total([line for line in own.error_budget() if line.of == f"{kind} of contact 'pair'" and line.found])
         print(f"{1e3 * thickness:g} mm, {kind}: true {error:+.2%}, stated {stated:.2%}")
-        assert abs(error) / FACTOR < stated < FACTOR * max(abs(error), 1e-3), kind
+        assert abs(error) / FACTOR < stated < FACTOR * max(abs(error), CHANCE), kind
 
 
 def test_long_cells_along_a_layer_are_the_largest_error() -> None:

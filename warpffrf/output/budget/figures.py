@@ -9,8 +9,8 @@ contact forces. Contacts and joints whose forces are given by the loads (`balanc
 it in the approach.
 
 On a layer much thinner than its patch is wide the half-width is that of the geometry, F = c d^n with the stiffness c
-of the layer, and pressures err with the force. At a given force they follow the root of c, and half-widths its inverse:
-`_thin` is between 0 of a half-space and 1 of a layer of twice the half-width and less.
+of the layer, and pressures err with the force. At a given force they follow about the root of c, and half-widths
+c^-0.7: `_thin` is between 0 of a half-space and 1 of a layer of twice the half-width and less.
 
 A quantity without an estimate for its grid or mesh gets a line that states this.
 """
@@ -204,7 +204,7 @@ def _of_pairs(result: Any, lines: Sequence[BudgetLine], own: dict[str, Quantity]
             peak = WIDTHS[kind] + (1.0 - WIDTHS[kind]) * thin if kind != "flat" else 1.0
             factors |= {"half-widths": WIDTHS[kind], "peak pressure": peak, "traction": 1.0}
         else:
-            factors |= {"half-widths": 0.5 * thin, "peak pressure": 0.5 * thin}
+            factors |= {"half-widths": 0.7 * thin, "peak pressure": 0.5 * thin}  # measured on covers
             if figure("traction", owner) in own:
                 found.append(BudgetLine(BALANCE, figure("traction", owner), 0.0, "the loads give it"))
         for line in lines:
