@@ -12,7 +12,9 @@ from warpffrf.model.surfaces.form_deviations import RoundForm
 
 @dataclass(frozen=True, eq=False)
 class RigidSurface:
-    """A true rigid shape, in the user frame of its body; it has no grid and no end. form: its deviation around the
+    """A true rigid shape, in the user frame of its body; it has no grid, and no end unless
+    its profile is a table: contact-fixed cells then lie within the table, and beyond it the profile continues with its
+    last slope. form: its deviation around the
     axis, used by lumped contacts, None without. The other names are those of `ContactSurface`, all empty, so that a
     pair treats both of its surfaces equally.
     """

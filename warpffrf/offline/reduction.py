@@ -251,6 +251,8 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
     materials = {name: facet_material(mesh, mesh.facets(name), assignment) for name in settings.contact}
     axial = {name: axial_error(s.shape, s.grid, materials[name]) for name, s in surfaces.items()}
     report["warnings"] += [said for name, error in axial.items() if (said := axial_warning(name, error))]
+    for name, error in axial.items():
+        report["contact"][name]["axial_error"] = error
     report["notes"] += [
         f"contact {name!r}: {100.0 * share:.3g} % of the facets are of another material than the one used for the "
         "surface in comparisons with Hertz"

@@ -72,6 +72,24 @@ def test_rollers_off_the_middle_stay_and_are_named_with_what_drives_them(ring: R
     assert "'r roller 1'" in note and f"although {drive:.2g} N drive 'r roller 1'" in note
 
 
+def test_rollers_press_on_their_length_of_a_wider_ring() -> None:
+    """A line of 9.6 mm on a ring of 20 mm carries the load; of the ring beyond the rollers nothing does."""
+    sleeve = mesh.sleeve(BORE, BORE + WALL, 0.02, sectors=24, axial=10, layers=1)
+    wide = offline.reduce(
+        sleeve, STEEL, interfaces={"outside": "rigid"}, contact={"bore": surfaces.Bore()}, modes=2, cache=False,
+        grid=offline.ContactGrid(contact_fixed=True), progress=False,
+    )  # fmt: skip
+    for grid in ("contact_fixed", "body_fixed"):
+        scene = loaded(wide, 0.0)
+        scene.contact("r outer 1").grid = grid
+        found = find_equilibrium(scene).contacts["r outer 1"]
+        z = found.cells.z[-1] if found.cells is not None else np.asarray(wide.contact_surfaces["bore"].grid.z)
+        under = found.pressure[-1].max(axis=0) > 0.0
+        assert np.abs(z[under]).max() <= 0.5 * LENGTH and z[under].min() == pytest.approx(-z[under].max(), abs=1e-9)
+        assert np.ptp(z[under]) > (0.9 if found.cells is not None else 0.6) * LENGTH  # nodes of the ring: 1 mm apart
+        assert np.linalg.norm(found.force[-1]) == pytest.approx(LOAD, rel=1e-6)
+
+
 def test_the_stiffness_of_a_bearing_wants_its_flexible_ring_held(ring: ReducedBody) -> None:
     history = at_rest(ring, 0.0)
     with pytest.raises(InputError, match="the flexible ring 'outer' is held by no joint between one of its interfaces"):

@@ -141,7 +141,8 @@ def test_a_source_is_one_line_of_a_registry(pressed: wf.Result, monkeypatch: pyt
 
     monkeypatch.setattr(budget, "SOURCES", (source,))
     own = {line.of: line for line in budget.error_budget(pressed) if line.source == "test"}
-    assert own[f"peak pressure of {PAIR}"].size == pytest.approx(0.01)  # as the root of the force of a line
+    peak = own[f"peak pressure of {PAIR}"].size
+    assert peak == pytest.approx(0.01, rel=0.03)  # as the root of the force of a line; the wall is 60 half-widths thick
     assert own[f"half-widths of {PAIR}"].size == pytest.approx(0.01)
     assert own["reaction of joint 'fixed_1'"].size == pytest.approx(0.02)
 

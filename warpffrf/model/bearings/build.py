@@ -7,6 +7,7 @@ cylindrical, needle, tapered, spherical, toroidal and thrust ones. A kind is a g
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -163,6 +164,8 @@ def add_ball_bearing(
     return bearing
 
 
+ROUND_OFF = 1e-6  # of the length of a roller
+EDGE = 0.005  # of the length of a roller: at its ends, where it drops by as much
 ROLLER_KINDS = ("cylinder", "crowned_cylinder", "profiled_cylinder", "cone")  # of surfaces of flexible elements
 
 
@@ -184,9 +187,11 @@ def add_roller_bearing(
 ) -> Bearing:
     """Add a roller bearing: rings, rollers, their contacts and a cage; returns them as a `Bearing`.
 
-    geometry: `bearings.RollerGeometry(...)`. flanges: `bearings.Flanges(...)`, ribs that stop the rollers along their
-    axes, None for rollers that are free along them. As of `add_ball_bearing`: scene, name, position [m], axis and first
-    (3,), directions in the world, inner, outer, cage, contact and materials; an element_body has a profile of its own.
+    geometry: `bearings.RollerGeometry(...)`; straight rigid rollers on a flexible raceway that is wider end sharply at
+    `roller_length`, others where the table of their profile does. flanges: `bearings.Flanges(...)`, ribs that stop the
+    rollers along their axes, None for rollers that are free along them. As of `add_ball_bearing`: scene, name, position
+    [m], axis and first (3,), directions in the world, inner, outer, cage, contact and materials; an element_body has a
+    profile of its own.
     Raises `InputError` for incompatible arguments.
     """
     label = f"bearing {name!r}"
@@ -196,9 +201,13 @@ def add_roller_bearing(
     of = materials if isinstance(materials, Materials) else Materials(materials)
     place = Place.of(label, position, axis, first)
     bearing = Bearing(name, "roller", geometry, place, of.both)
+    shaped, length = geometry, geometry.roller_length
+    straight = geometry.profile is None and not geometry.taper
+    if straight and any(_width(ring) > length * (1.0 + ROUND_OFF) for ring in (inner, outer)):
+        shaped = replace(geometry, profile=_with_ends(length))
 
     def element_of(diameter: float, axis: np.ndarray, track: Track) -> tuple[float, Any, Any]:
-        shape = geometry.roller(diameter, track, {"axis_point": (0.0, 0.0, 0.0), "axis_direction": axis})
+        shape = shaped.roller(diameter, track, {"axis_point": (0.0, 0.0, 0.0), "axis_direction": axis})
         return (*hollow_cylinder(0.0, diameter, geometry.roller_length, of.both[0], axis), shape)
 
     default = laws.IsoLamina(geometry.roller_length, profile=geometry.profile is None)
@@ -213,3 +222,15 @@ def add_roller_bearing(
     if flanges is not None:
         flanges.hold(scene, bearing)
     return bearing
+
+
+def _width(ring: Any) -> float:
+    """Of a flexible raceway along its axis [m]; 0 of others."""
+    grid = ring.surface.grid if isinstance(ring, SurfacePort) else None
+    return 0.0 if grid is None else float(np.ptp(grid.z))
+
+
+def _with_ends(length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Table of a straight roller that drops within `EDGE` of its ends [m]."""
+    edge, half = EDGE * length, 0.5 * length
+    return np.array([-half, edge - half, half - edge, half]), np.array([edge, 0.0, 0.0, edge])

@@ -60,8 +60,8 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
     strips = int(np.count_nonzero(found.pressure[last].max(axis=1) > 0.0))
     if strips < FEWEST:
         notes.append(
-            f"contact {contact.name!r}: the patch is {strips} cells wide where it is most loaded, under {FEWEST}: "
-            "forces may be off by 1 %, peak pressures by 3 %; use cells= with more strips across"
+            f"contact {contact.name!r}: the patch is {strips} cells wide where it is most loaded, under {FEWEST}; use "
+            "cells= with more strips across"
         )
     notes += _cut(contact, found)
     travelled = np.abs(cells.column - cells.column[0]).max() * contact.a.surface.grid.pitch
@@ -183,7 +183,8 @@ def _over_end(contact: Contact, found: ContactHistory) -> list[str]:
 def _travelled(contact: Contact, found: ContactHistory, history: History) -> list[str]:
     """A line contact whose partner has moved along the axis: its ends are modelled at their initial positions."""
     a, b = contact.a, contact.b
-    if found.cells is None or b.rigid or getattr(b.surface.far, "ends", ()) == ():
+    ends = hasattr(b.surface.shape, "table") if b.rigid else getattr(b.surface.far, "ends", ())
+    if found.cells is None or not ends:
         return []
     own, other = history.bodies[a.body.name], history.bodies[b.body.name]
     place = other.position + np.einsum("tij,j->ti", _turns(other.rotation), b.surface.shape.axis_point)

@@ -54,6 +54,9 @@ from warpffrf.online.settings import Settings
 
 AT_POINTS = 'give the contact kinematics="closest_point"'
 FEWEST_COLUMNS = 4  # across the largest patch: with fewer, peaks and half-widths are those of the grid
+# errors of forces at a given approach, and of peaks and half-widths, of a patch of fewer, of lines and of points:
+# docs/studies/contact_grid.md, worst positions at one to two spacings in a half-width
+FEW = (0.05, 0.33), (0.1, 0.5)
 CUT = 0.05  # of the load beyond the end of the second surface: more is noted
 GAINED = 0.01  # of the largest present energy: a larger gain is noted
 TAKEN = 0.01  # the same for the loss by the integrator
@@ -144,14 +147,21 @@ def _widest(found: ContactHistory) -> int:
     return int(np.count_nonzero(found.pressure[int(np.argmax(load))].max(axis=1) > 0.0))
 
 
+def few_columns(found: ContactHistory, patch_kind: str) -> tuple[float, float] | None:
+    """Errors of the force at a given approach, and of peak pressure and half-widths, of a patch on fewer columns of the
+    body-fixed grid than `FEWEST_COLUMNS` where it is most loaded; None of a wider one."""
+    return FEW[patch_kind == "point"] if _widest(found) < FEWEST_COLUMNS else None
+
+
 def _coarse(contact: Contact, columns: int) -> list[str]:
-    """Sizes: docs/studies/contact_grid.md, worst positions at one to two spacings in a half-width."""
     if columns >= FEWEST_COLUMNS:
         return []
+    (force, peak), (force_of_points, peak_of_points) = FEW
     return [
         f"contact {contact.name!r}: the patch is {columns} columns of the grid wide where it is most loaded, under "
-        f"{FEWEST_COLUMNS}: peak pressures and half-widths may be off by a third (points: by a half and more), forces "
-        f"at a given approach by a twentieth (points: by a tenth); use a finer mesh (half_width=), {CELLS}"
+        f"{FEWEST_COLUMNS}: peak pressures and half-widths may err by {peak:.0%} (points: by {peak_of_points:.0%} and "
+        f"more), forces at a given approach by {force:.0%} (points: by {force_of_points:.0%}); use a finer mesh "
+        f"(half_width=), {CELLS}"
     ]
 
 

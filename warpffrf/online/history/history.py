@@ -320,7 +320,8 @@ class BudgetLine:
     """Effect of one source of error on one quantity of a run.
 
     size: a fraction of the quantity `of`, NaN if it could not be determined; `basis` states how it was determined,
-    or why not, `cure` how to reduce it.
+    or why not, `cure` how to reduce it. share: of a deformation its part of the largest displacement, or of the
+    energy, in the machine, the larger.
     """
 
     source: str
@@ -328,6 +329,7 @@ class BudgetLine:
     size: float
     basis: str
     cure: str = ""
+    share: float = 1.0
 
     @property
     def found(self) -> bool:

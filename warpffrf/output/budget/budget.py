@@ -26,8 +26,8 @@ from warpffrf.output.budget.contacts import (
     point_lines,
     tolerance_lines,
 )
-from warpffrf.output.budget.figures import UNKNOWN, is_main, with_all_figures
-from warpffrf.output.budget.stresses import stress_by_pressure, stress_lines
+from warpffrf.output.budget.figures import NEGLIGIBLE, UNKNOWN, is_main, part_of, with_all_figures
+from warpffrf.output.budget.stresses import PEAK, stress_by_pressure, stress_lines
 from warpffrf.output.budget.time_step import SOURCE as TIME_STEP
 from warpffrf.output.budget.time_step import time_step_lines
 
@@ -112,11 +112,13 @@ def largest_of_each(lines: Sequence[BudgetLine]) -> list[BudgetLine]:
 
 
 def worst_lines(lines: Sequence[BudgetLine]) -> list[BudgetLine]:
-    """The line with the largest effect of each source; one that was not found where there is no other."""
+    """The line with the largest effect of each source, on a deformation with a `NEGLIGIBLE` share only where there is
+    no other; one that was not found likewise."""
     worst = []
     for source in dict.fromkeys(line.source for line in lines if line.source != UNKNOWN):
         every = [line for line in lines if line.source == source]
-        own = [line for line in every if is_main(line)] or every
+        main = [line for line in every if is_main(line) or line.of.startswith(PEAK)] or every
+        own = [line for line in main if line.share >= NEGLIGIBLE] or main
         worst.append(max((line for line in own if line.found), key=lambda line: line.size, default=own[0]))
     return worst
 
@@ -130,7 +132,7 @@ def effect(line: BudgetLine) -> str:
 
 def conclusion(worst: Sequence[BudgetLine]) -> str:
     """The largest of all sources, and its cure; "" without a size or a cure."""
-    found = [line for line in worst if line.found]
+    found = [line for line in worst if line.found and line.share >= NEGLIGIBLE]
     if not found:
         return ""
     largest = max(found, key=lambda line: line.size)
@@ -145,6 +147,8 @@ def budget_text(lines: Sequence[BudgetLine]) -> list[str]:
     for line in worst:
         why = f" ({line.basis})" if line.found else f": {line.basis}" + (f"; {line.cure}" if line.cure else "")
         text.append(f"  {line.source:<27} {effect(line)}{why}")
+    small = [line for line in lines if line.share < NEGLIGIBLE and line.found and line.size >= FLOOR]
+    text += [f"  {'small deformations':<27} {effect(line)} ({line.source}{part_of(line.share)})" for line in small]
     said = conclusion(worst)
     return [*text, *([f"  largest                     {said}"] if said else [])]
 

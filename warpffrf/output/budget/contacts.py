@@ -51,7 +51,7 @@ import numpy as np
 
 from warpffrf.model.reduced.mesh_error import own_mesh_error
 from warpffrf.offline.contact.contact_grid import grid_error
-from warpffrf.online.diagnosis.contact_notes import Leaning, check_sampling
+from warpffrf.online.diagnosis.contact_notes import Leaning, check_sampling, few_columns
 from warpffrf.online.diagnosis.film_notes import cure_of
 from warpffrf.online.diagnosis.inertia_indicator import term_sizes
 from warpffrf.online.engine import Engine
@@ -63,6 +63,7 @@ from warpffrf.output.contact.hertz import flexible_sides
 from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 PATCHES = {"line": "line", "point": "ellipse"}  # kinds of patches covered by the rule
+LINES = ("line", "line_around")
 FORCE, PRESSURE = "force", "pressure"
 MEAN = 0.5  # of the rule, which is for the worst position of a patch on its grid
 GAPS = "parallel-axes kinematics"
@@ -75,6 +76,10 @@ PEAK = 0.5  # of the change of the largest pressure with the cells: a peak is th
 ROLLING = {"creepage": 2.0, "friction power": 2.0, "wear index": 10.0, WORK: 0.5}  # times `FRICTION_ERROR`
 HALF_WIDTHS = "moments of pressures at strip centres, by studies of cylinders and balls"
 GRID, POINTS, MESH, TOLERANCE = "contact grid", "sampling points", "FE mesh", "iteration"
+ALONG, ALONG_CURE = (
+    "cells along the axis",
+    "more cells of the mesh along the axis, at most as long as the wall is thick",
+)
 
 
 def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
@@ -96,24 +101,32 @@ def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
                 BudgetLine(GRID, f"{of} of contact {contact.name!r}", size, other, cure)
                 for of, size in zip((FORCE, PRESSURE), sizes, strict=True)
             ]
-            lines += _of_cells(found, history.time, check if known else None, cure)
+            lines += _of_cells(found, history.time, cure)
+            peak = PEAK * check.pressure if check is not None and known else np.nan
         else:
             own = [_of_nodes(found, of) for of in (FORCE, PRESSURE)]
-            lines.append(replace(own[1], of=f"peak pressure of contact {contact.name!r}", size=own[1].size ** 2))
-        of_force = share[contact.name]
-        lines += [_beside(line, part) for line, part in zip(own, (of_force, np.sqrt(of_force)), strict=True)]
+            peak = own[1].size ** 2
+            if few := few_columns(history.contacts[contact.name], found.patch_kind):
+                own = [_at_least(line, size) for line, size in zip(own, few, strict=True)]
+                peak = few[1]
+                lines.append(replace(own[1], of=f"half-widths of contact {contact.name!r}", size=peak))
+        own.append(replace(own[1], of=f"peak {own[1].of}", size=peak))
+        parts = share[contact.name], np.sqrt(share[contact.name]), np.sqrt(share[contact.name])
+        lines += [_beside(line, part) for line, part in zip(own, parts, strict=True)]
     return lines
 
 
-def _of_cells(found: Any, time: np.ndarray, check: Any, cure: str) -> list[BudgetLine]:
-    """Errors of peak and half-widths of a patch of cells: change of the largest pressure with other cells, moments of
-    pressures at cell centres, and rolling friction on cells; for micro-slip in a stationary patch no estimate exists.
-    """
+def _at_least(line: BudgetLine, size: float) -> BudgetLine:
+    """`line`, or the error of a patch of few columns where that is larger or the rule does not hold."""
+    return line if line.size >= size else replace(line, size=size, basis="few columns of the grid across the patch")
+
+
+def _of_cells(found: Any, time: np.ndarray, cure: str) -> list[BudgetLine]:
+    """Errors of half-widths of a patch of cells by the moments of pressures at cell centres, and of rolling friction on
+    cells; for micro-slip in a stationary patch no estimate exists."""
     strips, owner = found.pressure(0).pressure.shape[0], f"contact {found.name!r}"
     moments, power = MOMENTS.get(found.patch_kind, (0.0, 1.0))
     lines = [BudgetLine(GRID, f"half-widths of {owner}", moments * (USUAL / strips) ** power, HALF_WIDTHS, cure)]
-    if check is not None:
-        lines.append(BudgetLine(GRID, f"peak pressure of {owner}", PEAK * check.pressure, _compared(check), cure))
     if found.has_friction and _rolls(found, time):
         advance = float(np.nanmax(found.friction.cells_per_step)) / MOST_CELLS["cells"]
         size = FRICTION_ERROR * max(advance, 1.0) * USUAL / strips
@@ -236,7 +249,17 @@ def mesh_lines(result: Any) -> list[BudgetLine]:
         if not sides:
             size, basis = 0.0, "rigid bodies"
         lines.append(BudgetLine(MESH, _force(contact.name), size, basis, MESH_CURE))
+        along = max((_along(reduced, surface.name) for reduced, surface in sides), default=0.0)
+        if along > 0.0 and found.patch_kind in LINES:
+            of, basis = f"peak pressure of contact {contact.name!r}", "rules of cells along a layer with free ends"
+            lines.append(BudgetLine(ALONG, of, along, basis, ALONG_CURE))
     return lines
+
+
+def _along(reduced: Any, name: str) -> float:
+    """Error of the largest pressure of a line due to few cells along the axis, in the middle or near the ends."""
+    known = reduced.report.get("contact", {}).get(name, {})
+    return max(known.get("axial_error", 0.0), known.get("far_field", {}).get("end_error", 0.0))
 
 
 def _softness(reduced: Any, name: str) -> float | None:
@@ -246,7 +269,7 @@ def _softness(reduced: Any, name: str) -> float | None:
 
 
 def _of_mesh(found: Any, reduced: Any, surface: Any, widths: tuple[float, ...]) -> float | None:
-    line = found.patch_kind in ("line", "line_around")
+    line = found.patch_kind in LINES
     if found.loaded == "cells" and surface.far is not None:
         return own_mesh_error(reduced, surface.name, (widths[0], widths[1]), line=line)
     figures = reduced.report.get("contact", {}).get(surface.name, {})

@@ -8,6 +8,10 @@ and all of the approach: `SHARED` is in between. Errors of joints, force element
 contact forces. Contacts and joints whose forces are given by the loads (`balance`) have no error in these, and all of
 it in the approach.
 
+On a layer much thinner than its patch is wide the half-width is that of the geometry, F = c d^n with the stiffness c
+of the layer, and pressures err with the force. At a given force they follow about the root of c, and half-widths
+c^-0.7: `_thin` is between 0 of a half-space and 1 of a layer of twice the half-width and less.
+
 A quantity without an estimate for its grid or mesh gets a line that states this.
 """
 
@@ -23,6 +27,7 @@ from warpffrf.online.history.history import BudgetLine, History
 from warpffrf.output.budget.balance import given_by_loads
 from warpffrf.output.budget.quantities import LIGHT, Quantity, machine_size, quantities
 from warpffrf.output.contact.cell_result import CellContactResult
+from warpffrf.output.contact.hertz import flexible_sides
 from warpffrf.output.contact.result import ContactResult
 from warpffrf.output.geometry.scene_view import SceneView
 
@@ -41,8 +46,11 @@ OF_ROLLERS = 10.0 / 3.0
 LEAST = 1e-14  # of any quantity: smaller values are sums of zeros
 SORTS = {"reaction": "force", "load": "force", "reaction torque": "torque"}
 ARM = 0.1  # of the size of the machine: torques are relative at least to its forces with such arms
-ASKEW = 0.12  # part of a force's error in a torque that vanishes: meshes are not symmetric
+# part of a force's error in a torque that vanishes: meshes are not symmetric; 0.1 to 0.16 of most, 0.45 of a cover of
+# four linear cells along
+ASKEW = 0.145
 SHARED = 0.3  # of the error of an approach at a given force: machines prescribe forces, approaches, or neither
+NEGLIGIBLE = LIGHT  # of displacements and energy of the machine: errors of deformations with less are not the largest
 MAIN = (
     "force", "stiffness", "pressure", "motion", "deformation", "moment", "loss", "largest friction force",
     "all results", "energy in the system", "smallest gap", "largest pressure",
@@ -150,6 +158,8 @@ def with_all_figures(result: Any, lines: Sequence[BudgetLine]) -> list[BudgetLin
     own = figures(history, result.view)
     own |= {name: q for name, q in quantities(history).items() if _is_force(q)}
     given = given_by_loads(result)
+    shares = {name: q.share for name, q in quantities(history).items()}
+    lines = [replace(line, share=shares.get(line.of, 1.0)) for line in lines]
     found = [line for each in lines for line in _by_loads(each, given)]
     found += _of_pairs(result, found, own, given)
     found += _of_machine(result, found, own, given)
@@ -188,13 +198,15 @@ def _of_pairs(result: Any, lines: Sequence[BudgetLine], own: dict[str, Quantity]
         if figure("approach", owner) not in own:
             continue
         kind = result.contact(name).patch_kind
-        factors = {"approach": 1.0 / EXPONENTS[kind]}
+        factors, thin = {"approach": 1.0 / EXPONENTS[kind]}, _thin(result.contact(name))
         if owner not in given:
             factors["approach"] *= SHARED
-            factors |= {"half-widths": WIDTHS[kind], "peak pressure": WIDTHS[kind] if kind != "flat" else 1.0}
-            factors["traction"] = 1.0
-        elif figure("traction", owner) in own:
-            found.append(BudgetLine(BALANCE, figure("traction", owner), 0.0, "the loads give it"))
+            peak = WIDTHS[kind] + (1.0 - WIDTHS[kind]) * thin if kind != "flat" else 1.0
+            factors |= {"half-widths": WIDTHS[kind], "peak pressure": peak, "traction": 1.0}
+        else:
+            factors |= {"half-widths": 0.7 * thin, "peak pressure": 0.5 * thin}  # measured on covers
+            if figure("traction", owner) in own:
+                found.append(BudgetLine(BALANCE, figure("traction", owner), 0.0, "the loads give it"))
         for line in lines:
             if line.of != figure("stiffness" if owner in given else "force", owner) or not line.found:
                 continue
@@ -202,6 +214,18 @@ def _of_pairs(result: Any, lines: Sequence[BudgetLine], own: dict[str, Quantity]
                 if factor and figure(other, owner) in own and (line.source, figure(other, owner)) not in told:
                     found.append(BudgetLine(line.source, figure(other, owner), factor * line.size, AS_FORCE, line.cure))
     return found
+
+
+def _thin(found: Any) -> float:
+    """Twice the half-width of a line over the thickness of the thinnest wall behind it, at most 1; 0 of other
+    patches."""
+    walls = [
+        body.reduced.provenance.get("contact_walls", {}).get(surface.name) or np.inf
+        for body, surface in flexible_sides(found.view)
+    ]
+    if found.patch_kind not in ("line", "line_around") or not walls:
+        return 0.0
+    return min(2.0 * float(np.max(found.half_widths[:, 0])) / min(walls), 1.0)
 
 
 def _of_machine(
@@ -254,14 +278,22 @@ def _why(name: str, result: Any) -> str:
 @dataclass(frozen=True)
 class Error:
     """Estimated error of one quantity, a fraction: all sources together, as independent ones, and the largest of them;
-    NaN and "" if none is known. missing: why a source is not estimated, or ""."""
+    NaN and "" if none is known. missing: why a source is not estimated, or "". share: as of `BudgetLine`."""
 
     size: float
     source: str
     missing: str
+    share: float = 1.0
 
     def __str__(self) -> str:
-        return f"{100.0 * self.size:.2g} % ({self.source})" if self.source else ""
+        if not self.source:
+            return ""
+        return f"{100.0 * self.size:.2g} % ({self.source}{part_of(self.share)})"
+
+
+def part_of(share: float) -> str:
+    """The share of a `NEGLIGIBLE` deformation as text, else ""."""
+    return f"; it has {share:.1g} of the motion and energy" if share < NEGLIGIBLE else ""
 
 
 def errors(lines: Sequence[BudgetLine]) -> dict[str, dict[str, Error]]:
@@ -278,7 +310,7 @@ def _error(lines: Sequence[BudgetLine]) -> Error:
     missing = unknown[0].basis if unknown else ""
     if not known:
         return Error(np.nan, "", missing)
-    return Error(total(known), max(known, key=lambda line: line.size).source, missing)
+    return Error(total(known), max(known, key=lambda line: line.size).source, missing, known[0].share)
 
 
 def error_text(kinds: Mapping[str, Error]) -> str:

@@ -26,6 +26,7 @@ SPIKE = 10.0  # times the median of a force under load: bouncing balls reach 1.4
 class Quantity:
     """One quantity of a run: `values` (T, n) at its saved steps. Errors are magnitudes of differences over `size`;
     values above `most` are not compared. beside: text of a report on a reference value that is not the quantity's own.
+    share: of a deformation its part of the largest displacement, or of the energy, in the machine: the larger.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Quantity:
     size: float
     most: float = np.inf
     beside: str = ""
+    share: float = 1.0
 
     def at_least(self, least: float, beside: str) -> Quantity:
         """With the reference value at least `least`, unless the size is zero."""
@@ -49,8 +51,9 @@ def quantities(history: History) -> dict[str, Quantity]:
     """By name: the force of each contact and oil film relative to its root mean square, or
     `LIGHT` of the largest one; the motion of each body (origin, and axes with the length of the radius of gyration)
     relative to the largest distance from its mean, or `STILL` of the largest one, or `STANDS` of the size of the
-    machine; the deformation of a flexible body, as the root of the strain energy of each of its modes, relative to its
-    root mean square; and the friction loss of each contact with small sliding, relative to its total.
+    machine; the deformation of a flexible body, as the displacement of each of its modes in the mean over its mass [m],
+    relative to its root mean square: stiff modes can ring with much strain energy and hardly move anything; and the
+    friction loss of each contact with small sliding, relative to its total.
 
     A quantity that is zero in all rows is omitted.
     """
@@ -64,13 +67,19 @@ def quantities(history: History) -> dict[str, Quantity]:
     least, beside = STILL * max(ways.values(), default=0.0), f"{STILL:g} of the largest displacement in the machine"
     if least < STANDS * (size := machine_size(history)):
         least, beside = STANDS * size, f"{STANDS:g} of the size of the machine, it stands still"
+    stored = [np.nan_to_num(history.energy[line]) for line in ("kinetic", "strain") if line in history.energy]
+    energy = float(np.sum(stored, axis=0).max(initial=0.0)) if stored else 0.0
     for body in history.scene.bodies:
         motion = Quantity(f"motion of body {body.name!r}", places[body.name], ways[body.name])
         found.append(motion.at_least(least, beside))
         modal = history.bodies[body.name].modal
         if modal.size:
-            strain = 2.0 * np.pi * np.asarray(body.reduced.frequencies) * modal
-            found.append(_over_mean_square(f"deformation of body {body.name!r}", strain))
+            omega = 2.0 * np.pi * np.asarray(body.reduced.frequencies)
+            strain = 0.5 * float(np.sum((omega * modal) ** 2, axis=1).max(initial=0.0))
+            deformation = _over_mean_square(f"deformation of body {body.name!r}", modal / np.sqrt(body.mass))
+            whole = (strain, energy), (_largest(deformation.values), max(ways.values()))
+            share = max(min(own / all_, 1.0) if all_ > 0.0 else 1.0 for own, all_ in whole)
+            found.append(replace(deformation, share=share))
     for name, contact in history.small_sliding.items():
         loss = contact.loss.sum(axis=1, keepdims=True)
         found.append(Quantity(f"loss of contact {name!r}", loss, float(loss.max(initial=0.0))))
@@ -85,9 +94,14 @@ def _places(body: Any, history: History) -> Array:
     return np.concatenate([motion.position, gyration * axes], axis=1)
 
 
+def _largest(values: Array) -> float:
+    """The largest magnitude of values (T, n)."""
+    return float(np.linalg.norm(values, axis=1).max(initial=0.0))
+
+
 def _way(places: Array) -> float:
     """The largest distance [m] from the mean."""
-    return float(np.linalg.norm(places - places.mean(axis=0), axis=1).max()) if len(places) else 0.0
+    return _largest(places - places.mean(axis=0)) if len(places) else 0.0
 
 
 def machine_size(history: History) -> float:

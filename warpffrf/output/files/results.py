@@ -255,7 +255,7 @@ def get_history(file: Any, scene: SceneView | None = None) -> History:
 def _budget_line(line: dict[str, Any]) -> BudgetLine:
     size = line["size"]
     words = {name: str(line[name]) for name in ("source", "of", "basis", "cure")}
-    return BudgetLine(size=np.nan if size is None else float(size), **words)
+    return BudgetLine(size=np.nan if size is None else float(size), share=float(line["share"]), **words)
 
 
 def _fields_of(file: Any, fields: tuple[Field, ...], name: str, n: int = 0) -> dict[str, Any]:

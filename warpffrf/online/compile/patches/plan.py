@@ -289,14 +289,15 @@ def relative_curvatures(contact: Contact) -> tuple[float, float]:
 
 def widths(contact: Contact) -> Array:
     """The limits (n, 2) [m] on the first surface's meridian between which it, and the second where that ends, have
-    material where they face each other at the start.
+    material where they face each other at the start. A rigid surface ends where the table of its profile does.
     """
     z = np.asarray(contact.a.surface.grid.z)
     found = [np.asarray([z[0], z[-1]], float)]
     other = contact.b.surface
-    if other.grid is not None and (_lies_along(contact) or not other.shape.profile().planar):
+    along = getattr(other.shape, "table", [None])[0] if other.grid is None else other.grid.z
+    if along is not None and (_lies_along(contact) or not other.shape.profile().planar):
         shape, own = other.shape, contact.a.surface.shape
-        ends = shape.axis_point + np.outer([other.grid.z[0], other.grid.z[-1]], shape.e_a)
+        ends = shape.axis_point + np.outer([along[0], along[-1]], shape.e_a)
         places = (contact.a.body.to_user(contact.b.body.to_world(ends)) - own.axis_point) @ own.e_a
         found.append(np.sort(places + levers(contact)[1] @ in_world(contact.a, own.e_a)))
     return np.array(found)
