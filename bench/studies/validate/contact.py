@@ -182,7 +182,9 @@ def turning_at_constant_approach() -> Iterator[Row]:
     yield Row("force and reaction, sum", np.abs(contact.force + contact.force_second).max(), 0.0, 1e-10, "N", size)
 
 
-@case(ROOM, "A. Persson, Stress distribution of cylindrical elastic bodies in contact, thesis, Gothenburg (1964)")
+@case(
+    ROOM, "A. Persson, On the stress distribution of cylindrical elastic bodies in contact, thesis, Gothenburg (1964)"
+)
 def pin_in_a_bore() -> Iterator[Row]:
     """Conforming contact: the demo pin_in_bore, pin and sleeve alike, a clearance of 0.1 % of the radius"""
     result = pin_in_bore.run(pin_in_bore.build(progress=False), progress=False)
