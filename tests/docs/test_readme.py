@@ -31,7 +31,7 @@ STRESS_TOLERANCE = 0.03  # what the cells add to peak and stress, and the mesh o
 
 
 def blocks() -> list[str]:
-    """The examples that are tested here; those of other rooms are in the files beside this."""
+    """The examples that are tested here; those of other rooms are in the files next to this."""
     return [c for c in python_blocks(README) if not any(word in c for word in ("friction=", "wf.Film("))]
 
 

@@ -165,7 +165,7 @@ def rollers_mid_plane() -> Iterator[Row]:
 
 @case(ROOM, "Invariants of rotation: constant force, action and reaction, no torque without friction")
 def turning_at_constant_approach() -> Iterator[Row]:
-    """C9: two hollow steel rollers turned at constant approach, two and four elements in the half-width"""
+    """C9: two hollow steel rollers rotated at constant approach, two and four elements in the half-width"""
     body = _fine_roller()
     for elements, tolerance in ((2.0, 1e-2), (4.0, 1.5e-3)):
         ripple = worst(ripples(body, elements, phases=2)).value

@@ -159,7 +159,7 @@ def contact_carter() -> Iterator[Row]:
 
 @case(ROOM, CARTER)
 def carter_rollers() -> Iterator[Row]:
-    """C6: two steel rollers of R 50 mm in plane strain, contact-fixed cells, 15 strips, one strip a step, 4 mm mesh"""
+    """C6: two steel rollers of R 50 mm in plane strain, contact-fixed cells, 15 strips, a strip per step, 4 mm mesh"""
     for creepage in rolling_steady.CREEPAGES:
         _, found = rolling_steady.carter_error(15, 1.0, creepage)
         line = line_contact(found.load, PLANE_STEEL, PLANE_STEEL)

@@ -45,7 +45,7 @@ def test_the_moment_at_which_it_is_farthest_is_drawn_over_the_undeformed_skin() 
 
 
 def test_boxes_have_their_mass_and_inertia() -> None:
-    """A box of 2 kg has J = m/12 (b^2 + c^2); turned and longer than what is allowed, it keeps its shape."""
+    """A box of 2 kg has J = m/12 (b^2 + c^2); rotated and longer than what is allowed, it keeps its shape."""
     b = SIZE**2
     inertia = np.diag(2.0 / 12.0 * (b.sum() - b))
     points, triangles = inertia_box(2.0, inertia, np.inf)

@@ -129,7 +129,7 @@ def test_cells_of_the_slip_zone_lost_energy(lap: SmallSlidingResult) -> None:
     assert lap.slip_zone(0.0, 0.02 * PERIOD).cells == 0
 
 
-def test_slides_beside_cells_are_told(result: Result, lap: SmallSlidingResult) -> None:
+def test_slides_compared_with_cells_are_reported(result: Result, lap: SmallSlidingResult) -> None:
     assert not any("partners of cells" in warning for warning in lap.warnings())
     far = replace(lap.history, slip=lap.slip + [0.8 * SLIDES * lap.size[0], 0.8 * SLIDES * lap.size[0]])
     found = SmallSlidingResult(far, lap.view, lap.time, result.history.bodies)
@@ -203,7 +203,7 @@ def test_parts_of_a_run_join(result: Result, lap: SmallSlidingResult) -> None:
     assert joined.pressure.shape == (2 * len(lap.time), lap.cells)
 
 
-def test_errors_are_told_of_force_and_loss(result: Result, lap: SmallSlidingResult) -> None:
+def test_errors_are_reported_of_force_and_loss(result: Result, lap: SmallSlidingResult) -> None:
     found = quantities(result.history)
     assert found["loss of contact 'lap'"].size == pytest.approx(lap.loss[-1])
     assert found["force of contact 'lap'"].size > PRESSED

@@ -304,7 +304,7 @@ def _bearing(description: dict[str, Any], bodies: dict[str, BodyView]) -> list[t
 
 
 def _ring(description: dict[str, Any], geometry: Any, side: str, body: BodyView) -> TriangleMesh:
-    """A ring between its raceway, with lands or ribs beside it, and its bore or outside diameter."""
+    """A ring between its raceway, with lands or ribs next to it, and its bore or outside diameter."""
     name, sign = description["name"], -1.0 if side == "inner" else 1.0
     shape = body.shapes[f"{name} {side} raceway"]
     center = Pose(**description["poses"][body.name]).to_user(np.asarray(description["center"])[None])[0]
