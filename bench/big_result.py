@@ -1,7 +1,7 @@
 """Memory and time of a result with many rows and a large skin: `python bench/big_result.py [--json FILE] [--large]`.
 
 A roller whose skin has stress at every node rolls on a plane; the run is written to a file, and each thing that is done
-with that file is done in a process of its own, whose peak resident memory is told. Films and VTK files are written
+with that file is done in a process of its own, whose peak resident memory is reported. Films and VTK files are written
 twice, with more frames the second time: what one frame more takes is what grows with their number. `--large`: 1,000
 rows and 100,800 nodes instead of 200 rows and 25,200. Fails where anything takes 2 GiB or more.
 """

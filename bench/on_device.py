@@ -102,7 +102,7 @@ def main() -> None:
         print(f"nothing measured: {error}")
         return
     card = wp.get_device(device)
-    print(f"CPU beside {card.name}")
+    print(f"CPU and {card.name}")
     print("scene                     device    worlds  us a step and world   CPU over it   apart    of")
     rows = []
     for name, make in scenes().items():

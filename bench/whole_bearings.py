@@ -45,7 +45,7 @@ LAMINAE = 5
 
 @dataclass(frozen=True)
 class Case:
-    """A bearing and its run; turned from rest to `speed` [rad/s] in `ramp` [s], or rolling from the start."""
+    """A bearing and its run; rotated from rest to `speed` [rad/s] in `ramp` [s], or rolling from the start."""
 
     elements: int
     speed: float

@@ -1,10 +1,10 @@
-"""Scenes as worlds of one graph beside one after another: `python bench/worlds.py [--worlds N] [--device cuda:0]`.
+"""Scenes as worlds of one graph, and one after another: `python bench/worlds.py [--worlds N] [--device cuda:0]`.
 
 Short runs of scenes that differ in numbers: a swing (one rigid body on a hinge, a spring and a load), a chain of ten
-links, and two rollers pressed together, from their equilibrium. *apart*: `simulate` for each, *beside*: one
+links, and two rollers pressed together, from their equilibrium. *apart*: `simulate` for each, *together*: one
 `simulate_worlds`; both in this process, in turn, with kernels that are compiled; the fastest of the rounds counts.
 Times are wall times over the number of runs: *set-up* (compiling scenes, arrays, graph), *graph* (its steps), and
-*finish* (history and notes); *rest* is what the host does for start and steps. *times*: apart over beside, of the
+*finish* (history and notes); *rest* is what the host does for start and steps. *times*: apart over together, of the
 whole. *differs*: the largest difference of what the two have saved, over the largest value of that quantity.
 """
 
@@ -137,14 +137,14 @@ def main() -> None:
         rounds = []
         for _ in range(given.rounds):
             rounds.append([measured(how, scenes, steps * step, options) for how in (one_by_one, simulate_worlds)])
-        apart, beside = (min((pair[i] for pair in rounds), key=lambda one: one[0]["whole"]) for i in (0, 1))
-        times = apart[0]["whole"] / beside[0]["whole"]
-        difference = max(differs(a, b) for a, b in zip(beside[1], apart[1], strict=True))
-        for how, (seconds, _) in (("apart", apart), ("beside", beside)):
+        apart, together = (min((pair[i] for pair in rounds), key=lambda one: one[0]["whole"]) for i in (0, 1))
+        times = apart[0]["whole"] / together[0]["whole"]
+        difference = max(differs(a, b) for a, b in zip(together[1], apart[1], strict=True))
+        for how, (seconds, _) in (("apart", apart), ("together", together)):
             times_of = {f"{part}_seconds_per_step": value / steps for part, value in seconds.items()}
             rows.append({"scene": name, "case": how, "runs": given.worlds, "steps": steps, **times_of})
             columns = " ".join(f"{1e3 * seconds[part]:8.2f}" for part in ("whole", *PARTS, "rest"))
-            ends = f"{times:7.2f}  {difference:.1e}" if how == "beside" else ""
+            ends = f"{times:7.2f}  {difference:.1e}" if how == "together" else ""
             print(f"{name:9} {steps:5}  {how:7} {columns} {ends}".rstrip(), flush=True)
         rows[-1] |= {"times": times, "differs": difference}
     if given.json:

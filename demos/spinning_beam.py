@@ -2,7 +2,7 @@ r"""A slender beam spun up about one end: why geometric stiffening matters.
 
 A beam of length L is clamped at one end to a hub that is driven smoothly from rest to omega_s within 15 s (T. R. Kane,
 R. R. Ryan and A. K. Banerjee, J. Guidance 10, 1987, 139; the beam and the speed are those of J. C. Simo and L. Vu-Quoc,
-J. Appl. Mech. 54, 1987: EA = 2.8e7 N, EI = 1.4e4 N m2, rho A = 1.2 kg/m, L = 10 m, omega_s = 6 rad/s). The final
+J. Appl. Mech. 53, 1986, 855: EA = 2.8e7 N, EI = 1.4e4 N m2, rho A = 1.2 kg/m, L = 10 m, omega_s = 6 rad/s). The final
 speed is above the first natural frequency of the beam at rest, 3.8 rad/s.
 
 What to expect. The tip lags behind the hub while the speed rises and then returns to it. In the frame of the hub the

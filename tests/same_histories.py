@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-NOT_COMPARED = ("scene", "counters", "options", "samples")  # seconds, and what a run was told
+NOT_COMPARED = ("scene", "counters", "options", "samples")  # seconds, and what a run was asked for
 
 
 def unlike(a: Any, b: Any, where: str = "history") -> list[str]:

@@ -40,7 +40,7 @@ from warpffrf.study.machine import machine
 
 LOAD_STEP = 0.008  # s, into the spin-up
 DURATION = 0.024  # s
-MOST_KERNELS = 400  # launches of a step that are told apart
+MOST_KERNELS = 400  # launches of a step that are listed separately
 CHUNK = 200  # steps of a replay
 WARM_UP = 4  # steps that do not count
 COARSE = demo.Size(sectors=80, layers=8, axial=5)  # hexahedra of 4 mm

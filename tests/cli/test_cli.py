@@ -130,7 +130,7 @@ def test_wrong_input_is_one_line_and_exit_1(coarse: Path, tmp_path: Path, capsys
         assert len(error.strip().splitlines()) == 1, error
 
 
-def test_verbose_tells_where_an_error_came_from(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+def test_verbose_shows_where_an_error_came_from(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     assert cli.main(["-v", "info", str(tmp_path / "none.h5")]) == 1
     assert "describe.py" in capsys.readouterr().err
 

@@ -21,7 +21,7 @@ def call(*words: str) -> Any:
     return CliRunner().invoke(app, ["sweep", PENDULUM, *SHORT, *words])
 
 
-def test_a_table_is_made_and_told(tmp_path: Path) -> None:
+def test_a_table_is_made_and_reported(tmp_path: Path) -> None:
     out = str(tmp_path / "arms")
     done = call("--vary", "arm=0.2:0.4:2", "--vary", "forces.brake.damping=0.1,1.5", "--output", LOWEST, "--out", out)
     assert done.exit_code == 0, done.output

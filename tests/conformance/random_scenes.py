@@ -1,4 +1,4 @@
-"""Random scenes, each of which can be built anywhere: turned, shifted, and drifting as a whole."""
+"""Random scenes, each of which can be built anywhere: rotated, shifted, and drifting as a whole."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SECOND = {"universal": "second_axis", "line_in_plane": "line"}  # directions tha
 
 @dataclass(frozen=True)
 class Place:
-    """Where a scene is built: turned by `turn` (3, 3), shifted by `shift` [m], drifting with `drift` [m/s]."""
+    """Where a scene is built: rotated by `turn` (3, 3), shifted by `shift` [m], drifting with `drift` [m/s]."""
 
     turn: np.ndarray = field(default_factory=lambda: np.eye(3))
     shift: np.ndarray = field(default_factory=lambda: np.zeros(3))

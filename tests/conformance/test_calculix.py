@@ -1,6 +1,6 @@
 """The same mesh in CalculiX: its matrices, written by version 2.20, and the frequencies that follow from them.
 
-`tests/data/calculix/arc_*.inp` are two curved, crooked cells of an arc; the matrices beside them come from
+`tests/data/calculix/arc_*.inp` are two curved, crooked cells of an arc; the matrices next to them come from
 `*FREQUENCY, SOLVER=MATRIXSTORAGE`. CalculiX integrates C3D8 by 2 x 2 x 2 and C3D20 by 3 x 3 x 3 points.
 """
 

@@ -32,7 +32,7 @@ UNIT = re.compile(  # in brackets or in the text, or a word that says that there
 AXES = r"(?:\.\.\.|\w[\w+* ]*)"
 SHAPE = re.compile(rf"\({AXES},(?: {AXES},?)*\)|\(\.\.\.\)|any shape|of their shape|broadcast")
 FRAME = re.compile(r"world|user|axes|axis|frame|first surface|first face|of the mesh|body|grid|normal", re.IGNORECASE)
-SOURCE = re.compile(r"\b(?:1[6-9]|20)\d\d\b|\bISO \d{3}")  # a year, beside which author and title stand, or a standard
+SOURCE = re.compile(r"\b(?:1[6-9]|20)\d\d\b|\bISO \d{3}")  # a year, next to which author and title stand, or a standard
 RAISED = ("InputError", "unknown_name", "_unknown")
 VECTOR = re.compile(r"\((?:T, |n, |m, |k, )?3,?\)")
 
@@ -101,7 +101,7 @@ def test_each_has_a_docstring() -> None:
 
 
 def test_each_constant_is_explained_where_it_is_made() -> None:
-    """By a comment or a text beside it, or by its name in the docstring of its module or of the public one."""
+    """By a comment or a text next to it, or by its name in the docstring of its module or of the public one."""
     found = []
     for one in top_level():
         if inspect.isclass(one.thing) or inspect.isroutine(one.thing):
@@ -153,7 +153,7 @@ def test_each_array_has_a_shape_and_each_quantity_a_unit() -> None:
 
 
 def test_each_argument_that_is_a_quantity_has_a_unit_near_it() -> None:
-    """Within two lines after its name, or just before it; and where vectors are given, the frame is told."""
+    """Within two lines after its name, or just before it; and where vectors are given, the frame is stated."""
     found = []
     for one in (*CLASSES, *CALLED):
         text = whole_text(one)

@@ -1,5 +1,5 @@
 """What every force element owes, over the registry: exact gradients, action equal to reaction, momentum, a closed
-ledger of energy, and a description that tells elements apart."""
+ledger of energy, and a description that distinguishes elements."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def spd(size: float, rank: int = 6) -> np.ndarray:
 
 
 def two_bodies(**motion: Any) -> tuple[Scene, Any, Any]:
-    """Two free bodies with arms, turned and moving, no ground and no gravity."""
+    """Two free bodies with arms, rotated and moving, no ground and no gravity."""
     scene = Scene()
     a = scene.add_rigid_body(
         2.0, (0.1, 0.15, 0.2), name="a", center_of_mass=(0.05, 0.0, -0.02), rotation=quaternion(0.4)
@@ -133,7 +133,7 @@ def moved_apart(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
 
 
 def moved(r: np.ndarray, A: np.ndarray, body: int, c: int, by: float) -> tuple[np.ndarray, np.ndarray]:
-    """The poses with one body moved along (c < 3) or turned about its own axis c - 3."""
+    """The poses with one body moved along (c < 3) or rotated about its own axis c - 3."""
     r, A, step = r.copy(), A.copy(), by * np.eye(3)[c % 3]
     if c < 3:
         r[body] += step

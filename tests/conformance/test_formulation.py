@@ -41,7 +41,7 @@ def test_a_mixed_formulation_that_is_not_there() -> None:
     assert not notes and "tet4 cells have no mixed formulation and use that of displacement alone" in warning
 
 
-def test_who_forbids_it_is_told() -> None:
+def test_who_forbids_it_is_reported() -> None:
     notes, (warning,) = said("hex8", rubber("displacement"))
     assert not notes and warning.endswith("leave out formulation='displacement'")
 

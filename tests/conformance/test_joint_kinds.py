@@ -51,7 +51,7 @@ def test_allowed_motions_are_free_and_all_others_are_held(kind: str) -> None:
     A0, arm = rot.matrix(start.rotation), PLACE + reach - start.position
 
     def posed(R: np.ndarray, d: np.ndarray, pivot: np.ndarray) -> Pose:
-        """b turned by R about its port, whose point moves to pivot + d."""
+        """b rotated by R about its port, whose point moves to pivot + d."""
         pose = initial_pose(scene)
         pose.axes[0] = R @ A0
         pose.position[0] = pivot + d - R @ arm

@@ -1,4 +1,4 @@
-"""What is said of the package beside pyproject.toml: licences, the recipe for conda, versions and schemas."""
+"""What is said of the package outside pyproject.toml: licences, the recipe for conda, versions and schemas."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 """Private words and phrases do not appear in text and public names; each has a standard term.
 
 Text is that of docstrings, comments, messages and pages. A blank of a phrase also matches a line break, in comments and
-in strings of several lines. Pages that studies write are not read.
+in strings of several lines. Names in backticks and expressions in braces are no text. Pages that studies write are not
+read, nor, for the words of `PLAIN`, the kernels and the page that lists their arrays.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ("warpffrf", "kernels", "demos")
+PROOF = ("tests", "bench")  # read for PLAIN words alone
 PAGES = ("README.md", "CONTRIBUTING.md", "docs")
 WRITTEN = ("docs/studies", "docs/speed_error", "docs/stability")  # pages that studies write
 
@@ -45,6 +47,13 @@ TEXT = {
     r"(?:one|two|three|displacements|rows) a (?:node|direction|body|contact)": "per, as in one per node",
 }
 
+PLAIN = {
+    r"beside": "compared with, next to, or in addition to",
+    r"told": "reported, or distinguished",
+    r"tells": "reports, or shows",
+    r"turned": "rotated",
+}
+
 # part of a public name -> what to call it
 NAMES = {
     "spell": "an interval",
@@ -68,7 +77,10 @@ def key(pattern: str) -> str:
     return max(re.sub(r"\(\?:[^)]*\)\??|\w\?", " ", pattern).split(), key=len)
 
 
-WORDS = [(key(p), re.compile(rf"\b{p.replace(' ', GAP)}\b"), term) for p, term in TEXT.items()]
+Rules = list[tuple[str, re.Pattern[str], str]]  # the word that is searched first, the rule, the term
+WORDS: Rules = [(key(p), re.compile(rf"\b{p.replace(' ', GAP)}\b"), term) for p, term in TEXT.items()]
+PLAIN_WORDS: Rules = [(word, re.compile(rf"(?<![\"'])\b{word}\b(?![\"'])"), term) for word, term in PLAIN.items()]
+NO_TEXT = re.compile(r"`[^`\n]*`|\{[^{}\n]*\}")
 
 
 def files(folders: tuple[str, ...], ending: str) -> Iterator[Path]:
@@ -93,10 +105,12 @@ def text_spans(source: str) -> list[tuple[int, int]]:
     ]
 
 
-def found_in(file: Path) -> list[str]:
+def found_in(file: Path, rules: Rules = WORDS) -> list[str]:
     """What is wrong with the text of a file, a line each."""
     text, name = file.read_text(encoding="utf-8").lower(), file.relative_to(ROOT).as_posix()
-    hits = [(hit, term) for word, rule, term in WORDS if word in text for hit in rule.finditer(text)]
+    if rules is PLAIN_WORDS:
+        text = NO_TEXT.sub(lambda match: " " * len(match[0]), text)
+    hits = [(hit, term) for word, rule, term in rules if word in text for hit in rule.finditer(text)]
     if hits and file.suffix == ".py":  # identifiers are not text
         spans = text_spans(text)
         hits = [(hit, term) for hit, term in hits if any(first <= hit.start() < last for first, last in spans)]
@@ -109,6 +123,18 @@ def found_in(file: Path) -> list[str]:
 
 def test_text_has_no_private_words() -> None:
     found = [line for file in (*files(SOURCES, ".py"), *files(PAGES, ".md")) for line in found_in(file)]
+    assert not found, "\n".join(found)
+
+
+def test_text_is_plain() -> None:
+    read = (*files((*SOURCES, *PROOF), ".py"), *files(PAGES, ".md"))
+    left_out = ("kernels/", "docs/arrays.md", "tests/conformance/test_terminology.py")
+    found = [
+        line
+        for file in read
+        if not file.relative_to(ROOT).as_posix().startswith(left_out)
+        for line in found_in(file, PLAIN_WORDS)
+    ]
     assert not found, "\n".join(found)
 
 

@@ -1,1 +1,1 @@
-"""Makes the modules beside it importable by the tests in the folders below."""
+"""Makes the modules next to it importable by the tests in the folders below."""

@@ -5,7 +5,7 @@ places, and bolts draw them together. The reference of `demos.lap_joint`: every 
 engine or reduction [`references.small_sliding`].
 
 **A held body that rides.** With the carriage at x, the displacement v = u - x e_x of the upper strip is zero at its
-end, as full finite elements with supports have it. Cells see the slip x (t . e_x) beside what v gives,
+end, as full finite elements with supports have it. Cells see the slip x (t . e_x) compared with what v gives,
 
     delta = B^T v + x (t . e_x),
 

@@ -121,7 +121,7 @@ CHECKS = {
 
 
 def test_files_are_what_their_scripts_make(tmp_path: Path) -> None:
-    """Meshes that need no mesher are made again from the scripts beside them."""
+    """Meshes that need no mesher are made again from the scripts next to them."""
     for name, file in (("machine", "machine.inp"), ("beam", "beam.vtu")):
         script, *_ = [f for f in wf.examples.copy(name, tmp_path) if f.suffix == ".py"]
         (tmp_path / file).unlink()

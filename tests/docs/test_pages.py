@@ -16,7 +16,8 @@ HOW = (ROOT / "docs" / "how_do_i.md").read_text(encoding="utf-8")
 INSTALL = (ROOT / "docs" / "install.md").read_text(encoding="utf-8")
 WORDS = (ROOT / "docs" / "words.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"```py\n(.*?)```", re.DOTALL)
-LONGEST = 15  # lines of a block that one still reads at a glance
+WIDEST = 92  # columns
+LONGEST = 20  # lines of a block that one still reads at a glance
 
 
 @pytest.fixture(scope="module")
@@ -97,6 +98,16 @@ def test_words_of_reports_are_explained() -> None:
 def test_the_readme_leads_there() -> None:
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     assert "(docs/words.md)" in readme and "(docs/how_do_i.md)" in readme and len(readme.encode()) <= 10_000
+
+
+def test_code_fits_the_width_of_a_page() -> None:
+    """In a window of 1,280 pixels no block of a tutorial or of a page with recipes needs to be scrolled."""
+    docs = ROOT / "docs"
+    recipes = (ROOT / "README.md", docs / "how_do_i.md", docs / "examples.md", docs / "sweeps.md")
+    for page in (*recipes, *(docs / "tutorials").glob("*.md")):
+        blocks = re.findall(r"^```(?:py|python|{code-cell} python)\n(.*?)^```", page.read_text("utf-8"), re.M | re.S)
+        for block in blocks:
+            assert [line for line in block.splitlines() if len(line) > WIDEST] == [], page.name
 
 
 def test_links_lead_somewhere() -> None:

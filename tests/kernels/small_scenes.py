@@ -213,7 +213,7 @@ def beams() -> Scene:
 
 
 def plates() -> Scene:
-    """A plate that hangs from one of its ends, beside a bar without membrane energy."""
+    """A plate that hangs from one of its ends, next to a bar without membrane energy."""
     scene = Scene(gravity=(0.0, 0.0, -9.81))
     scene.add_body(beam(), name="bar", position=(1.0, 0.0, 0.0))
     held = scene.add_body(plate(), name="plate", stiffening=True)
@@ -310,7 +310,7 @@ def hollow_shaft() -> ReducedBody:
 
 
 def journal(*, load: float = 2e3, feed: float = 1e5, speed: float = 300.0, yields: bool = False, **given: Any) -> Scene:
-    """A shaft that is turned in a film of oil, with voids, in a bore that yields; it may yield too."""
+    """A shaft that is rotated in a film of oil, with voids, in a bore that yields; it may yield too."""
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     bore = scene.add_body(sleeve(), name="bore")
     scene.add(joints.Fixed(scene.ground, bore["outside"], axis=(0, 1, 0)))
@@ -431,7 +431,7 @@ def modes(case: Case) -> str:
 
 
 def all_round(case: Case) -> str:
-    """Static states of two tilted rollers that are turned until every column has met others, on both grids."""
+    """Static states of two tilted rollers that are rotated until every column has met others, on both grids."""
     turned = np.linspace(0.0, 2.0 * np.pi, 13)
     path = Path.of(np.full(13, 4e-4), turned, -1.7 * turned)
     return solve_path(roller(), roller(sectors=42, outer_radius=0.035), path, tilt=2e-3, settings=WIDE).status

@@ -138,7 +138,7 @@ def test_the_answer_of_the_pressures_is_condensed(stopped: Engine, request: pyte
     )
     U = np.triu(stopped.scratch.factor.numpy()[0, :n, :n])
     Y = stopped.scratch.cell_Y.numpy()[0, :n, :lines]
-    # N^T against differences of evaluations: of like rollers next to nothing beside what moves the bodies
+    # N^T against differences of evaluations: of like rollers next to nothing compared with what moves the bodies
     free = np.linalg.inv(
         np.linalg.inv(H) - L_n.T @ np.linalg.solve(G, L_n)
     )  # the retained receptance without pressures

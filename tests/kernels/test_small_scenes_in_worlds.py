@@ -1,4 +1,4 @@
-"""The small scenes beside others in the worlds of one graph: the bits that each has alone, whatever it needs."""
+"""The small scenes together with others in the worlds of one graph: the bits that each has alone, whatever it needs."""
 
 from __future__ import annotations
 

@@ -302,7 +302,7 @@ def test_a_banded_matrix_is_solved_as_by_numpy(n: int, half: int, sparse: bool) 
     assert np.all(np.isnan(found[:, 3 * half + 6 :]))  # what stands behind is not touched
 
 
-def test_a_singular_band_is_told() -> None:
+def test_a_singular_band_is_reported() -> None:
     a = wp.array(np.array([[0.0, 1.0, 2.0, 0.0, 1.0], [2.0, 4.0, 0.0, 0.0, 1.0]]).ravel(), dtype=real, device=DEVICE)
     rest = [wp.zeros(2, dtype=t, device=DEVICE) for t in (int, real)]
     bad = wp.zeros(1, dtype=int, device=DEVICE)
@@ -310,7 +310,7 @@ def test_a_singular_band_is_told() -> None:
     assert bad.numpy()[0] == 1
 
 
-def test_a_singular_matrix_is_told() -> None:
+def test_a_singular_matrix_is_reported() -> None:
     a = wp.array(np.array([[1.0, 2.0, 1.0], [2.0, 4.0, 1.0]]).ravel(), dtype=real, device=DEVICE)
     rest = [wp.zeros(2, dtype=t, device=DEVICE) for t in (int, real)]
     bad = wp.zeros(1, dtype=int, device=DEVICE)

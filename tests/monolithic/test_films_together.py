@@ -1,4 +1,5 @@
-"""Oil films in the monolithic system: beside the separated solver by the same law, and with pressures at FE nodes."""
+"""Oil films in the monolithic system: compared with the separated solver by the same law, and with pressures at FE
+nodes."""
 
 from __future__ import annotations
 
@@ -33,8 +34,9 @@ MOVING = 1e-6  # of the largest value of a run: the tolerance times what some te
 # what is steady in space moves the modes of a grid that turns: they start with accelerations, which both solvers take
 # from tiny steps of sizes of their own
 STARTED = 1e-5
-DIFFERENCES = 1e-6  # of the largest entry: central differences, round-off beside truncation
-NODES = 0.03  # at nodes beside nodes, on six columns a radian: triangles and nodes differ by the square of the pitch
+DIFFERENCES = 1e-6  # of the largest entry: central differences, round-off compared with truncation
+# at nodes compared with nodes, on six columns a radian: triangles and nodes differ by the square of the pitch
+NODES = 0.03
 STEP = float(np.radians(2.0)) / SPEED  # s
 FIELDS = ("pressure", "gap", "void")
 SUMS = (

@@ -1,4 +1,4 @@
-"""A law that the package does not know: one class, for both solvers, their notes and what scenes are told by."""
+"""A law that the package does not know: one class, for both solvers, their notes and what describes them in scenes."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def test_both_solvers_take_a_law_that_is_one_class(fine_roller: ReducedBody) -> 
     assert "contact 'pair': its asperities are no higher than 4 deviations" in full.history.notes
 
 
-def test_a_law_is_told_by_its_parameters() -> None:
+def test_a_law_is_described_by_its_parameters() -> None:
     one, other = GaussianAsperities(1e6, 3e-4), GaussianAsperities(1e6, 2e-4)
     assert one.describe() == {"kind": "gaussian_asperities", "c": 1e6, "sigma": 3e-4} != other.describe()
 

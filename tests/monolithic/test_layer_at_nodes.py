@@ -1,4 +1,4 @@
-"""At nodes: the law of the contact at every node, beside the same layer in nodes."""
+"""At nodes: the law of the contact at every node, compared with the same layer in nodes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The law at nodes by true shapes beside what it should come to: the line of centres, "full", Cattaneo and Mindlin."""
+"""The law at nodes by true shapes compared with what it should come to: the line of centres, "full", Cattaneo and
+Mindlin."""
 
 from __future__ import annotations
 
@@ -119,7 +120,8 @@ def test_a_ball_on_a_rigid_plane_pushed_aside(ball: ReducedBody, monkeypatch: py
 
 @pytest.mark.parametrize(("cells", "loss"), [(16, 0.05), pytest.param(32, 0.01, marks=pytest.mark.slow)])
 def test_cattaneo_and_mindlin(cells: int, loss: float) -> None:
-    """Case C5 with the law at nodes: stick zone to a spacing, displacement to 0.5 %, loss of a cycle; "full" beside."""
+    """Case C5 with the law at nodes: stick zone to a spacing, displacement to 0.5 %, loss of a cycle; "full" for
+    comparison."""
     nodal, full = (shifted(cells, quadrature) for quadrature in ("at nodes", "full"))
     print(f"stick zone {nodal.stick:+.2f} spacings, displacement {nodal.displacement:+.2%}, loss {nodal.loss:+.2%}")
     assert abs(nodal.stick) < 1.0

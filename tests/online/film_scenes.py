@@ -60,7 +60,7 @@ def bearing(
     velocity: tuple[float, float] = (0.0, 0.0),
     **film: Any,
 ) -> Scene:
-    """A shaft that is turned in a sleeve, under a load along x and -z, which are e_0 and e_1 of the bore. It is rigid,
+    """A shaft that is rotated in a sleeve, under a load along x and -z, which are e_0 and e_1 of the bore. It is rigid,
     or the body `yielding`, and then may have the film on its grid."""
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     held = scene.add_body(body or bore_body(), name="sleeve")

@@ -51,7 +51,7 @@ MEETINGS |= {
 
 
 def pair(name: str, approach: float, *, mass: float = 0.01, law: Any = None, **options: Any) -> Scene:
-    """Two free bodies, both turned in the world, whose surfaces are moved into one another by `approach` [m]."""
+    """Two free bodies, both rotated in the world, whose surfaces are moved into one another by `approach` [m]."""
     first, second, place, turn = MEETINGS[name]
     law = law or (laws.PalmgrenLine(0.01, 5) if "laminae" in name else HERTZ)
     scene = Scene()

@@ -34,7 +34,7 @@ def pressed(
     second_surface: str = "rim",
     second_interface: str = "bore",
 ) -> Scene:
-    """`first`, a reduced body "first", pushed along `along` by `approach` (n,) [m] from first touch and turned by
+    """`first`, a reduced body "first", pushed along `along` by `approach` (n,) [m] from first touch and rotated by
     `angle` (n,) [rad] about its own `axis` (user frame); state i of both at time i.
 
     second: a shape, on the ground; or a reduced body, held at its interface.

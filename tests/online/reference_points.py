@@ -67,7 +67,7 @@ def normal_slope(surface: Any, B: Pose, x: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def contact_frame(first: Any, second: Any, A: Pose, B: Pose, column: float, z: float) -> tuple[np.ndarray, np.ndarray]:
-    """How a point of A's section z held in the frame of the contact is turned about A's axis (of a sphere: its centre)
+    """How a point of A's section z held in the frame of the contact is rotated about A's axis (of a sphere: its centre)
     by the motion of A against B: (n, 3) by translations and (n, 3) by turns about A's user origin, one line an axis of
     turning that leaves A where it is (all three of a sphere), world axes; and these axes (n, 3)."""
     shape = first.shape

@@ -17,7 +17,7 @@ RADIUS, CLEARANCE = 0.025, 25e-6  # m, of the bore, and of the shaft in it
 
 
 def rolling() -> Result:
-    """Two rollers on cells that travel, finer than the mesh, pressed and turned from rest against each other."""
+    """Two rollers on cells that travel, finer than the mesh, pressed and rotated from rest against each other."""
     body = roller_body(
         48, layers=2, axial=2, grading=2.0, order=1, modes=2, max_frequency=None, tangential=True, contact_fixed=True,
         cache=False,

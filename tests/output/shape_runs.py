@@ -67,7 +67,7 @@ def contact_of(
 
 
 def ellipsoid(a: float, b: float, peak: float, *, turn: float = 0.0) -> Callable[[Any, Any], np.ndarray]:
-    """Hertz's pressure over x, y [m] with semi-axes a, b; the first turned by `turn` from x towards y."""
+    """Hertz's pressure over x, y [m] with semi-axes a, b; the first rotated by `turn` from x towards y."""
 
     def pressure(x: Any, y: Any) -> np.ndarray:
         along, across = np.cos(turn) * x + np.sin(turn) * y, np.cos(turn) * y - np.sin(turn) * x

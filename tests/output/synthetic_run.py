@@ -24,7 +24,7 @@ PEAK = 100e6  # Pa, in the first row
 POISSON = 0.3
 # a = 2 R_eff p0 / E* with R_eff = R/2 and E* = E / (2 (1 - nu^2)): the modulus that makes the first row Hertz's
 E_MODULUS = 2.0 * (1.0 - POISSON**2) * R * PEAK / HALF_WIDTH
-STEPS, DURATION, TURN = 9, 0.02, 0.3  # rows, s, rad turned by the first roller
+STEPS, DURATION, TURN = 9, 0.02, 0.3  # rows, s, rad rotated by the first roller
 MODES = 2
 
 

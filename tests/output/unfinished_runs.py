@@ -79,7 +79,7 @@ def simulate(case: str, results: Path | None, steps: int = STEPS, **more: Any) -
 
 
 def reduced(results: Path) -> wf.ReducedBody:
-    """A body by the general path, with a cache beside `results`."""
+    """A body by the general path, with a cache next to `results`."""
     os.environ["WARPFFRF_CACHE"] = str(results.parent / "cache")
     mesh = wf.mesh.box((0.1, 0.05, 0.02), (10, 6, 4))
     steel = wf.Material(210e9, 0.3, 7850.0)

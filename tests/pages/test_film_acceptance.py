@@ -33,7 +33,7 @@ def test_a_plate_is_squeezed_as_the_double_series_has_it() -> None:
 
 
 @pytest.mark.slow
-def test_a_slider_is_beside_its_closed_form() -> None:
+def test_a_slider_is_compared_with_its_closed_form() -> None:
     (row,) = study.slider_rows(32)
     assert abs(row.error) < HALF * row.target
 

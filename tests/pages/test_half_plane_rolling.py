@@ -1,4 +1,5 @@
-"""The friction law in cells on a half-plane beside Carter (C6), standing patches beside Cattaneo and Mindlin."""
+"""The friction law in cells on a half-plane compared with Carter (C6), standing patches compared with Cattaneo and
+Mindlin."""
 
 from __future__ import annotations
 
@@ -49,7 +50,7 @@ def test_law_on_cells_that_travel_by_fractions() -> None:
     assert np.all(np.abs([settled(0.5, 8, steps, carried=True).error for steps in (13, 23)]) < ANY_PHASE)
 
 
-def test_cells_that_travel_a_whole_cell_a_step_are_cells_that_stand() -> None:
+def test_cells_that_travel_a_whole_cell_per_step_are_cells_that_stand() -> None:
     creepage = CarterRolling.from_share(LINE, FRICTION, 0.5).creepage
     found = [
         settle(Rolling(LINE, FRICTION, 8, carried=carried), creepage, steps=16, crossings=3.0)

@@ -60,7 +60,7 @@ def with_ledger(result: Result, moved: float) -> Result:
         ([RIGHT], 0.0, [], PASS),
         ([RIGHT, ROUGH], 0.0, [], DEGRADED),
         ([WRONG], 0.0, [], SILENT),
-        ([WRONG], 0.0, ["3 steps were halved (energy)"], SILENT),  # tells what was done, not that it is wrong
+        ([WRONG], 0.0, ["3 steps were halved (energy)"], SILENT),  # states what was done, not that it is wrong
         ([WRONG], 0.0, ["the integrator dissipated 1 J ...: use a smaller step"], FAIL),
         ([Finding("place", float("nan"), 1e-3, 1e-1)], 0.0, [], SILENT),
         ([], 5e-3, [], DEGRADED),

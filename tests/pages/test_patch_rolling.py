@@ -1,4 +1,4 @@
-"""The friction law on cells that stand with the patch beside Carter, Cattaneo, Kalker's table and CONTACT."""
+"""The friction law on cells that stand with the patch compared with Carter, Cattaneo, Kalker's table and CONTACT."""
 
 from __future__ import annotations
 
@@ -191,7 +191,7 @@ def test_cattaneo(columns: int) -> None:
 
 @pytest.mark.slow
 def test_patch_that_grows_and_shrinks() -> None:
-    """The grid is rescaled in every step; cubic interpolation beside linear and the whole step charged."""
+    """The grid is rescaled in every step; cubic interpolation compared with linear and the whole step charged."""
     most, mean = swelling_error(13, 0.5)
     assert most < LAW and mean < 0.5 * LAW
     assert swelling_error(13, 0.5, order=1)[0] > 1.5 * most

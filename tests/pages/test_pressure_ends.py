@@ -1,4 +1,5 @@
-"""The study of where a patch ends: its four ways to meet the law beside closed forms, and beside the program."""
+"""The study of where a patch ends: its four ways to meet the law compared with closed forms, and compared with the
+program."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from studies.small_sliding import nodes as study
 from studies.small_sliding.bolts import mean_turn, turning
 from studies.small_sliding.stacks import BOLTS, FRICTION, SIZE, Cycle, Sheets, difference, with_halves
 
-SAME = 1e-6  # Newton's method ends at 1e-9 of the forces, cells beside each other are stiffer than alone
+SAME = 1e-6  # Newton's method ends at 1e-9 of the forces, cells side by side are stiffer than alone
 
 
 @pytest.mark.parametrize(("by", "along"), [("nodes", 10), ("facets", 20)])

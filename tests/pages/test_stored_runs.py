@@ -1,4 +1,4 @@
-"""Runs of benchmarks beside stored ones: what is the same, what is flagged, what only one of them has."""
+"""Runs of benchmarks compared with stored ones: what is the same, what is flagged, what only one of them has."""
 
 from __future__ import annotations
 

@@ -37,7 +37,8 @@ def test_the_page_is_made_of_its_figures() -> None:
 
 
 def test_every_registered_case_has_rows_on_the_page() -> None:
-    """In the order of the registry, under its title and source, and each quantity of a case is told from the others."""
+    """In the order of the registry, under its title and source, and each quantity of a case is distinguished from the
+    others."""
     assert list(STORED) == list(CASES)
     text = (DOCS / PAGE).read_text(encoding="utf-8")
     for name, case in CASES.items():

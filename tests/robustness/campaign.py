@@ -44,7 +44,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=5000, help="mutations, over all formats")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", nargs="*", help="formats")
-    parser.add_argument("--show", nargs="*", default=(), help="classes of which every file is told")
+    parser.add_argument("--show", nargs="*", default=(), help="classes of which every file is listed")
     parser.add_argument("--keep", type=Path, help="a folder for the files that are at fault")
     parser.add_argument("--json", type=Path, help="where to write counts and faults")
     options = parser.parse_args()

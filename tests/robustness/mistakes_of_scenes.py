@@ -282,9 +282,9 @@ FILES = (
 
 MISTAKES = (*BODIES, *JOINTS, *FORCES, *CONTACTS, *RUNS, *FILES)
 
-# what cannot be told from what is meant, and why nothing is said
+# what cannot be distinguished from what is meant, and why nothing is said
 ARGUED = {
     "contact with another body than meant": "every pair of surfaces of two bodies may be meant",
-    "a step that is somewhat too long": "only the run tells, in its notes and its error budget",
+    "a step that is somewhat too long": "only the run shows it, in its notes and its error budget",
     "a material of another machine": "aluminium in the place of steel is a valid machine",
 }

@@ -74,7 +74,7 @@ def test_the_demo_gives_the_same_results_bit_for_bit(python_scene: wf.Scene, tmp
     for name, array in expected.history.checkpoint.items():
         assert np.array_equal(found.history.checkpoint[name], array), name
     assert {p.name for p in tmp_path.iterdir()} == {f"two_rollers.{e}" for e in ("h5", "rrd", "toml")}
-    # the file beside the results is the scene that was run: no includes, no parameters, the same scene again
+    # the file next to the results is the scene that was run: no includes, no parameters, the same scene again
     again = load_scene(tmp_path / "two_rollers.toml")
     assert again.scene.content_hash() == python_scene.content_hash()
     assert DOCUMENT_SIGN + again.to_toml() == (tmp_path / "two_rollers.toml").read_text(encoding="utf-8")
@@ -197,7 +197,7 @@ def test_includes_stand_below_the_file_that_includes(tmp_path: Path) -> None:
         load_scene(top)
 
 
-def test_numbers_come_from_files_beside_the_scene(tmp_path: Path) -> None:
+def test_numbers_come_from_files_next_to_the_scene(tmp_path: Path) -> None:
     (tmp_path / "load.csv").write_text("# s, N\n0.0, 0.0\n0.5, 3.5\n1.0, 7.0\n", encoding="utf-8")
     np.save(tmp_path / "times.npy", [0.0, 0.5, 1.0])
     text = OSCILLATOR + (
@@ -258,7 +258,7 @@ def test_errors_name_the_line_and_the_cure(old: str, new: str, said: str) -> Non
     assert "\n" not in str(caught.value)
 
 
-def test_a_missing_key_is_told_at_its_table() -> None:
+def test_a_missing_key_is_reported_at_its_table() -> None:
     text = OSCILLATOR.replace("inertia_tensor = [1, 1, 1]\n", "")
     with pytest.raises(wf.InputError, match=r"^scene.toml:5: \[bodies.block\]: the key 'inertia_tensor' is missing"):
         scene_of(text)

@@ -1,4 +1,5 @@
-"""Scene files that are hostile, or wrong by orders of magnitude: refused at once; nothing is read or written beside."""
+"""Scene files that are hostile, or wrong by orders of magnitude: refused at once; nothing is read or written
+elsewhere."""
 
 from __future__ import annotations
 

@@ -15,9 +15,9 @@ STEEL = Material(210e9, 0.3, 7800.0, name="steel")
 LINE = LineContact(1e5, 0.025, contact_modulus(STEEL, STEEL))
 POINT = PointContact(100.0, 0.01, contact_modulus(STEEL))
 DEPTH = 10.0  # half-widths
-EDGE = 0.06  # columns: how well the ratio of the last two pressures tells where the patch ends
+EDGE = 0.06  # columns: how well the ratio of the last two pressures shows where the patch ends
 MOMENT = 0.6  # of the second moment, over the square of the cells in a half-width; either sign, by the phase
-GAUSS = 1e-5  # of 16 points in a cell beside logarithms at its ends
+GAUSS = 1e-5  # of 16 points in a cell compared with logarithms at its ends
 
 
 def row(cells: float, phase: float) -> tuple[np.ndarray, np.ndarray, float]:

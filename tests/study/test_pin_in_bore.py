@@ -1,4 +1,5 @@
-"""Full finite elements of a pin in a bore beside Persson's conformal solution; the pieces of the contact solve."""
+"""Full finite elements of a pin in a bore compared with Persson's conformal solution; the pieces of the contact
+solve."""
 
 from __future__ import annotations
 

@@ -166,7 +166,7 @@ def test_tables_group_runs_and_leave_out_what_says_nothing() -> None:
     assert lines[0] == ["grid=patch", "0.0004 to 0.0001", "2.00", "-"]
 
 
-def test_a_sitting_says_what_it_was_beside() -> None:
+def test_a_sitting_states_what_else_ran() -> None:
     on = {"processor": "P", "cores": 2, "platform": "L", "python": "3"}
     facts = {"machine": on, "versions": {"numpy": "2"}, "unit_seconds": 4e-5, "load_before": 0.1}
     assert "quiet machine" in stated(facts)

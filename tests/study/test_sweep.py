@@ -1,4 +1,4 @@
-"""A sweep: what it runs, keeps and tells; closed forms of a bob on a spring."""
+"""A sweep: what it runs, keeps and reports; closed forms of a bob on a spring."""
 
 from __future__ import annotations
 
@@ -173,7 +173,7 @@ def test_a_file_and_a_function_give_the_same_bits(tmp_path: Path) -> None:
 
 
 def test_a_file_that_is_edited_while_a_sweep_runs_is_the_one_that_was_read(tmp_path: Path) -> None:
-    """The first row writes another gravity into it, as a user with an editor would; resume tells of it."""
+    """The first row writes another gravity into it, as a user with an editor would; resume reports it."""
     file, z = scene_file(tmp_path), "last(body_position_z[bob])"
     text = file.read_text()
 
@@ -406,7 +406,7 @@ def renamed(function: Any, name: str) -> Any:
     return copy
 
 
-def test_a_function_is_told_from_another_of_its_name() -> None:
+def test_a_function_is_distinguished_from_another_of_its_name() -> None:
     """By numbers, by names, by what it holds, and by functions within it; the same text is the same function, also in
     another process, where a set has another order."""
     import functools
@@ -445,7 +445,7 @@ def test_a_function_is_told_from_another_of_its_name() -> None:
     assert said == {words[len(texts) - 1] + "\n"}
 
 
-def test_runs_that_a_kill_left_beside_the_table_are_found(tmp_path: Path, monkeypatch: Any) -> None:
+def test_runs_that_a_kill_left_next_to_the_table_are_found(tmp_path: Path, monkeypatch: Any) -> None:
     """A kill leaves files of runs, one of them damaged; opening puts the whole ones into the table."""
     from warpffrf.study.sweeps.folder import Folder
 
@@ -505,7 +505,7 @@ def test_what_is_no_store_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_table_that_somebody_else_has_sealed_is_read_with_care(tmp_path: Path) -> None:
-    """A seal shows damage, not malice: what is missing, broken, or holds up the library is told, whoever asks."""
+    """A seal shows damage, not malice: what is missing, broken, or holds up the library is reported, whoever asks."""
     store = tmp_path / "s"
     run(store, {"stiffness": [1e3, 2e3]})
     table = store / "table.h5"

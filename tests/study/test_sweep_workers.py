@@ -1,4 +1,5 @@
-"""Workers of a sweep: the same bits whoever runs a row, workers that die, what is told of those that cannot work."""
+"""Workers of a sweep: the same bits whoever runs a row, workers that die, what is reported of those that cannot
+work."""
 
 from __future__ import annotations
 
@@ -108,7 +109,7 @@ def test_rows_of_a_worker_that_died_go_out_again_one_by_one(tmp_path: Path) -> N
     assert executor.packs[:2] == [[0, 1, 2], [3, 4, 5]] and sorted(executor.packs[2:]) == [[3], [4], [4], [4], [5]]
 
 
-def test_workers_that_all_die_are_told_of_before_all_rows_are_lost(tmp_path: Path) -> None:
+def test_workers_that_all_die_are_reported_before_all_rows_are_lost(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="workers die before any row has been run"):
         dispatched(tmp_path, Dying(*range(6)), worlds=1)
 
@@ -225,7 +226,7 @@ def _with_body(stiffness: float, body: Any) -> Any:
     return bob(stiffness)
 
 
-def test_what_cannot_be_sent_is_told_before_anything_runs(tmp_path: Path) -> None:
+def test_what_cannot_be_sent_is_reported_before_anything_runs(tmp_path: Path) -> None:
     lock = threading.Lock()
     with pytest.raises(InputError, match="cannot be sent to other processes"):
         run(tmp_path / "s", scene=lambda stiffness: (lock, bob(stiffness))[1], workers=2)
@@ -250,7 +251,7 @@ def test_workers_with_other_versions_are_named(tmp_path: Path, monkeypatch: Any)
 
 
 @pytest.mark.slow  # three processes that each load the package
-def test_a_script_without_its_line_is_told_of_it(tmp_path: Path) -> None:
+def test_a_script_without_its_line_is_reported(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(
         textwrap.dedent(f"""
@@ -314,7 +315,7 @@ def test_progress_counts_runs(tmp_path: Path, monkeypatch: Any) -> None:
 
 
 def test_worlds_of_one_graph_give_the_same_bits(tmp_path: Path, alone: np.ndarray) -> None:
-    """Four of six rows at once, then two; a row that is wrong lets those beside it run one by one."""
+    """Four of six rows at once, then two; a row that is wrong lets those next to it run one by one."""
     found = run(tmp_path / "s", worlds=4)
     assert np.array_equal(found[NAME], alone) and found["worlds"].tolist() == [4, 4, 4, 4, 2, 2]
     found = run(tmp_path / "t", [{"stiffness": k} for k in (1000, -1, 2000)], worlds=3)

@@ -1,4 +1,4 @@
-"""Coupled normal and tangential contact of unlike half-planes beside the closed form of sliding."""
+"""Coupled normal and tangential contact of unlike half-planes compared with the closed form of sliding."""
 
 from __future__ import annotations
 

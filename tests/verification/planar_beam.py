@@ -8,7 +8,7 @@ Places r(s) = (x, y) of the axis and turns theta(s) of the sections, by s along 
     kinetic     1/2 int rhoA |r_dot|^2 + rhoI theta_dot^2 ds.
 
 Elements have three nodes and two points, which is exact of what is of first order in the strains and locks in neither
-stretch nor shear. One end is held at the origin and turned; time goes by generalized-alpha. Nothing of the package is
+stretch nor shear. One end is held at the origin and rotated; time goes by generalized-alpha. Nothing of the package is
 used.
 """
 

@@ -54,7 +54,7 @@ class Jump:
             f"the structure has jumped in the load step to t = {self.end:.6g} s: no equilibrium was near beyond "
             f"t = {self.begin:.6g} s, and under the loads of the step's end body {self.body!r} came to rest up to "
             f"{1e3 * self.distance:.4g} mm away; that gave off {self.energy:.4g} J (ledger line numerical). A run in "
-            "time tells whether it swings on from there, load steps driven by a displacement follow the path between"
+            "time shows whether it swings on from there, load steps driven by a displacement follow the path between"
         )
 
 

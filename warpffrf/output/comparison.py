@@ -15,7 +15,7 @@ with the size L of the machine, the duration T of the run, the largest force F a
 [m/s], 1/T [rad/s], F L [N m], E/T [W], 1 [rad and without a unit]. Values below 1e-8 of the largest value of their
 quantity in both runs are also round-off. The remaining ones are sorted by their share: the root mean square of |b - a|
 over the largest value of the quantity, such as of all forces of joints, but of other than motions at least over 1 % of
-the scale of its unit, so that what is small beside its like comes last.
+the scale of its unit, so that what is small compared with its like comes last.
 """
 
 from __future__ import annotations

@@ -57,7 +57,7 @@ class Stated:
 
     @property
     def right(self) -> bool:
-        """Whether the error is known to a factor of three, or told to be below what a report says."""
+        """Whether the error is known to a factor of three, or reported to be below what a report says."""
         if self.true < FLOOR:
             return self.stated < FACTOR * FLOOR
         return 1.0 / FACTOR <= self.stated / self.true <= FACTOR

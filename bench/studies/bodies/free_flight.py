@@ -2,8 +2,8 @@ r"""Integrators in free flight: a rigid body about its unstable axis, and a soft
 
 *Rigid* (case D4): I = diag(1, 2, 3) kg m2, omega_0 = (1e-3, 5, 1e-3) rad/s, torque-free. omega(10 s) is known from
 Jacobi's elliptic functions. The body nearly rests on its unstable axis and then tumbles, which amplifies what is
-small: the perturbation that starts it, (1e-3/5)^2 of energy and momentum, is told from their errors only down to their
-size, so that an error of 1e-16 shows as one of about 1e-8 in omega(10).
+small: the perturbation that starts it, (1e-3/5)^2 of energy and momentum, is distinguished from their errors only down
+to their size, so that an error of 1e-16 shows as one of about 1e-8 in omega(10).
 
 *Flexible*: a rubber ring that tumbles fast enough to be bent by it. It starts undeformed, the centrifugal load comes at
 once, so that all modes ring. Momenta are those of the ring's own inertia (`warpffrf.model.reduced.inertia`),

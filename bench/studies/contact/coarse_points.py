@@ -242,7 +242,7 @@ def point_errors(pair: Any, i: int, contact: PointContact, approach: float) -> E
 
 
 def weighed(body: ReducedBody, load: float, material: Material, cells: Cells = None, lean: float = 0.0) -> Result:
-    """The ball under its weight, `load` [N], on a rigid plane; turned by `lean` [rad] off the middle of its patch."""
+    """The ball under its weight, `load` [N], on a rigid plane; rotated by `lean` [rad] off the middle of its patch."""
     scene = Scene(gravity=(0.0, 0.0, -load / body.mass))
     depth = PointContact(load, BALL_RADIUS, contact_modulus(material)).approach
     half = 0.25 * np.pi + 0.5 * lean

@@ -34,7 +34,7 @@ WIDER, BESIDE = 1.25, 6  # times the half-width, and columns next to it, that th
 MESHES = ((2400, 17), (3840, 20))  # sectors, layers; 4 cells along the axis
 APPROACHES = (40e-6, 60e-6)  # m
 HARD = 300.0
-STRIPS = (11, 21, 41)  # of a patch: the first is what `Contact` takes unless it is told otherwise
+STRIPS = (11, 21, 41)  # of a patch: the first is what `Contact` takes unless another number is given
 PATCHES = tuple(f"patch {n}" for n in STRIPS)
 
 

@@ -18,7 +18,7 @@ MB = 1e6
 
 
 def resident() -> float | None:
-    """Memory [MB] that the process has resident, None where nothing tells."""
+    """Memory [MB] that the process has resident, None where it is unknown."""
     try:
         with open(STATM, encoding="ascii") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / MB
@@ -53,7 +53,7 @@ class MemoryWatch:
 
     @property
     def grown(self) -> float:
-        """Largest size after the first quarter of the time, less that at its end [MB]; NaN where nothing told."""
+        """Largest size after the first quarter of the time, less that at its end [MB]; NaN where it is unknown."""
         if not self.samples:
             return float("nan")
         begin, end = self.samples[0][0], self.samples[-1][0]

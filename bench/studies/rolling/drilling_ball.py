@@ -1,4 +1,4 @@
-"""A steel ball under a load on a rigid plane, turned about the normal of its contact: full slip."""
+"""A steel ball under a load on a rigid plane, rotated about the normal of its contact: full slip."""
 
 from __future__ import annotations
 

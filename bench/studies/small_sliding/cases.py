@@ -251,7 +251,7 @@ TURNED = 1e-4  # rad, of the shaft's ends: about twice what slips
 
 @cache
 def shaft(sectors: int) -> ReducedBody:
-    """A solid shaft turned by its ends, which are round all over."""
+    """A solid shaft rotated by its ends, which are round all over."""
     mesh = roller(FIT.radius, 0.0, FIT.width, sectors=sectors, layers=2, axial=1, order=2)
     return reduce(
         mesh,
@@ -280,7 +280,7 @@ def hub(sectors: int) -> ReducedBody:
 
 
 def pressed_on(sectors: int, angle: signals.Table) -> Scene:
-    """The shaft in the hub, its ends turned by `angle` [rad] about y."""
+    """The shaft in the hub, its ends rotated by `angle` [rad] about y."""
     scene = Scene(gravity=WEIGHTLESS)
     inner, outer = scene.add_body(shaft(sectors), name="shaft"), scene.add_body(hub(sectors), name="hub")
     held = scene.add(joints.Fixed(scene.ground, outer["outside"], name="held"))

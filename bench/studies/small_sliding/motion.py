@@ -36,7 +36,7 @@ TURN = rotation.quaternion(rotation.matrix(np.array([0.3, -0.4, 0.5, np.sqrt(0.5
 
 
 def flying(turn: Array | None = None) -> Scene:
-    """The pair, all of it turned by the quaternion `turn`."""
+    """The pair, all of it rotated by the quaternion `turn`."""
     A = np.eye(3) if turn is None else rotation.matrix(turn)
     q = np.array([0.0, 0.0, 0.0, 1.0]) if turn is None else turn
     scene = Scene(gravity=WEIGHTLESS)
@@ -75,7 +75,8 @@ def momenta(scene: Scene, found: Result) -> tuple[Array, Array]:
 
 
 def flight_rows(steps: int = 200) -> list[Row]:
-    """Two milliseconds of flight, straight and turned; the spring acts from the start, and the first half passes by."""
+    """Two milliseconds of flight, straight and rotated; the spring acts from the start, and the first half passes
+    by."""
     found = []
     for turn in (None, TURN):
         scene = flying(turn)
@@ -93,7 +94,7 @@ def flight_rows(steps: int = 200) -> list[Row]:
             float(np.abs(P - P[0]).max() / (push * first.time[-1])), 1e-12, relative=False),
         Row(case, cells, "angular momentum", "", 0.0,
             float(np.abs(L - L[-1])[steps // 2 :].max() / np.linalg.norm(L[-1])), 1e-5, relative=False),
-        Row(case, cells, "forces of the turned pair, over the clamp force", "", 0.0, float(off), 1e-9, relative=False),
+        Row(case, cells, "forces of the rotated pair, over the clamp force", "", 0.0, float(off), 1e-9, relative=False),
     ]  # fmt: skip
 
 

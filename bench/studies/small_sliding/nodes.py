@@ -215,7 +215,7 @@ class Moved:
 
 def motion(stacked: Sheets, modes: int, scale: float, steps: int, shake: float = 0.0, *, turned: bool = False) -> Moved:
     """Tip force let go after a static history (shake 0), or from rest under preload a force at the tip of this
-    frequency [Hz]; turned: the full model has what bolts make where sheets turn."""
+    frequency [Hz]; rotated: the full model has what bolts make where sheets turn."""
     lap, body = stacked.condensed("facets"), stacked.reduced(modes, by="facets")
     pre, tip = scale * PRELOAD, scale * TIP[2]["near macro slip"]
     pulled = 0.0 if shake else tip

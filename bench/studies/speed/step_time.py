@@ -87,7 +87,7 @@ def swinging_pair(
     (name,) = body.contact_surfaces
     bodies = []
     for label, turn, position in (("lower", -1.0, 0.0), ("upper", 1.0, 2.0 * RADIUS)):
-        half = 0.25 * np.pi * turn  # the tread's middle, +x, turned to face the other roller
+        half = 0.25 * np.pi * turn  # the tread's middle, +x, rotated to face the other roller
         bodies.append(
             scene.add_body(
                 body if second is None or label == "lower" else second,

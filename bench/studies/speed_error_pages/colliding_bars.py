@@ -48,6 +48,6 @@ COLLIDING_BARS = Study(
     f"{REFERENCE_MODES} modes, whose local ones step by HHT. Damping is the default of a body, 10 % above half its "
     "highest frequency. The force is a rectangle in time: where it rises and falls no method has an error smaller than "
     "the step, the largest error `force_max` stays near the whole force where flanks fall into different steps, and "
-    "`displacement`, where the bars are in the end, tells of the impulse.",
+    "`displacement`, where the bars are in the end, shows the impulse.",
     make,
 )

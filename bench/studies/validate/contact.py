@@ -165,7 +165,7 @@ def rollers_mid_plane() -> Iterator[Row]:
 
 @case(ROOM, "Invariants of rotation: constant force, action and reaction, no torque without friction")
 def turning_at_constant_approach() -> Iterator[Row]:
-    """C9: two hollow steel rollers turned at constant approach, two and four elements in the half-width"""
+    """C9: two hollow steel rollers rotated at constant approach, two and four elements in the half-width"""
     body = _fine_roller()
     for elements, tolerance in ((2.0, 1e-2), (4.0, 1.5e-3)):
         ripple = worst(ripples(body, elements, phases=2)).value
@@ -182,7 +182,9 @@ def turning_at_constant_approach() -> Iterator[Row]:
     yield Row("force and reaction, sum", np.abs(contact.force + contact.force_second).max(), 0.0, 1e-10, "N", size)
 
 
-@case(ROOM, "A. Persson, Stress distribution of cylindrical elastic bodies in contact, thesis, Gothenburg (1964)")
+@case(
+    ROOM, "A. Persson, On the stress distribution of cylindrical elastic bodies in contact, thesis, Gothenburg (1964)"
+)
 def pin_in_a_bore() -> Iterator[Row]:
     """Conforming contact: the demo pin_in_bore, pin and sleeve alike, a clearance of 0.1 % of the radius"""
     result = pin_in_bore.run(pin_in_bore.build(progress=False), progress=False)

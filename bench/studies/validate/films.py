@@ -16,7 +16,10 @@ from studies.validate.case import Row, case
 from warpffrf.model import films
 
 ROOM = "Oil films"
-LUND = "J. W. Lund and K. K. Thomsen, in Topics in Fluid Film Bearing and Rotor Bearing System Design, ASME (1978)"
+LUND = (
+    "J. W. Lund and K. K. Thomsen, in Topics in Fluid Film Bearing and Rotor Bearing System Design and Optimization, "
+    "ASME (1978)"
+)
 TWO_GROOVES = {  # Sommerfeld number: eccentricity, attitude [deg]; Kxx, Kxy, Kyx, Kyy; Bxx, Bxy, Byy
     0.991: ((0.150, 70.58), (1.56, 7.29, -2.16, 1.52), (14.66, 1.58, 4.49)),
     0.635: ((0.224, 63.54), (1.62, 5.33, -1.57, 1.56), (10.80, 1.70, 3.41)),

@@ -36,7 +36,10 @@ ROOM = "Friction"
 FRICTION, QUARTER, UM = 0.3, 4, 1e6  # -, steps to a peak, of a metre
 MINDLIN = "C. Cattaneo, Rend. Lincei 27 (1938); R. D. Mindlin, J. Appl. Mech. 16 (1949) 259"
 CARTER = "F. W. Carter, Proc. R. Soc. A 112 (1926) 151; K. L. Johnson, Contact Mechanics (1985), section 8.3"
-KALKER = "J. J. Kalker, On the rolling contact of two elastic bodies, thesis, Delft (1967), table of coefficients"
+KALKER = (
+    "J. J. Kalker, On the rolling contact of two elastic bodies in the presence of dry friction, thesis, Delft (1967), "
+    "table of coefficients"
+)
 CONTACT = "E. A. H. Vollebregt, User guide for CONTACT, VORtech"
 
 
@@ -156,7 +159,7 @@ def contact_carter() -> Iterator[Row]:
 
 @case(ROOM, CARTER)
 def carter_rollers() -> Iterator[Row]:
-    """C6: two steel rollers of R 50 mm in plane strain, contact-fixed cells, 15 strips, one strip a step, 4 mm mesh"""
+    """C6: two steel rollers of R 50 mm in plane strain, contact-fixed cells, 15 strips, a strip per step, 4 mm mesh"""
     for creepage in rolling_steady.CREEPAGES:
         _, found = rolling_steady.carter_error(15, 1.0, creepage)
         line = line_contact(found.load, PLANE_STEEL, PLANE_STEEL)

@@ -68,7 +68,7 @@ def ring_down() -> Iterator[Row]:
 
 @case(ROOM, "Shear lag of a seat in torsion and Masing's rule, derived in references/closed_forms/turned_fit.py")
 def turned_press_fit() -> Iterator[Row]:
-    """The demo press_fit: a shaft turned in its hub through a cycle, slip from the entry of the seat"""
+    """The demo press_fit: a shaft rotated in its hub through a cycle, slip from the entry of the seat"""
     size = fit.QUICK
     result = fit.run(fit.build(size, progress=False), size, progress=False)
     closed = PressFit(

@@ -136,7 +136,8 @@ Made by `make validate`; do not edit. A single case: `python -m studies validate
 letters. The figures are also in [verification.json](verification.json).
 
 {len(found)} cases, {count} rows, of which **{len(missed)} miss** their tolerance. {figures["minutes"]:g} minutes in
-{figures["processes"]} processes, beside other work ({figures["machine"]}; Python {figures["python"]}, {versions}).
+{figures["processes"]} processes, together with other work ({figures["machine"]}; Python {figures["python"]},
+{versions}).
 
 *Ours* is a run of the program, from the mesh to the result, unless the title names the law by itself, which is the
 reference that the program is tested with. *Theirs* is a published number, a closed form, or what its source says. The

@@ -15,7 +15,7 @@ from references.closed_forms.ball_bearing import BallBearing
 
 PUBLISHED = 1e-2  # of loads, deflection and pressures
 LOADS, FOLLOWS, SPEEDS = 5e-3, 5e-3, 1e-2  # of the largest load: pockets push too; of the deflection; of the speeds
-CENTRIFUGAL = 0.02  # of a ball's: 1 N beside 4.5 kN
+CENTRIFUGAL = 0.02  # of a ball's: 1 N compared with 4.5 kN
 LEDGER = 1e-2  # of the energy at hand
 ALONE = 0.1  # N: what a pocket may push, whose cup presses balls inwards, where centrifugal forces are compared
 SETTLING = 1.0 / 3.0  # of the run
@@ -42,7 +42,8 @@ def by_the_equations(phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def checks(result: wf.Result) -> list[Check]:
-    """At rest beside what is published, then the last two thirds of the run beside equations and kinematics."""
+    """At rest compared with what is published, then the last two thirds of the run compared with equations and
+    kinematics."""
     found, rest = result.bearing(NAME), "published"
     Q, peaks = found.outer_load[0], (found.inner_patches.peak_pressure[0], found.outer_patches.peak_pressure[0])
     rows = np.flatnonzero(result.time > SETTLING * result.time[-1])

@@ -41,7 +41,7 @@ def line_contact(result: wf.Result, i: int) -> LineContact:
 
 
 def checks(scene: wf.Scene, coarse: wf.Result, beside: wf.Result) -> list[Check]:
-    """Of the coarse run, beside statics, Hertz and the fine one."""
+    """Of the coarse run, compared with statics, Hertz and the fine one."""
     rows = np.flatnonzero(coarse.time >= coarse.time[-1] - fine.SETTLED)
     pair, other = coarse.contact(PAIR), beside.contact(PAIR)
     hertz = [pair.hertz(int(i)) for i in rows]

@@ -52,8 +52,8 @@ def within(found: Sweep) -> list[int]:
 
 
 def checks(found: Sweep, again: wf.Result) -> list[Check]:
-    """Of all rows, beside statics, Hertz and the geometry of two crowns; of the best crown; `again`: its worst row, run
-    by itself."""
+    """Of all rows, compared with statics, Hertz and the geometry of two crowns; of the best crown; `again`: its worst
+    row, run by itself."""
     peak, load, tilt, curvature = (found[name] for name in ("peak", "load", "tilt", "curvature"))
     rows = within(found)
     exact = [hertz(curvature[n], load[n]) for n in rows]

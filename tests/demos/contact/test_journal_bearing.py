@@ -42,7 +42,7 @@ GROWTH, FREQUENCY, NO_GROWTH = 1.5e-3, 0.01, 0.02  # of the speed; of the freque
 
 
 def rest_checks(result: wf.Result, film: ElasticJournal, state: State) -> list[Check]:
-    """An equilibrium beside the reference at rest."""
+    """An equilibrium compared with the reference at rest."""
     found, e, exact = result.film(FILM), place(result)[0], state.place / CLEARANCE
     peak = (film.basis.to_nodes @ state.pressure).max()
     source = "dense reference"
@@ -89,7 +89,8 @@ def orbit(film: ElasticJournal, degrees: float, turns: float) -> Orbit:
 
 
 def unbalance_checks(result: wf.Result, reference: Orbit, steps: int) -> list[Check]:
-    """The run beside the last turn, of so many steps, of the reference; and its own last turn beside the one before."""
+    """The run compared with the last turn, of so many steps, of the reference; and its own last turn compared with the
+    one before."""
     found, e = result.film(FILM), place(result)
     end = len(reference.place)
     same, last = slice(end - steps, end), slice(-steps, None)
@@ -192,7 +193,7 @@ def growth(result: wf.Result, film: Linear) -> complex:
 
 
 def whirl_checks(results: dict[str, wf.Result], shafts: dict[str, Running], film: Linear) -> list[Check]:
-    """Runs of shafts lighter and heavier than the critical mass beside the linear film."""
+    """Runs of shafts lighter and heavier than the critical mass compared with the linear film."""
     critical, frequency = film.critical
     first = results["light"].film(FILM)
     e = place(results["light"])[0]
@@ -277,7 +278,7 @@ def test_the_fit_finds_rate_and_frequency() -> None:
 
 
 @pytest.mark.slow
-def test_a_film_that_damps_by_a_fifth_more_is_told_from_it(linear: Linear) -> None:
+def test_a_film_that_damps_by_a_fifth_more_is_distinguished_from_it(linear: Linear) -> None:
     body, shafts = demo.sleeve(demo.RIGID, progress=False), whirling(linear)
     results = {name: demo.turn(body, shaft, degrees=6.0, turns=3, progress=False) for name, shaft in shafts.items()}
     assert not missed(whirl_checks(results, shafts, linear))

@@ -54,7 +54,7 @@ def full_elements(size: Size, path: LoadPath, rest: float, tension: float) -> Fu
 
 
 def static_checks(result: wf.Result, loops: Loops, full: Full) -> list[Check]:
-    """Clamp force, slip, and every loop beside full finite elements."""
+    """Clamp force, slip, and every loop compared with full finite elements."""
     lap, pulls = result.contact(JOINT), tensions(result)
     clamp = lap.normal_force
     top = int(loops.path.loops[-1, 0])  # the strips slide
@@ -125,7 +125,7 @@ def energies(result: wf.Result) -> tuple[np.ndarray, np.ndarray]:
 
 
 def swing_checks(vibration: Vibration, loops: Loops) -> list[Check]:
-    """Cycles of the vibration beside loops at their amplitudes, eigenmodes and the ledger."""
+    """Cycles of the vibration compared with loops at their amplitudes, eigenmodes and the ledger."""
     swung, found = vibration.large, swing_damping(vibration.large, loops)
     nearest = {n: loops.nearest(swung.amplitude[n - 1]) for n in SHOWN}
     checks = [
@@ -228,7 +228,7 @@ def test_a_path_goes_up_once_with_loops_on_its_way() -> None:
 
 
 def slider(path: lap_loops.LoadPath) -> lap_loops.Loops:
-    """A spring in series with friction, beside a spring of stiffness one."""
+    """A spring in series with friction, in parallel with a spring of stiffness one."""
     slip, force, lost = 0.0, [], [0.0]
     for x in path.places:
         held = np.clip(STIFF * (x - slip), -SLIDER, SLIDER)
@@ -318,7 +318,7 @@ def test_full_elements_without_friction_hold_the_carriage_by_leaning_bolts_alone
 
 
 @pytest.mark.slow
-def test_other_friction_and_other_bolts_are_told_from_those_of_the_joint(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_friction_and_bolts_are_distinguished_from_those_of_the_joint(monkeypatch: pytest.MonkeyPatch) -> None:
     strips = demo.bodies(COARSE, progress=False)
     path = lap_loops.LoadPath.of(np.array([10e-6, SLIDES]))
     rest = 1e-6

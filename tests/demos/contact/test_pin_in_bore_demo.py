@@ -64,7 +64,7 @@ def checks(results: dict[float, wf.Result]) -> list[Check]:
 
 
 COARSE, COARSEST = demo.Size(sectors=96), demo.Size(sectors=48)
-PEAK, ARC = 0.01, 0.01  # beside full finite elements; six columns of the grid in the smallest half-angle
+PEAK, ARC = 0.01, 0.01  # compared with full finite elements; six columns of the grid in the smallest half-angle
 CELLS = 24.0  # of them in the half-angle: 0.1 % of the finest
 GROWS = 100.0  # 1/s: faster than this is no round-off of the linearisation
 

@@ -193,7 +193,7 @@ def crossing(degrees: np.ndarray, values: np.ndarray) -> float:
 
 
 def force_checks(result: wf.Result, mass: float) -> list[Check]:
-    """What both films do across the bore beside the rigid mechanism, and when the piston follows."""
+    """What both films do across the bore compared with the rigid mechanism, and when the piston follows."""
     degrees = crank_degrees(result)
     counts, exact = within(degrees), side_force(np.radians(degrees), mass)
     found = np.sum([result.film(name).force[:, 2] for name in (THRUST, ANTI)], axis=0)
@@ -212,7 +212,7 @@ def force_checks(result: wf.Result, mass: float) -> list[Check]:
 
 
 def liner_checks(result: wf.Result, rigid: wf.Result, gives: Given, row: int) -> list[Check]:
-    """What the liner gives beside its full model, in the saved step `row`, and what a rigid bore changes."""
+    """What the liner gives compared with its full model, in the saved step `row`, and what a rigid bore changes."""
     most = np.unravel_index(int(np.argmax(gives.exact)), gives.exact.shape)
     apart = float(np.abs(gives.liner - gives.exact).max())
     film = result.film(THRUST)
@@ -229,7 +229,7 @@ def liner_checks(result: wf.Result, rigid: wf.Result, gives: Given, row: int) ->
 
 
 def step_checks(result: wf.Result, halved: wf.Result) -> list[Check]:
-    """Beside half the step."""
+    """Compared with half the step."""
     film, finer, counts = result.film(THRUST), halved.film(THRUST), within(crank_degrees(halved))
     source, off = "half the step", [np.ptp(place(r)[0][within(crank_degrees(r))]) for r in (result, halved)]
     return [

@@ -189,7 +189,7 @@ def test_a_shaft_that_stands_out_presses_more_at_the_edges() -> None:
     assert pressure == pytest.approx(pressure[::-1], rel=1e-3)  # of friction, whose path is not quite the same
 
 
-def test_other_friction_is_told_from_it(turned: Turned, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_friction_is_distinguished_from_it(turned: Turned, monkeypatch: pytest.MonkeyPatch) -> None:
     assert not missed(checks(turned))
     other = replace(FIT, friction=0.16)
     monkeypatch.setitem(globals(), "FIT", other)

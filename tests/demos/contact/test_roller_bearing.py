@@ -64,7 +64,7 @@ def sinks(result: wf.Result) -> np.ndarray:
 
 
 def checks(results: dict[str, wf.Result], ring: RingOnFeet) -> list[Check]:
-    """Loads and deflections beside the references."""
+    """Loads and deflections compared with the references."""
     Q = results["feet"].bearing(NAME).outer_load[-1]
     stiff = results["stiff"].bearing(NAME).outer_load[-1]
     shift, exact = ring.solve(LOAD, 1e-4)

@@ -65,7 +65,7 @@ def checks(result: wf.Result, coarse: wf.Result, size: Size) -> list[Check]:
 
 
 def checks_on_patch(result: wf.Result, fine: wf.Result, coarse: wf.Result) -> list[Check]:
-    """The figures of the run on cells of the patch, also beside the two others."""
+    """The figures of the run on cells of the patch, also compared with the two others."""
     found = _free("4 mm: ", result)
     settled = on_carters_curve(result, line_load=LOAD / WIDTH)
     for (share, xi, carter), best in zip(settled, extrapolated(fine, coarse), strict=True):

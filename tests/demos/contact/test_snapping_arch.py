@@ -65,7 +65,7 @@ class Snapped:
 
 
 def checks(path: EquilibriumPath, snapped: Snapped, exact: EquilibriumPath) -> list[Check]:
-    """The figures of both runs beside the path of the full model."""
+    """The figures of both runs compared with the path of the full model."""
     (F_1, F_2), fe = exact.loads, "full FE model"
     there, back = snapped.jumps
     first = slice(1, None)

@@ -92,7 +92,7 @@ def test_the_script_runs_by_itself(tmp_path: Path) -> None:
 
 
 def test_the_unit_of_time_is_that_of_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is timed in a process of its own, whose BLAS is told to take one thread, whatever this one has."""
+    """It is timed in a process of its own, whose BLAS takes one thread, whatever this one has."""
     seen = []
     real = subprocess.run
 

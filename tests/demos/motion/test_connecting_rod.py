@@ -67,7 +67,7 @@ class Forces:
 
 @dataclass(frozen=True)
 class Kept(State):
-    """The state of an earlier step, with what widened the gap at the nodes then beside the pressures."""
+    """The state of an earlier step, with what widened the gap at the nodes then next to the pressures."""
 
     widened: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
@@ -140,7 +140,7 @@ def dense(reduced: wf.ReducedBody, step: float, *, last: float = 360.0 * TURNS) 
 
 
 def force_checks(result: wf.Result, reduced: wf.ReducedBody) -> list[Check]:
-    """The force of the film over a cycle beside that of the rigid mechanism."""
+    """The force of the film over a cycle compared with that of the rigid mechanism."""
     counts = within(crank_degrees(result))
     found = result.film(FILM).force[counts]
     exact = Forces.at(reduced, SPEED * result.time[counts]).film
@@ -156,7 +156,7 @@ def force_checks(result: wf.Result, reduced: wf.ReducedBody) -> list[Check]:
 
 
 def film_checks(result: wf.Result, reference: Dense, label: str) -> list[Check]:
-    """Smallest film of the cycle and under the combustion, and peak pressure, beside the reference."""
+    """Smallest film of the cycle and under the combustion, and peak pressure, compared with the reference."""
     film, degrees = result.film(FILM), crank_degrees(result)
     counts, fires = within(degrees), within(degrees, *FIRING)
     there, firing = within(reference.degrees), within(reference.degrees, *FIRING)
@@ -172,7 +172,7 @@ def film_checks(result: wf.Result, reference: Dense, label: str) -> list[Check]:
 
 
 def step_checks(result: wf.Result, halved: wf.Result) -> list[Check]:
-    """Beside half the step."""
+    """Compared with half the step."""
     film, finer = result.film(FILM), halved.film(FILM)
     counts, there = within(crank_degrees(result)), within(crank_degrees(halved))
     source = "half the step"

@@ -1,4 +1,4 @@
-"""The leaf spring, whole; what is said of its clamp, and that other friction is told from it."""
+"""The leaf spring, whole; what is said of its clamp, and that other friction is distinguished from it."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from references.small_sliding.quasi_static import Followed, StaticSmallSliding
 BEAMS = LeafSpring(tuple(HALF - CLAMP), WIDE, THICK, STEEL.youngs_modulus, FRICTION)
 SOFT = 0.08  # the clamp, see above, in the larger cells
 TIPS, LOST = 0.07, 0.05  # of forces and losses at the tips: one cell long, where beams have points
-SAME = 1e-7  # beside full finite elements: residuals of equilibria
+SAME = 1e-7  # compared with full finite elements: residuals of equilibria
 LEDGER = 1e-7  # of the loss: residuals, of energies ten times as large
 
 
@@ -130,7 +130,7 @@ def followed(size: Size) -> Followed:
 
 
 def reference_checks(bent: Bent, exact: Followed) -> list[Check]:
-    """A run beside the same mesh and the same cells."""
+    """A run compared with the same mesh and the same cells."""
     rows = slice(0, len(exact.observed))
     expected = exact.observed[:, 0] - exact.observed[0, 0]
     away = float(np.abs(bent.deflection[rows] - expected).max())
@@ -150,7 +150,7 @@ def reference_checks(bent: Bent, exact: Followed) -> list[Check]:
 
 
 def checks(bent: Bent) -> list[Check]:
-    """The figures of a run beside beams that touch at their tips."""
+    """The figures of a run compared with beams that touch at their tips."""
     n = bent.size.steps
     w, f = BEAMS.follow(bent.load)
     lost = 2.0 * BEAMS.cycle_loss(LOAD, LEAST * LOAD)
@@ -234,7 +234,7 @@ def test_the_clamp_is_what_makes_it_softer_than_beams(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.slow
-def test_other_friction_is_told_from_it(quick: Bent, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_friction_is_distinguished_from_it(quick: Bent, monkeypatch: pytest.MonkeyPatch) -> None:
     assert not missed(checks(quick))
     monkeypatch.setitem(globals(), "FRICTION", 0.303)
     found = reference_checks(quick, followed(demo.QUICK))

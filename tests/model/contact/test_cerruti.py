@@ -1,4 +1,4 @@
-"""Integrals over rectangles of what forces along a surface displace, beside quadrature."""
+"""Integrals over rectangles of what forces along a surface displace, compared with quadrature."""
 
 from __future__ import annotations
 

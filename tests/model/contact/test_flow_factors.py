@@ -1,4 +1,4 @@
-"""Flow factors of rough walls beside limits, bounds and theory that they must obey, and their table."""
+"""Flow factors of rough walls compared with limits, bounds and theory that they must obey, and their table."""
 
 from __future__ import annotations
 
@@ -79,15 +79,15 @@ def test_the_shear_of_sliding_is_the_mean_of_one_over_the_gap() -> None:
 
 
 def test_the_shear_by_pressure_is_that_of_the_paper() -> None:
-    """1 - l/h of a rough wall opposite a smooth one, by reciprocity, beside the fit 1 - 1.4 exp(-0.66 H) to its own
-    simulations."""
+    """1 - l/h of a rough wall opposite a smooth one, by reciprocity, compared with the fit 1 - 1.4 exp(-0.66 H) to its
+    own simulations."""
     H = np.linspace(2.0, 10.0, 33)
     lag = rough.flow_factors(Roughness(DEVIATION), None, DEVIATION * H).lag[:, 0]
     assert np.abs(1.0 - lag / (DEVIATION * H) - (1.0 - 1.4 * np.exp(-0.66 * H))).max() < 0.02
 
 
 def test_two_walls() -> None:
-    """Alike: no lag, and the factors of their sum; exchanged: the opposite lag; turned by 90 degrees: directions
+    """Alike: no lag, and the factors of their sum; exchanged: the opposite lag; rotated by 90 degrees: directions
     exchanged."""
     gap = DEVIATION * np.array([0.3, 1.0, 3.0, 8.0])
     part = DEVIATION / np.sqrt(2.0)

@@ -58,7 +58,7 @@ def test_roller_and_ball_over_the_floor(flexible) -> None:
     gap, theta, _ = smallest_gap(contact)
     assert gap == pytest.approx(0.0012, abs=1e-15)
     np.testing.assert_allclose(contact.a.body.to_world(roller.point(theta, 0.0))[[0, 2]], [0.1, 0.0012], atol=1e-8)
-    # tilted by 0.1 the lower edge of the width is nearest: half width times sin beside R cos
+    # tilted by 0.1 the lower edge of the width is nearest: half width times sin compared with R cos
     _, contact = on_ground(
         flexible(roller), FLOOR, position=(0, 0, 0.06), rotation=Rotation.from_rotvec([0.1, 0, 0]).as_quat()
     )
@@ -83,7 +83,7 @@ def test_a_flexible_plate_and_where_it_ends(flexible) -> None:
     gap, theta, z = smallest_gap(contact)
     assert gap == pytest.approx(0.0003, abs=1e-14)
     np.testing.assert_allclose([theta, z], [0.011, -0.007], atol=1e-7)
-    # beside the plate the nearest place is on its edge
+    # next to the plate the nearest place is on its edge
     _, contact = with_rigid(plate, BALL, position=(0.034, 0.0, 0.0103))
     assert smallest_gap(contact)[0] == pytest.approx(np.hypot(0.004, 0.0103) - 0.01, abs=1e-12)
     # as the second surface it ends a pitch beyond its outermost columns

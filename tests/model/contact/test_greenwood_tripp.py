@@ -1,4 +1,4 @@
-"""The law of Greenwood and Tripp beside its own integrals, how near its table is, and what is refused."""
+"""The law of Greenwood and Tripp compared with its own integrals, how near its table is, and what is refused."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_the_pressure_is_that_of_pairs_of_asperities(gap: float) -> None:
 
 
 def test_the_table_is_as_near_as_it_says() -> None:
-    """Pressure beside the integral less what is cut, slopes, and where it ends."""
+    """Pressure compared with the integral less what is cut, slopes, and where it ends."""
     u = np.linspace(-DEEPEST, END - 1e-3, 30_001)
     whole = LAW.scale * gaussian_overlap(u)
     exact = whole - LAW.scale * gaussian_overlap(END)

@@ -147,7 +147,7 @@ def test_flexible_partners_are_refused(body_maker: Callable[..., ReducedBody]) -
             LumpedContact(*pair, law=HERTZ)
 
 
-def test_two_rigid_surfaces_are_told_of_lumped_contacts() -> None:
+def test_two_rigid_surfaces_are_referred_to_lumped_contacts() -> None:
     _, a, b = scene_of(ball(), floor(), 0.01)
     with pytest.raises(InputError, match=r"both rigid.*LumpedContact\(above\['skin'\], below\['skin'\]"):
         Contact(a, b)
@@ -223,7 +223,7 @@ def test_bad_numbers_are_refused(make: Any, message: str) -> None:
         make()
 
 
-def test_a_contact_is_told_where_a_lumped_law_belongs(body_maker: Callable[..., ReducedBody]) -> None:
+def test_a_contact_states_where_a_lumped_law_belongs(body_maker: Callable[..., ReducedBody]) -> None:
     scene = Scene()
     soft = scene.add_body(body_maker(), name="soft")
     hard = scene.add_rigid_body(1.0, (1e-3,) * 3, name="hard", surfaces={"skin": ball()})

@@ -37,7 +37,7 @@ def test_weights_are_shared_areas_where_cells_nest() -> None:
 @pytest.mark.parametrize("counts", [((2, 1), (3, 1)), ((6, 4), (3, 2)), ((5, 3), (7, 4)), ((7, 4), (4, 3))])
 def test_weights_are_exact_for_linear_displacements(counts) -> None:
     """Forces act where their cells are, and faces that turn together do not part, whatever the cells: shared areas
-    alone would put the force of half a face 1/12 of its cell beside it, on thirds."""
+    alone would put the force of half a face 1/12 of its cell next to it, on thirds."""
     first, cell, normals = plate(counts[0], True)
     second, other, _ = plate(counts[1], False, (0.0, 0.0, 0.01))
     W = pair_faces("contact 'l'", first, cell, normals, second, other).weights
@@ -69,7 +69,7 @@ def test_cells_off_the_other_face_are_left_out() -> None:
 @pytest.mark.parametrize(
     ("second", "says"),
     [
-        (plate((1, 1), False, (2.0, 0.0, 0.0))[0], "nearest corners are 1 m apart, they lie beside each other"),
+        (plate((1, 1), False, (2.0, 0.0, 0.0))[0], "nearest corners are 1 m apart, they lie side by side"),
         (plate((1, 1), False, (0.0, 0.0, 0.8))[0], "0 and 0 of their areas.*0.8 m apart.*far apart"),
         (plate((1, 1), False, (0.0, 0.0, -0.1))[0], "back to back with material between"),
         (plate((1, 1), True, (0.0, 0.0, 0.01))[0], "their outward normals look the same way"),

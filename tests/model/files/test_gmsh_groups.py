@@ -1,4 +1,4 @@
-"""Gmsh files of all versions: groups by entity, partitions, nodes with parameters, and what a file has beside."""
+"""Gmsh files of all versions: groups by entity, partitions, nodes with parameters, and what else a file has."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def filled(**changes: str) -> str:
     ("changes", "sets", "cells"),
     [
         ({}, {"foot": 1}, {"body"}),
-        ({"first": "1 -7"}, {"foot": 1}, {"body"}),  # turned round in its group
+        ({"first": "1 -7"}, {"foot": 1}, {"body"}),  # reversed in its group
         ({"second": "1 -7"}, {"foot": 2}, {"body"}),
         ({"second": "2 7 9"}, {"foot": 2, "surface_9": 1}, {"body"}),
         ({"name": "body"}, {"body": 1}, {"body"}),  # a surface and a volume of one name
@@ -85,7 +85,7 @@ def test_a_partition_has_the_groups_of_what_it_was_cut_from(tmp_path: Path) -> N
     assert mesh.sets == {"foot": 1} and set(mesh.cell_sets) == {"body"}
 
 
-def test_what_a_file_has_beside(tmp_path: Path) -> None:
+def test_what_else_a_file_has(tmp_path: Path) -> None:
     """Data on some of the cells, names without elements: left out by name."""
     data = '$ElementData\n1\n"x"\n1\n0\n3\n0\n1\n1\n3 1.5\n$EndElementData\n'
     text = filled().replace('2\n2 7 "foot"', '3\n1 5 "edge"\n2 7 "foot"') + data

@@ -52,7 +52,7 @@ def test_the_only_instance_of_a_part_may_be_named_by_the_part() -> None:
     assert mesh.content_hash() == read_inp(ASSEMBLY, length_unit="mm", part="Peg-1").content_hash()
 
 
-def test_several_bodies_must_be_told_apart() -> None:
+def test_several_bodies_must_be_distinguished() -> None:
     with pytest.raises(InputError, match=r"3 bodies, select one with part=, one of 'Brick-1', 'Brick-2', 'Peg-1'"):
         read_inp(ASSEMBLY, length_unit="mm")
     with pytest.raises(InputError, match=r"'brick' is placed more than once, select one .* 'Brick-1', 'Brick-2'"):
@@ -187,7 +187,7 @@ def test_data_lines_in_another_file(tmp_path: Path) -> None:
     nodes = (DATA / "flat_nodes.inp").read_text().split("\n", 1)[1]
     (tmp_path / "sub" / "nodes.txt").write_text(nodes)
     (tmp_path / "sub" / "more.inp").write_text("*NODE, INPUT=nodes.txt, NSET=NALL\n")
-    text = FLAT.read_text().replace("flat_nodes.inp", '"sub\\more.inp"')  # beside the including file
+    text = FLAT.read_text().replace("flat_nodes.inp", '"sub\\more.inp"')  # next to the including file
     (tmp_path / "a.inp").write_text(text)
     (tmp_path / "b.inp").write_text(
         text.replace('*INCLUDE, INPUT="sub\\more.inp"', "*NODE,NSET=NALL\n*INCLUDE,INPUT=sub/nodes.txt")

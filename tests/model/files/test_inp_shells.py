@@ -11,7 +11,7 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.files.inp import read_inp
 from warpffrf.model.mesh.files.inp.model import is_volume, kind_of, shell_kind_of
 
-# two unit cubes, one on the other, and two nodes beside them
+# two unit cubes, one on the other, and two nodes next to them
 NODES = "*NODE\n" + "".join(
     f"{10 * (z + 1) + i}, {x}, {y}, {z}\n"
     for z in range(3)
@@ -40,7 +40,7 @@ def read(tmp_path: Path, text: str) -> Mesh:
     return read_inp(path, length_unit="m")
 
 
-def test_sets_of_shells_are_facet_sets_turned_outwards(tmp_path: Path) -> None:
+def test_sets_of_shells_are_facet_sets_oriented_outwards(tmp_path: Path) -> None:
     mesh = read(tmp_path, NODES + CELLS + SHELLS)
     assert mesh.sets == {"TOP": 1, "SIDES": 2, "SKIN": 3}
     assert mesh.cell_sets.keys() == {"BODY", "MIXED"} and mesh.cell_sets["MIXED"].tolist() == [0]

@@ -120,7 +120,7 @@ def test_matrix_market_files(body: tuple[Mesh, Any, Any], tmp_path: Path) -> Non
     equal(from_matrices(tmp_path / "M.mtx", tmp_path / "K.mtx", mesh.points), K, M)
 
 
-def test_slightly_unsymmetric_is_mended_and_told(body: tuple[Mesh, Any, Any]) -> None:
+def test_slightly_unsymmetric_is_mended_and_reported(body: tuple[Mesh, Any, Any]) -> None:
     mesh, K, M = body
     noisy = K.copy()
     noisy.data = noisy.data * (1.0 + 1e-9 * rng.standard_normal(K.nnz))
@@ -130,7 +130,7 @@ def test_slightly_unsymmetric_is_mended_and_told(body: tuple[Mesh, Any, Any]) ->
     assert any("K: made symmetric" in note for note in made.notes)
 
 
-def test_rounded_matrices_are_taken_and_told(body: tuple[Mesh, Any, Any]) -> None:
+def test_rounded_matrices_are_taken_and_reported(body: tuple[Mesh, Any, Any]) -> None:
     mesh, K, M = body
     single = K.astype(np.float32).astype(np.float64)
     assert any("rounded" in note for note in from_matrices(M, single, mesh.points).notes)

@@ -1,7 +1,7 @@
 """Matrix files: every format written here and read back, CalculiX's own files, and garbled ones.
 
-The files in tests/data/calculix were written by CalculiX 2.20 from the decks beside them (`ccx hex8`, `ccx hex20`): one
-distorted cell each, steel, mm and tonnes.
+The files in tests/data/calculix were written by CalculiX 2.20 from the decks next to them (`ccx hex8`, `ccx hex20`):
+one distorted cell each, steel, mm and tonnes.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Facets of a body that comes as matrices, against the body: K tells which side of a facet is inside."""
+"""Facets of a body that comes as matrices, against the body: K shows which side of a facet is inside."""
 
 from __future__ import annotations
 

@@ -86,7 +86,7 @@ def test_numbers_as_nastran_writes_them(read: Read, text: str) -> None:
 
 
 def test_local_coordinate_systems(read: Read) -> None:
-    """A cube given in a cylindrical system that is given in a turned one; spherical radii of its corners."""
+    """A cube given in a cylindrical system that is given in a rotated one; spherical radii of its corners."""
     turned = "CORD2R,1,0,1.,0.,0.,1.,0.,1.\n,1.,1.,0.\n"  # e_1 = y, e_2 = -x, e_3 = z, origin (1, 0, 0)
     cylinder = "CORD2C,2,1,0.,0.,0.5,0.,0.,1.5\n,1.,0.,0.5\n"  # the same axes, 0.5 up
     r, theta = np.hypot(CUBE[:, 0], CUBE[:, 1]), np.degrees(np.arctan2(CUBE[:, 1], CUBE[:, 0]))

@@ -34,7 +34,7 @@ def test_a_sealed_file_is_an_hdf5_file(file: Path) -> None:
         assert isinstance(numbers, h5py.Dataset) and np.array_equal(numbers[()], np.arange(3000.0))
 
 
-def test_every_kind_of_damage_is_told_in_one_line(file: Path) -> None:
+def test_every_kind_of_damage_is_reported_in_one_line(file: Path) -> None:
     whole = file.read_bytes()
     rng = random.Random(1)
     n = len(whole)

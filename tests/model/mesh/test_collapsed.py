@@ -100,7 +100,7 @@ def test_the_patch_of_macneal_and_harder_is_read(tmp_path: Path) -> None:
     assert mesh.cell_count == 1 and "det J <= 0 at a node, the first is element 4" in mesh.notes[-1]
 
 
-def test_a_curved_tetrahedron_is_read_and_a_turned_one_is_not(tmp_path: Path) -> None:
+def test_a_curved_tetrahedron_is_read_and_an_inverted_one_is_not(tmp_path: Path) -> None:
     """One middle node moved along its edge beyond a quarter: det J is negative at that end alone."""
     x = cell_kind("tet10").nodes.copy()
     x[4] = [0.2, 0.0, 0.0]

@@ -235,7 +235,7 @@ def test_impossible_bodies_are_refused(make, text):
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_tread(order):
-    """Equal rows within it, wider ones beside it on both sides alike, and the set that covers it."""
+    """Equal rows within it, wider ones next to it on both sides alike, and the set that covers it."""
     R = 0.01
     bodies = (
         roller(R, 0.001, 0.018, crown_radius=R, sectors=24, layers=4, axial=6, tread=0.0012, order=order),
@@ -283,6 +283,6 @@ def test_boundaries_that_do_not_fill_the_width_are_refused(lines):
         roller(0.05, 0.015, 0.02, sectors=24, layers=3, axial=lines)
 
 
-def test_boundaries_beside_a_tread_are_refused():
+def test_boundaries_next_to_a_tread_are_refused():
     with pytest.raises(InputError, match="tread"):
         roller(0.05, 0.015, 0.02, sectors=24, layers=3, axial=[-0.01, 0.0, 0.01], tread=0.005)

@@ -68,7 +68,7 @@ def test_nodes_on_the_rim_inside_the_body_stay_one() -> None:
 
 
 def test_facet_sets_follow_their_side() -> None:
-    """A cut from the side: facets beside it belong to the cell that they are on."""
+    """A cut from the side: facets next to it belong to the cell that they are on."""
     mesh = box((0.04, 0.01, 0.02), (4, 1, 2), order=1)
     split = mesh.cut("slit", point=(0.02, 0, 0), normal=(0, 0, 1), radius=0.0225)
     assert len(split.points) - len(mesh.points) == 4  # two columns of nodes: the third holds

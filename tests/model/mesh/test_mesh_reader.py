@@ -301,7 +301,7 @@ def test_facet_off_the_cells(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("error", [ImportError("no module"), AttributeError("np.string_ was removed")])
 def test_a_meshio_that_cannot_be_imported_is_named(error: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Runs are written through it. As its versions before 5.3.5 beside NumPy 2."""
+    """Runs are written through it. As its versions before 5.3.5 with NumPy 2."""
 
     class Broken(MetaPathFinder):
         def find_spec(self, fullname: str, path: Any, target: Any = None) -> None:

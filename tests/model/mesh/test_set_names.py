@@ -1,4 +1,4 @@
-"""Names of sets are found in capitals or not, where that tells them apart."""
+"""Names of sets are found in capitals or not, where that distinguishes them."""
 
 from __future__ import annotations
 

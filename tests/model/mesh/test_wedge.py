@@ -62,7 +62,7 @@ def hinge(a: Any, b: Any, name: str) -> Any:
 
 
 def eccentric(a: Any, b: Any, name: str) -> Any:
-    """About an axle beside that of the roller."""
+    """About an axle next to that of the roller."""
     return joints.Revolute(a, b, axis=(0, 1, 0), point=(0.01, 0, 0.1), name=name)
 
 
@@ -171,7 +171,7 @@ def test_a_ball_that_only_turns_comes_no_nearer(body_maker) -> None:
 
 
 def test_surfaces_that_look_past_each_other(body_maker) -> None:
-    """A roller far beside the width of another."""
+    """A roller far outside the width of another."""
     scene = Scene()
     a = scene.add_body(body_maker(RADIUS), name="a")
     b = scene.add_body(body_maker(RADIUS), name="b", position=(0, 10.0 * RADIUS, 2.0 * RADIUS))

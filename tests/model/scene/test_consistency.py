@@ -49,7 +49,7 @@ def test_a_body_on_its_own_axle_but_for_round_off_may_turn() -> None:
     assert [defect.owner for defect in velocity_defects(scene)] == ["axle"]
 
 
-def test_what_is_left_is_told_per_joint() -> None:
+def test_what_is_left_is_reported_per_joint() -> None:
     """The point of the body at the hinge moves with v + omega x ARM; a turn across the axis is left over whole."""
     omega = np.array([1.0, -3.0, 0.5])
     v = np.array([0.2, 0.1, -0.4])
@@ -64,7 +64,7 @@ def test_what_is_left_is_told_per_joint() -> None:
     assert "initial velocities violate joints: joint 'hinge'" in str(scene.check())
 
 
-def test_drives_are_told_but_not_refused() -> None:
+def test_drives_are_reported_but_not_refused() -> None:
     scene = swing(np.zeros(3), np.zeros(3))
     scene.add(joints.Drive(scene.joint("hinge"), signals.Ramp(4.0, 5.0, duration=1.0), name="motor"))
     (defect,) = velocity_defects(scene)

@@ -107,7 +107,7 @@ def test_a_process_without_standard_error(monkeypatch: pytest.MonkeyPatch) -> No
         log.warning("nobody hears it")
 
 
-def test_progress_tells_the_time_left(capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_progress_shows_the_time_left(capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch) -> None:
     now = [100.0]
     monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
     with unheard(), speaking():

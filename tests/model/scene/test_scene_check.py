@@ -140,7 +140,7 @@ def test_gap_of_crossed_cylinders(body_maker) -> None:
     np.testing.assert_allclose(place, [0.0, -0.002, 0.05], atol=1e-7)
 
 
-def test_gap_beside_the_width_is_not_counted(body_maker) -> None:
+def test_gap_outside_the_width_is_not_counted(body_maker) -> None:
     _, contact = pair(body_maker, position=(0.0, 0.015, 0.081))
     gaps = undeformed_gap(contact, -np.pi / 2, [-0.006, 0.006])
     assert np.isnan(gaps[0]) and gaps[1] == pytest.approx(0.001)

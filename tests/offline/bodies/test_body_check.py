@@ -60,7 +60,7 @@ WRONG: dict[str, tuple[Callable[[ReducedBody], ReducedBody], str]] = {
         lambda b: with_rim(b, lags=b.contact_surfaces["rim"].lags[:-1]),
         r"contact_surfaces/rim/lags must have shape \(24, 3, 3\), got \(23, 3, 3\)",
     ),
-    "an interface turned over": (
+    "an interface transposed": (
         lambda b: replace(b, interfaces={"bore": replace(b.interfaces["bore"], modes=b.interfaces["bore"].modes.T)}),
         "interfaces/bore/modes must have shape",
     ),

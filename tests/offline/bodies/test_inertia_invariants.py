@@ -69,7 +69,7 @@ def test_kinetic_energy_of_the_nodes(body) -> None:
 
 
 def test_definition_by_moments(body) -> None:
-    """The moments with the scalar mass matrix give what turned modes give; a mass coupling two dofs takes that way."""
+    """The moments with the scalar mass matrix give what rotated modes give; a mass coupling two dofs takes that way."""
     assert scalar_mass(body.M) is not None
     other = sp.lil_matrix(body.M)
     other[0, 1] = other[1, 0] = 1e-14 * body.M[0, 0]

@@ -72,7 +72,7 @@ def test_bar_of_two_materials_rings_at_its_closed_form() -> None:
     assert len(exact) == 2
     for f in exact:
         nearest = body.frequencies[np.argmin(np.abs(body.frequencies - f))]
-        # nu = 0 and a bending family beside it: 20 quadratic cells leave (k h)^4/720 of a wave of 0.8 m, below 1e-4
+        # nu = 0 and a bending family next to it: 20 quadratic cells leave (k h)^4/720 of a wave of 0.8 m, below 1e-4
         assert nearest == pytest.approx(f, rel=1e-4)
 
 

@@ -32,7 +32,7 @@ SIDE, THICK = 0.4, 4e-3  # m
 BEAM = (1.0, 0.03, 0.01)  # m
 QUADRATIC = [kind for kind in CELL_KINDS if kind in ("hex20", "hex27", "wedge15", "tet10")]
 NO_LIMIT = 1 << 40
-SHIFT = -1e4  # (rad/s)^2, below the rigid modes and small beside the first elastic one, 3e5 to 4e6
+SHIFT = -1e4  # (rad/s)^2, below the rigid modes and small compared with the first elastic one, 3e5 to 4e6
 
 
 class Free:
@@ -102,7 +102,7 @@ def test_energy_along_a_parabola(interfaces) -> None:
     assert series[2] == pytest.approx(v2, rel=1e-8)
     assert abs(series[3]) < 1e-7 * v2  # round-off of K_f^+
     assert series[4] == pytest.approx(v4 + bent, rel=1e-6, abs=1e-8 * v2)
-    assert v4 > 0.01 * v2 and abs(bent) < 0.05 * v4  # (t/L)^2 times slopes: small beside it
+    assert v4 > 0.01 * v2 and abs(bent) < 0.05 * v4  # (t/L)^2 times slopes: small compared with it
 
 
 @pytest.mark.parametrize(("kind", "lifted"), [("average", True), ("rigid", True), ("rigid", False)])
@@ -394,7 +394,7 @@ def test_kinetic_energy_of_second_order_motion(rimmed) -> None:
         v = rimmed.U @ (zd / omega) + second
         expected = 0.5 * v @ (rimmed.M @ v) - 0.5 * np.sum((zd / omega) ** 2)
         found = terms.second_order.kinetic_energy(z / omega, zd / omega)
-        # left out in the mass, once beside the modes and once beside itself
+        # left out in the mass, once next to the modes and once next to itself
         speed = np.sqrt(second @ (rimmed.M @ second))
         scale = speed * (np.linalg.norm(zd / omega) + speed)
         assert abs(found - expected) < 10.0 * terms.facts["motion_left_out"] * scale

@@ -28,7 +28,7 @@ def test_patch_of_transitions_and_core_is_exact(order, steel):
 
 def test_torsion_of_a_shaft(steel):
     """A free round shaft of length L twists at sqrt(G/rho)/(2 L), exactly; quadratic cells a sixteenth of the wave long
-    are right to 1e-4, with the polygon's round-off of the circle beside that."""
+    are right to 1e-4, with the polygon's round-off of the circle in addition."""
     length = 0.4
     mesh = roller(0.02, 0, length, sectors=16, layers=1, axial=8)
     body = reduce(mesh, steel, interfaces={}, contact={}, max_frequency=5e3, progress=False)

@@ -23,7 +23,7 @@ from warpffrf.offline.stress.operator import traction_correction, traction_opera
 from warpffrf.offline.stress.plan import StressPlan
 
 SAME = 1e-12  # of the largest stress: round-off of sums and rotations
-FULL = 1e-6  # what the product promises beside the full model
+FULL = 1e-6  # what the product promises compared with the full model
 SINGLE = 3e-7  # transfers are stored in single precision: round-off of sums of some hundred terms
 INSIDE = np.random.default_rng(5).uniform((0.02, 0.0, -0.009), (0.045, 6.28, 0.009), (12, 3))
 INSIDE = np.stack([INSIDE[:, 0] * np.cos(INSIDE[:, 1]), INSIDE[:, 2], -INSIDE[:, 0] * np.sin(INSIDE[:, 1])], axis=1)

@@ -41,7 +41,7 @@ LINEAR = [pytest.param(n, 1, error, marks=pytest.mark.slow) for n, error in ((4,
 @pytest.mark.slow
 @pytest.mark.parametrize(("axial", "order", "stated"), [(4, 2, 0.0195), *LINEAR])
 def test_few_axial_cells_are_named_with_their_error(fine: float, axial: int, order: int, stated: float) -> None:
-    """The error is that beside sixteen quadratic cells; linear ones are softer or stiffer as a whole, too."""
+    """The error is that compared with sixteen quadratic cells; linear ones are softer or stiffer as a whole, too."""
     body = cover(axial, order)
     said = [text for text in body.report["warnings"] if TOO_FEW in text]
     assert len(said) == 1 and f"about {stated:.0%}" in said[0]

@@ -157,7 +157,8 @@ def test_chosen_weights_are_optimal_on_their_points(rim):
 
 
 def test_a_random_smooth_gap_is_integrated_as_well_as_by_all_points(rim):
-    """Weak gaps of a plane wave many columns long: few points beside 3 x 2 of every cell, both against a fine rule."""
+    """Weak gaps of a plane wave many columns long: few points compared with 3 x 2 of every cell, both against a fine
+    rule."""
     grid, k, q = rim.grid, 2.0 * np.pi / 9.0, 2.0 * np.pi / 0.03
     points = choose_sampling(rim, 0.01)
 

@@ -1,4 +1,4 @@
-"""The error that a mesh makes, by another mesh: beside forces of contacts on both."""
+"""The error that a mesh makes, by another mesh: compared with forces of contacts on both."""
 
 from __future__ import annotations
 

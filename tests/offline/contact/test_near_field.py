@@ -212,9 +212,9 @@ def test_pressures_are_unique(hex8, cells) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("load", [2900.0, 13400.0])
-def test_roller_beside_fine_elements(hex8, load) -> None:
+def test_roller_compared_with_fine_elements(hex8, load) -> None:
     """Force, peak and the pressure near the free ends of a roller on a plane: elements of 4 mm, half-widths of 0.2 and
-    0.43 mm, beside finite elements of 0.035 and 0.07 mm."""
+    0.43 mm, compared with finite elements of 0.035 and 0.07 mm."""
     half_width = {2900.0: 0.2e-3, 13400.0: 0.43e-3}[load]
     reference = press_roller(STEEL_ROLLER, load, half_width, 6.0, 0.125)
     s = hex8.contact_surfaces["rim"]
@@ -345,7 +345,7 @@ OF_THE_MESH = 0.03  # 2.0 % of this coarse mesh on either arc; lags without a co
 
 @pytest.mark.parametrize("half", [6.5, 7.0])
 def test_an_arc_of_an_even_number_of_columns_is_as_symmetric_as_one_of_an_odd_number(half: float) -> None:
-    """Beside the middle of an even number there is one more column on one side, which has no counterpart."""
+    """Next to the middle of an even number there is one more column on one side, which has no counterpart."""
     mesh = roller(sectors=120, layers=4, axial=2)
     pitch = 2.0 * np.pi / 120
     mesh = mesh.select("tread", "rim", lambda x: np.abs(np.arctan2(-x[:, 2], x[:, 0]) - 0.25 * pitch) < half * pitch)

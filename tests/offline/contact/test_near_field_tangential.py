@@ -30,9 +30,9 @@ from warpffrf.offline.progress import Progress
 NU = 0.3
 G = STEEL.youngs_modulus / (2.0 * (1.0 + NU))
 HALF_WIDTH, HALF_LENGTH = 0.3e-3, 4e-3  # [m] of the patch on the roller
-# Of the half-space's own displacement of the patch, cells of 8 and 4 mm beside quadratic ones of 4 mm. Measured around:
-# hex8 -1.25, -0.33 %, hex27 -0.19 %; along: hex27 -1.2 %. Along the axis the roller bends as a disc, and hex8 meshes
-# are too stiff in that, also far from the load: by 4 % of the whole at 4 mm.
+# Of the half-space's own displacement of the patch, cells of 8 and 4 mm compared with quadratic ones of 4 mm. Measured
+# around: hex8 -1.25, -0.33 %, hex27 -0.19 %; along: hex27 -1.2 %. Along the axis the roller bends as a disc, and hex8
+# meshes are too stiff in that, also far from the load: by 4 % of the whole at 4 mm.
 AROUND, ALONG = 0.015, 0.015
 STRAIN = 2e-3  # of the half-space's own strain: 1.1e-3 measured
 # Quadratic cells of half the grid's spacing near a load: of the mean displacement under a function itself, and of that
@@ -65,7 +65,7 @@ def test_point_load_is_cerruti(direction) -> None:
     assert np.max(np.abs(residual)) < 1e-4 * np.max(np.abs(hessian))  # second differences
 
 
-def test_surface_is_free_beside_the_load() -> None:
+def test_surface_is_free_next_to_the_load() -> None:
     """Shear and normal stress vanish there, and below the surface the force is carried through a plane."""
     step, mu, lam = 1e-5, 1.0 / (2.0 * (1.0 + NU)), NU / ((1.0 + NU) * (1.0 - 2.0 * NU))
 
@@ -114,7 +114,7 @@ def test_images_release_what_they_say() -> None:
 
 def test_means_of_distant_squares() -> None:
     """Against Gauss points on both, also of what turns with the surface: errors fall with the fourth power of the
-    distance beside the kernel."""
+    distance compared with the kernel."""
     x, w = np.polynomial.legendre.leggauss(8)
     s, t = (v.ravel() for v in np.meshgrid(0.5 * x, 0.5 * x))
     weight = np.outer(0.5 * w, 0.5 * w).ravel()
@@ -165,7 +165,7 @@ def test_splines_reproduce_parabolas_from_means_over_cells(turn) -> None:
 
 
 def test_window_of_a_plane_is_the_half_space() -> None:
-    """N_tt and N_nt of quadratic cells half as wide as the grid's, beside means of the exact half-space."""
+    """N_tt and N_nt of quadratic cells half as wide as the grid's, compared with means of the exact half-space."""
     mesh = wf.mesh.box((0.02, 0.02, 0.01), (8, 8, 4), order=2)
     body = wf.reduce(
         mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": wf.surfaces.Plane()}, modes=0,

@@ -19,7 +19,7 @@ R, LOAD = 0.01, 100.0
 MODULUS = 210e9 / (1.0 - 0.3**2)  # the sphere is rigid
 HALF_WIDTH = (0.75 * LOAD * R / MODULUS) ** (1.0 / 3.0)
 APPROACH = HALF_WIDTH**2 / R
-# of the patch: the outermost columns of an arc are left out of the grid, and those beside them are to stay open
+# of the patch: the outermost columns of an arc are left out of the grid, and those next to them are to stay open
 WIDTHS = np.array([1.5, 1.25])
 PEAK = 1.5 * LOAD / (np.pi * HALF_WIDTH**2)
 

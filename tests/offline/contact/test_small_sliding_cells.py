@@ -1,5 +1,5 @@
-"""Cells of small-sliding contacts: overlaps beside closed forms, loads beside the motion that they work on, gathering,
-cells by nodes."""
+"""Cells of small-sliding contacts: overlaps compared with closed forms, loads compared with the motion that they work
+on, gathering, cells by nodes."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_shifted_squares(orders) -> None:
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, np.pi / 4, 2.0])
-def test_turned_squares(angle) -> None:
+def test_rotated_squares(angle) -> None:
     """Two unit squares with one centre: an octagon around the circle of radius r = 1/2, whose sides have normals at the
     angles of both; between normals apart by b it has the area r^2 tan(b/2)."""
     cells = both(stacked(turned(angle)))
@@ -159,7 +159,8 @@ def axes_of(mesh: Mesh, by: str):
 
 
 def test_the_displacement_of_a_face_is_its_mean() -> None:
-    """Of a quadratic field on hex27 the mean over each cell, with a cut across the facets, beside its closed form."""
+    """Of a quadratic field on hex27 the mean over each cell, with a cut across the facets, compared with its closed
+    form."""
     mesh = stacked(turned(0.0, (0.25, 0.0, 0.0)), orders=(2, 2))
     cells = both(mesh)
     u = (mesh.points[:, 0] ** 2 + mesh.points[:, 0] * mesh.points[:, 1]) * (mesh.points[:, 2] < 1e-9)
@@ -196,7 +197,7 @@ def test_long_facets_are_gathered_along_their_short_sides() -> None:
         assert make_cells(mesh, "face", Matched(first="z_max", size=9e-3)).area == pytest.approx(np.full(8, 6.4e-5))
 
 
-def test_slivers_go_to_the_cell_beside_them() -> None:
+def test_slivers_go_to_the_cell_next_to_them() -> None:
     """A face shifted by nine tenths of a facet leaves a tenth of each in one row, which makes no cells of its own."""
     for shift, count in ((0.55, 2), (0.45, 2), (0.05, 4)):
         cells = both(stacked(turned(0.0, (shift, 0.0, 0.0))))
@@ -294,9 +295,9 @@ def test_faces_of_a_box_do_not_face_each_other(sets, says) -> None:
         make_cells(box((1.0, 1.0, 0.2), (2, 2, 1), order=1), "lap", Matched(sets[1], first=sets[0]))
 
 
-def test_faces_beside_each_other() -> None:
+def test_faces_side_by_side() -> None:
     mesh = stacked(turned(0.0, (1.5, 0.0, 0.0)))
-    with pytest.raises(InputError, match="'lap'.*'a z_max' and 'b z_min'.*nearest corners are 0.5 m apart.*beside"):
+    with pytest.raises(InputError, match="'lap'.*'a z_max' and 'b z_min'.*corners are 0.5 m apart.*side by side"):
         both(mesh)
 
 

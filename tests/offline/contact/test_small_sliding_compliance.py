@@ -1,8 +1,8 @@
-"""The compliance of small-sliding contacts beside full finite-element solutions, which share nothing with the
+"""The compliance of small-sliding contacts compared with full finite-element solutions, which share nothing with the
 reduction.
 
 The full model is scikit-fem's, solved as a dense saddle point, with the rigid interface by a dense constraint. Loads by
-nodes are unit vectors; loads by facets are those whose resultants and work `test_small_sliding_cells` holds beside
+nodes are unit vectors; loads by facets are those whose resultants and work `test_small_sliding_cells` compares with
 closed forms.
 """
 
@@ -233,7 +233,7 @@ def test_a_file_that_does_not_fit_together(plain, tmp_path: Path, says) -> None:
         ReducedBody.load(path)
 
 
-def test_what_laps_cannot_be_beside(slit) -> None:
+def test_what_small_sliding_cannot_be_combined_with(slit) -> None:
     with pytest.raises(InputError, match="contact 'lap'.*'lwo' does not exist.*'low'"):
         lapped(slit, {"lap": Matched("high", first="lwo")})
     with pytest.raises(InputError, match="contact 'lap'.*'heda' does not exist.*'low'"):

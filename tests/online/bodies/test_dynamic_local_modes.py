@@ -1,4 +1,4 @@
-"""Local modes with inertia in the step: against the exact oscillator, and beside the quasi-static treatment."""
+"""Local modes with inertia in the step: against the exact oscillator, and compared with the quasi-static treatment."""
 
 # Warp kernels use annotations that type checkers do not know
 # pyright: reportInvalidTypeForm=false, reportArgumentType=false, reportOperatorIssue=false

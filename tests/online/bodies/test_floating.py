@@ -1,5 +1,5 @@
-"""Bodies that nothing leads to the ground from are at rest where their loads balance, and told what is left over where
-they do not."""
+"""Bodies that nothing leads to the ground from are at rest where their loads balance, and report what is left over
+where they do not."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_rollers_that_loads_press_together_carry_them(friction: bool) -> None:
 
 
 @pytest.mark.parametrize("friction", [False, True])
-def test_loads_that_do_not_balance_are_told_with_their_resultant(friction: bool) -> None:
+def test_loads_that_do_not_balance_are_reported_with_their_resultant(friction: bool) -> None:
     found = find_equilibrium(sprung(back=LOAD - 9.0), friction=friction)
     assert found.status == "no_equilibrium" and not len(found.time)
     assert "'a', 'b', whose loads do not balance: the resultant is (6, -3, 6) N" in found.message
@@ -102,7 +102,7 @@ def test_load_steps_go_on_as_long_as_loads_balance(back: float) -> None:
         assert "'bar', whose loads do not balance:" in found.message
 
 
-def test_what_hangs_on_a_hinge_of_a_floating_body_is_named_beside_it() -> None:
+def test_what_hangs_on_a_hinge_of_a_floating_body_is_named_with_it() -> None:
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     a = scene.add_rigid_body(1.0, CUBE, name="a")
     b = scene.add_rigid_body(2.0, CUBE, name="b", position=(0.1, 0.0, 0.0))

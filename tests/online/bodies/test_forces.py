@@ -540,7 +540,7 @@ def test_a_bushing_between_ports_apart_asks_for_a_point() -> None:
         slack.law()
 
 
-def test_a_bushing_turned_too_far_is_noted() -> None:
+def test_a_bushing_rotated_too_far_is_noted() -> None:
     """Its law jumps at half a turn; one that resists displacement alone may turn for ever."""
     for stiffness, torque, noted in (
         ((1, 1, 1, 1, 1, 1), 50.0, True),
@@ -552,4 +552,4 @@ def test_a_bushing_turned_too_far_is_noted() -> None:
         scene.add(forces.Bushing(scene.ground, body.at((0, 0, 0)), stiffness, name="mount"))
         scene.add(forces.PointTorque(body.at((0, 0, 0)), (0.0, 0.0, torque)))
         notes = run(scene, 0.5, step=1e-2, progress=False).notes
-        assert any("bushing 'mount': its ports turned by" in note for note in notes) == noted
+        assert any("bushing 'mount': its ports rotated by" in note for note in notes) == noted

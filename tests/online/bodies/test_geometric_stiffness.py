@@ -18,7 +18,7 @@ from warpffrf.offline import ReductionOptions, reduce
 from warpffrf.online import Engine
 from warpffrf_kernels.core import control as k
 
-STEP = 1e6  # s: inertia is nothing beside
+STEP = 1e6  # s: inertia is nothing compared with
 DIFFERENCE = 1e-5  # m, rad; modes move the tip by as much
 # of the largest entry: what an interface's rotation vector differs from its turn by, half the rotation of 1e-3 rad
 AGREE = 2e-3
@@ -34,7 +34,7 @@ def beam() -> ReducedBody:
 
 
 def chain(kind: str) -> Scene:
-    """Two beams in a row, turned out of line, between the ground and loads of every kind; or the ends of the first one
+    """Two beams in a row, rotated out of line, between the ground and loads of every kind; or the ends of the first one
     tied to each other."""
     scene = Scene(gravity=(0, 0, 0))
     first, second = (

@@ -135,7 +135,8 @@ def test_a_flat_parallelogram_is_a_singular_pose_not_a_redundancy() -> None:
 
 
 def test_a_joint_that_repeats_another_partly_loses_only_what_repeats() -> None:
-    """A sphere beside a hinge on the same axis: only its motion off the axis, along the held directions, repeats."""
+    """A sphere in addition to a hinge on the same axis: only its motion off the axis, along the held directions,
+    repeats."""
     scene = Scene()
     door = scene.add_rigid_body(1.0, CUBE, name="door")
     scene.add(joints.Revolute(scene.ground, door.at((0, 0, 0)), axis=(0, 0, 1), name="hinge"))

@@ -27,7 +27,7 @@ from warpffrf_kernels.core import control as k
 SIDE, THICK = 0.4, 4e-3  # m
 MATERIAL = Material(210e9, 0.316, 7850.0)
 UNIT = MATERIAL.youngs_modulus * THICK**3 / (SIDE**4 * MATERIAL.density)  # m/s^2 of q a^4/(E t^4) = 1
-STEP = 1e6  # s: inertia is nothing beside
+STEP = 1e6  # s: inertia is nothing compared with
 ROUND_OFF = 1e-12
 DEFLECTION = 0.005  # of the full model's
 
@@ -63,7 +63,7 @@ def clamped(load: float, body: ReducedBody | None = None, **settings) -> Scene:
 
 
 def test_forces_and_tangent_are_those_of_numpy() -> None:
-    """Two bodies of other ranks beside each other and a linear one between them, at random coordinates."""
+    """Two bodies of other ranks side by side and a linear one between them, at random coordinates."""
     scene = Scene(gravity=(0, 0, 0))
     bodies = [plate(), plate(), plate(6)]
     for i, body in enumerate(bodies):

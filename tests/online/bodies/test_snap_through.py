@@ -1,5 +1,5 @@
-"""Static runs through limit points: both branches beside full finite elements, jumps named, their works; what cannot
-jump fails as before."""
+"""Static runs through limit points: both branches compared with full finite elements, jumps named, their works; what
+cannot jump fails as before."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every kind of start in frames of the world that are turned against each other and shifted: found in each, and the
+"""Every kind of start in frames of the world that are rotated against each other and shifted: found in each, and the
 same."""
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def body(kind: str) -> ReducedBody:
 
 
 def oiled(R: Rotation, t: Array, speed: float = 43.0) -> Scene:
-    """A shaft that is turned in its bearing, a little off the middle."""
+    """A shaft that is rotated in its bearing, a little off the middle."""
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     held = scene.add_body(body("sleeve"), name="sleeve", position=t, rotation=R.as_quat())
     journal = surfaces.Cylinder(radius=0.025 - 25e-6, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))

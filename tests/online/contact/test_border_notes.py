@@ -83,7 +83,7 @@ def test_a_tilted_roller_that_sits_on_its_end_is_named(straight) -> None:
 
 
 def test_a_crowned_roller_over_the_end_of_the_second_is_named(crowned, straight) -> None:
-    """The crown's middle stands 2 mm inside the end of the second; that of the first is far away. Turned round, it is
+    """The crown's middle stands 2 mm inside the end of the second; that of the first is far away. Reversed, it is
     the first one's end."""
     found, notes = solved(stacked(crowned, straight, along=0.008))
     assert found.pressure[0, :, [0, -1]].max() == 0.0

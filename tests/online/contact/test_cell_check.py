@@ -1,4 +1,4 @@
-"""What a run says of the error that its cells add, beside many more of them, and how many an error asks for."""
+"""What a run says of the error that its cells add, compared with many more of them, and how many an error asks for."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from warpffrf.online.run import find_equilibrium, run
 
 APPROACH = 2e-5
 AGAIN = 1e-5  # of forces at poses, modes and times put back: 1e-6 by the width of the patch, which settles in steps
-SAME = 2e-6  # of forces evaluated again beside those of an equilibrium, whose bodies rest to 1e-6
-BESIDE = 0.1  # of errors beside another patch of few cells, which err by 3 % of a force that moves faces little
+SAME = 2e-6  # of forces evaluated again compared with those of an equilibrium, whose bodies rest to 1e-6
+BESIDE = 0.1  # of errors next to another patch of few cells, which err by 3 % of a force that moves faces little
 WITHIN = 3.0  # errors go up and down with the number of cells, by their place under the edge of the patch
 BELOW = 1.5  # times the rule that an error may be: the rule is what errors stay below on its own page
 
@@ -50,7 +50,7 @@ def field(scene) -> Boxes:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["straight", "crowned"])
-def test_error_beside_many_cells(kind, request) -> None:
+def test_error_compared_with_many_cells(kind, request) -> None:
     """A coarse patch errs by what its note says, and by what was asked for."""
     body, error = request.getfixturevalue(kind), 0.012
     scene = cr.held(body, body, APPROACH, cell_error=error)
@@ -100,8 +100,9 @@ def test_a_run_without_rows_has_nothing_to_check(straight) -> None:
     assert check_cells(engine, history_from_rows(engine.compiled, engine.saved())) == {}
 
 
-def test_beside_another_patch(straight, monkeypatch) -> None:
-    """What few cells of the other patch do to the faces cancels: the errors are as beside the other one's own cells."""
+def test_next_to_another_patch(straight, monkeypatch) -> None:
+    """What few cells of the other patch do to the faces cancels: the errors are those with the other one's own
+    cells."""
     scene, small = wf.Scene(gravity=(0, 0, 0)), 0.1 * cr.R
     body = scene.add_body(straight, name="lower")
     scene.add(wf.joints.Fixed(scene.ground, body["bore"]))

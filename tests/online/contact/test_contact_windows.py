@@ -68,7 +68,7 @@ def test_windows_follow_the_effective_radius() -> None:
     assert 2 * whole + 1 >= plane.grid.columns
 
 
-def test_a_turned_grid_needs_longer_stencils() -> None:
+def test_a_rotated_grid_needs_longer_stencils() -> None:
     """Crossed axes: a node's length along its axis lies across the other's columns."""
     shaft, other = surface(SIZES["shaft"]), surface(SIZES["large shaft"])
     A, B = Extent.of(shaft), Extent.of(other)

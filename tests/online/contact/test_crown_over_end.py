@@ -96,7 +96,7 @@ def drop(z: np.ndarray) -> np.ndarray:
 
 def reference(body: ReducedBody, tilt: float, height: float, half_width: float, drop: Any = drop) -> Rows:
     """Dense, of both bodies with their own ends, on rows that grow from both ends of the common width, `half_width` [m]
-    of the patch: the upper one's surface is turned about its own middle, `height` [m] above the lower one."""
+    of the patch: the upper one's surface is rotated about its own middle, `height` [m] above the lower one."""
     columns = 25
     shift = R * np.sin(tilt)  # of the upper meridian along the lower one
     low, high = shift - HALF * np.cos(tilt), HALF

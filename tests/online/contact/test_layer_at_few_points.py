@@ -1,4 +1,5 @@
-"""Layers under quadrature "reduced": the law at the few points that were chosen, beside the law at all points."""
+"""Layers under quadrature "reduced": the law at the few points that were chosen, compared with the law at all
+points."""
 
 from __future__ import annotations
 
@@ -90,7 +91,7 @@ def test_all_points_as_a_list_are_all_points(
 def test_a_third_of_the_points_gives_the_same_pressure(
     name: str, few: ReducedBody, plain_body: ReducedBody, other_body: ReducedBody
 ) -> None:
-    """At a held approach, on grids that do not match; and the online check tells the difference."""
+    """At a held approach, on grids that do not match; and the online check shows the difference."""
     path = Path.of([1e-3, 1.5e-3], [0.0, 0.013])
     found, scenes, histories = [], [], []
     for quadrature in ("full", "reduced"):

@@ -19,7 +19,7 @@ MASS = STEEL.density * 4.0 / 3.0 * np.pi * RADIUS**3
 
 
 def two_balls(offset: float) -> Scene:
-    """They fly at each other at 10 m/s, `offset` [m] beside each other."""
+    """They fly at each other at 10 m/s, `offset` [m] side by side."""
     scene = Scene()
     skins = []
     for name, side in (("left", -1.0), ("right", 1.0)):

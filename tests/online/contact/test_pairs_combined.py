@@ -226,7 +226,7 @@ def side_by_side(wide: ReducedBody, narrow: ReducedBody, middle_first: tuple[boo
 
 @pytest.mark.parametrize("middle_first", [(True, True), (False, True), (False, False)])
 @pytest.mark.parametrize("apart", [0.002, 0.01])
-def test_patches_beside_each_other(middle_first: tuple[bool, bool], apart: float) -> None:
+def test_patches_side_by_side(middle_first: tuple[bool, bool], apart: float) -> None:
     """Along the axis in the same columns of the grid: rest is found, steps take a few iterations, none is
     halved. (A compliance between the middles of the nodes was indefinite here.)"""
     wide = body(96, 0.05, WIDE, 210e9, axial=8)

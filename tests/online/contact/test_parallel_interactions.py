@@ -67,7 +67,7 @@ def test_the_monolithic_reference_shares_alike(roller: wf.ReducedBody) -> None:
         assert float(force[2]) == pytest.approx(-stiffness / WHOLE * LOAD, rel=SAME)
 
 
-def test_a_layer_beside_a_closed_gap_carries_nothing(roller: wf.ReducedBody) -> None:
+def test_a_layer_next_to_a_closed_gap_carries_nothing(roller: wf.ReducedBody) -> None:
     history = run(pressed(roller, {}, *layers(WHOLE)), 4 * STEP, step=STEP, start="equilibrium", progress=False)
     assert history.status == "completed"
     assert np.abs(history.contacts["part 1"].force).max() < SAME * LOAD

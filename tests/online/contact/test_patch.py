@@ -29,7 +29,7 @@ LAWS = [
 ]  # fmt: skip
 # Forces of the run and of the reference on the same cells; tables between levels of W err by 5e-5.
 SAME = 2e-4
-# Two patches beside each other: parabolas for round gaps, rows in their middles, strips without a width beside their
+# Two patches side by side: parabolas for round gaps, rows in their middles, strips without a width compared with their
 # distance.
 BESIDE = 2e-3
 TAIL, CUT_OFF = 0.05, 1e-3  # of the largest line pressure, in the outermost strips; of the force, beyond them: 4e-4
@@ -37,8 +37,8 @@ RIPPLE = 5e-4  # of a force at constant approach over two elements, from one sav
 POINT = 0.01  # half-widths and peaks of a ball on eight cells, against Hertz at the load
 ENERGY = 5e-3  # of the energy of an impact, that cells which grow and shrink with it make or take: 3e-3 measured
 LINEARISED = 0.01  # of a compliance: cells that stay where they are, or follow; 0.4 and 0.9 % measured
-# Of pressures as cell means in the root of the mean square, times the strips in b, beside Hertz at the line load: 0.041
-# to 0.046 measured. An edge in the middle of a strip makes it 0.14 in the half-plane.
+# Of pressures as cell means in the root of the mean square, times the strips in b, compared with Hertz at the line
+# load: 0.041 to 0.046 measured. An edge in the middle of a strip makes it 0.14 in the half-plane.
 MEANS = 0.05
 MOVING = 1e-3  # of the contact's energy, that a patch makes which travels over elements of 8 mm: 4.4e-4 measured
 
@@ -101,7 +101,7 @@ def round_gap(patch):
 
 @pytest.mark.parametrize("cells", [None, (8, 9)])
 @pytest.mark.parametrize("approach", [5e-6, 20e-6])
-def test_two_rollers_beside_the_reference(roller, approach, cells) -> None:
+def test_two_rollers_compared_with_the_reference(roller, approach, cells) -> None:
     """A mesh of 8 mm elements and half-widths of 0.2 and 0.43 mm."""
     found = find_equilibrium(pair(roller, approach, cells=cells)).contacts[NAME]
     reference = pressed(roller, found, round_gap, approach)
@@ -157,8 +157,8 @@ def test_with_a_layer(roller, law) -> None:
 
 @pytest.mark.parametrize(("decay", "approach"), [(5e-7, 20e-6), (2e-6, 1e-5), (5e-6, -5e-6)])
 def test_tails_of_asperities(roller, decay, approach) -> None:
-    """Strips take in what presses, also of surfaces that are apart: 1.7 half-widths of the pressure lose little beside
-    the patch of very rough surfaces that is half as wide again."""
+    """Strips take in what presses, also of surfaces that are apart: 1.7 half-widths of the pressure lose little
+    compared with the patch of very rough surfaces that is half as wide again."""
     law = wf.laws.ExponentialAsperities(2e8, decay)
     found = find_equilibrium(pair(roller, approach, law=law))
     assert found.status == "completed"
@@ -171,9 +171,9 @@ def test_tails_of_asperities(roller, decay, approach) -> None:
 
 
 @pytest.mark.parametrize("apart", [0.12, 0.3])
-def test_two_rollers_beside_each_other(roller, apart) -> None:
-    """Rigid rollers 6 and 15 mm apart on elements of 8 mm: what one does to the other is the half-space's, too. Beside
-    the reference from cell to cell."""
+def test_two_rollers_side_by_side(roller, apart) -> None:
+    """Rigid rollers 6 and 15 mm apart on elements of 8 mm: what one does to the other is the half-space's, too.
+    Compared with the reference from cell to cell."""
     approach, small = 10e-6, 0.1 * RADIUS
     scene = wf.Scene(gravity=(0, 0, 0))
     body = scene.add_body(roller, name="lower")
@@ -315,7 +315,7 @@ def test_impact_gives_back_its_energy(ball) -> None:
 
 
 def without_tangential_field(body: wf.ReducedBody) -> wf.ReducedBody:
-    """The body as files of before have it: no tangential far field beside its tangential modes."""
+    """The body as files of before have it: no tangential far field in addition to its tangential modes."""
     rim = body.contact_surfaces["rim"]
     assert rim.far is not None
     surfaces = {"rim": replace(rim, far=replace(rim.far, tangential=None))}
@@ -392,8 +392,8 @@ def test_the_grid_is_chosen(roller) -> None:
 
 
 def test_a_coarse_mesh_needs_no_option() -> None:
-    """Neither the reduction nor the contact is told that the mesh is coarse: pressures stand on cells, and nobody asks
-    for a finer mesh."""
+    """Neither the reduction nor the contact is informed that the mesh is coarse: pressures stand on cells, and nobody
+    asks for a finer mesh."""
     mesh = wf.mesh.roller(RADIUS, 0.015, WIDTH, sectors=40, layers=4, axial=3, order=1)
     body = wf.reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, cache=False,
@@ -405,7 +405,7 @@ def test_a_coarse_mesh_needs_no_option() -> None:
     assert not any("finer mesh" in note for note in history.notes)
 
 
-def test_a_run_tells_why_cells_are_not_taken(roller) -> None:
+def test_a_run_states_why_cells_are_not_taken(roller) -> None:
     history = find_equilibrium(pair(without_tangential_field(roller), 1e-5, grid="auto", friction=0.1))
     assert history.contacts[NAME].cells is None
     assert any("body-fixed grid, whose columns are 0.0079 m apart" in n and "friction" in n for n in history.notes)
@@ -428,7 +428,7 @@ def test_flat_faces_on_each_other_stay_on_the_material_grid() -> None:
     assert any("nearly as curved as each other" in note for note in history.notes)
 
 
-def test_rollers_beside_each_other_stay_on_the_material_grid(roller) -> None:
+def test_rollers_side_by_side_stay_on_the_material_grid(roller) -> None:
     """They have no width in common that rows could lie on; one may slide over the other later."""
     scene = pair(roller, 1e-5, grid="auto")
     scene.bodies[1].position = np.array([0.0, 1.1 * WIDTH, 2 * RADIUS - 1e-5])

@@ -1,4 +1,4 @@
-"""The preconditioner of pressures without a matrix: beside the inverse of the compliance that products give."""
+"""The preconditioner of pressures without a matrix: compared with the inverse of the compliance that products give."""
 
 # pyright: reportInvalidTypeForm=false, reportAssignmentType=false, reportIndexIssue=false, reportGeneralTypeIssues=false
 

@@ -87,7 +87,7 @@ def test_a_third_of_the_points_gives_the_same_contact(pair, at_points: bool) -> 
     assert len(note) == 1 and f"{surface.sampling.count} of" in note[0]
 
 
-def test_the_check_foretells_the_difference_at_a_held_approach(plain_body, other_body) -> None:
+def test_the_check_predicts_the_difference_at_a_held_approach(plain_body, other_body) -> None:
     """Bodies that are held: pressures of all points less those of few, where both carry the same nodes, are what the
     host computes from the latter alone."""
     path = Path.of([2e-3, 2e-3], 0.013)

@@ -17,7 +17,7 @@ from warpffrf.online import History, run
 
 SIZES = (1e-4, 1e4)
 STEP, STEPS = 1e-5, 30  # s, of the scene of size 1
-SAME = 1e-9  # of the largest: round-off of gaps beside penetrations, 1e-17 m over 1e-7 m
+SAME = 1e-9  # of the largest: round-off of gaps compared with penetrations, 1e-17 m over 1e-7 m
 NEARLY = 1e-6  # the same, of the small energies about an equilibrium, which is found to 1e-9 of its forces
 
 
@@ -55,7 +55,7 @@ def pressed_rollers(s: float, *, speed: float = 0.0, spin: float = 0.0, friction
 
 
 def dropped_roller(s: float) -> Scene:
-    """A crowned roller, turned in all directions, thrown on a plane: gaps at points."""
+    """A crowned roller, rotated in all directions, thrown on a plane: gaps at points."""
     scene = Scene(gravity=(0.0, 0.0, -9.81 / s))
     thrown = scene.add_body(
         roller(s, 0.05, 0.02, crown=0.6), name="thrown", position=(0.3 * s, 0.0, 0.06 * s), velocity=(0.4, 0.0, -0.5),

@@ -1,4 +1,4 @@
-"""The online check of films of quadrature "reduced" beside runs with all nodes."""
+"""The online check of films of quadrature "reduced" compared with runs with all nodes."""
 
 from __future__ import annotations
 
@@ -118,8 +118,9 @@ def test_a_film_that_nearly_closes_at_its_ends_needs_more_powers() -> None:
 
 
 def test_states_of_a_run_are_looked_at_where_it_was() -> None:
-    """A light shaft under a load that turns, beside a run with all nodes at the same times. The check moves the shaft
-    at the velocity that it has, and knows nothing of the time before: what it finds is of the size of what differs."""
+    """A light shaft under a load that turns, compared with a run with all nodes at the same times. The check moves the
+    shaft at the velocity that it has, and knows nothing of the time before: what it finds is of the size of what
+    differs."""
     steps, load, histories = 60, 5e3, {}
     step = TURN / 60.0
     t = step * np.arange(-20, steps + 21)

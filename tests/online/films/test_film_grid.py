@@ -1,5 +1,5 @@
-"""What the grid of a film leaves of load, flow and torque, as a run says it, beside a film of four times the nodes each
-way at the same place: an implementation of its own, in the verification."""
+"""What the grid of a film leaves of load, flow and torque, as a run says it, compared with a film of four times the
+nodes each way at the same place: an implementation of its own, in the verification."""
 
 from __future__ import annotations
 

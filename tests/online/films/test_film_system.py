@@ -1,4 +1,4 @@
-"""The banded system of a film with smooth functions, beside the dense and exact one."""
+"""The banded system of a film with smooth functions, compared with the dense and exact one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Oil films in the engine, beside references that share no code with it, invariants and convergence."""
+"""Oil films in the engine, compared with references that share no code with it, invariants and convergence."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_a_steady_bearing_is_that_of_the_dense_reference(load: float, oil: oils.
 
 @pytest.mark.parametrize("powers", [(0, 2), (0, 1, 2)])
 def test_profiles_along_are_those_of_the_dense_reference(powers: tuple[int, ...]) -> None:
-    """Of quadrature "reduced", beside the same ones there and beside all nodes."""
+    """Of quadrature "reduced", compared with the same ones there and compared with all nodes."""
     found = find_equilibrium(bearing((20e3, 0.0), quadrature="reduced", axial_degrees=powers))
     assert found.status == "completed", found.message
     film, expected = found.films["film"], reference(powers=powers)
@@ -102,7 +102,7 @@ def test_a_groove_under_pressure_feeds_profiles_too() -> None:
 
 @pytest.mark.parametrize("speed", [300.0, 30.0, 3.0])
 def test_asperities_carry_what_the_film_does_not(speed: float) -> None:
-    """Beside the dense reference, from a film that carries to dry contact; no more iterations than there."""
+    """Compared with the dense reference, from a film that carries to dry contact; no more iterations than there."""
     law = ExponentialAsperities(2e9, 0.2e-6, 2.8e-6)
     found = find_equilibrium(bearing((60e3, 0.0), speed=speed, mixed=films.MixedLubrication(law)))
     assert found.status == "completed", found.message
@@ -120,8 +120,8 @@ def test_asperities_carry_what_the_film_does_not(speed: float) -> None:
 
 @pytest.mark.parametrize("speed", [300.0, 30.0, 3.0])
 def test_gaussian_asperities_carry_what_the_film_does_not(speed: float) -> None:
-    """The same with the law of Greenwood and Tripp; and, nearly dry, beside an exponential law with its pressure and
-    slope where the pressure is largest."""
+    """The same with the law of Greenwood and Tripp; and, nearly dry, compared with an exponential law with its pressure
+    and slope where the pressure is largest."""
     law = GreenwoodTripp.from_products(0.8e-6, 0.08, 0.02, 115e9)  # 0.4 GPa at zero gap
     found = find_equilibrium(bearing((60e3, 0.0), speed=speed, mixed=films.MixedLubrication(law)))
     assert found.status == "completed", found.message
@@ -143,7 +143,7 @@ def test_gaussian_asperities_carry_what_the_film_does_not(speed: float) -> None:
 
 
 def test_asperities_rub() -> None:
-    """With a coefficient: the torque of dry contact, and its loss, beside the drag of the oil."""
+    """With a coefficient: the torque of dry contact, and its loss, compared with the drag of the oil."""
     law, mu = ExponentialAsperities(2e9, 0.2e-6, 2.8e-6), 0.1
     smooth, rubbing = (
         find_equilibrium(bearing((60e3, 0.0), speed=3.0, mixed=films.MixedLubrication(law, f))) for f in (0.0, mu)
@@ -229,7 +229,7 @@ def test_without_cavities_the_shaft_is_moved_across_the_load() -> None:
 
 
 def test_the_film_may_stand_on_the_shaft() -> None:
-    """A steel shaft in a rigid bore beside a steel bore around a rigid shaft, both hardly deformed."""
+    """A steel shaft in a rigid bore compared with a steel bore around a rigid shaft, both hardly deformed."""
     mesh = roller(RADIUS - CLEARANCE, 0.005, LENGTH, sectors=COLUMNS, layers=2, order=1, axial=ROWS - 1)
     stiff = replace(STEEL, youngs_modulus=100.0 * 210e9)
     body = reduce(
@@ -282,7 +282,7 @@ def test_no_oil_is_lost() -> None:
 
 
 def test_profiles_follow_a_load_that_turns() -> None:
-    """Beside all nodes, in as many steps; and their ledger closes as well."""
+    """Compared with all nodes, in as many steps; and their ledger closes as well."""
     step, steps = 2.0 * np.pi / SPEED / 60.0, 60
     found = {}
     for quadrature in ("full", "reduced"):
@@ -346,7 +346,7 @@ def test_a_run_goes_on_bit_for_bit() -> None:
 
 
 def test_form_deviations_of_either_surface_are_where_they_are() -> None:
-    """Of a bore, and of a shaft that has turned by a quarter."""
+    """Of a bore, and of a shaft that has rotated by a quarter."""
     oval = films.LobedForm(4e-6, 2)
     flat = find_equilibrium(bearing((10.0, 0.0), ambient_pressure=1.0, cavitation="full_sommerfeld"))
     bored = find_equilibrium(bearing((10.0, 0.0), form_a=oval, ambient_pressure=1.0, cavitation="full_sommerfeld"))
@@ -370,7 +370,7 @@ def test_form_deviations_of_either_surface_are_where_they_are() -> None:
 @pytest.mark.parametrize("share", [0.85, 1.15])
 def test_whirl_is_that_of_the_coefficients_of_a_rigid_film(share: float) -> None:
     """Eight coefficients of a film that is kept wet where it is widest, so that no void moves anything, and a mass on
-    either side of the threshold: eigenvalues of the engine's modes beside those of M, C, K (2, 2)."""
+    either side of the threshold: eigenvalues of the engine's modes compared with those of M, C, K (2, 2)."""
     groove = films.AxialGroove(np.radians(247.5), 1e-4, 0.0)
     body = bore_body(COLUMNS, 1e3 * 210e9)
     at = place(find_equilibrium(bearing((2e3, 0.0), body=body, feeds=[groove]))) * CLEARANCE
@@ -411,7 +411,7 @@ def test_modes_are_what_a_small_disturbance_does() -> None:
 
 def test_modes_do_not_depend_on_the_start_or_on_how_stiff_a_stiff_bore_is() -> None:
     """Voids that travel are a chain, whose eigenvalues are not to be had of a matrix: none of it may get into a mode.
-    Beside a run after a push, in which oil has come around once before its decay is taken."""
+    Compared with a run after a push, in which oil has come around once before its decay is taken."""
     mass, step = 60.0, np.radians(1.5) / SPEED
     found = [
         find_modes(bearing((2e3, 0.0), body=bore_body(COLUMNS, E), mass=mass, at=(c * CLEARANCE, s * CLEARANCE)), 3)
@@ -433,7 +433,7 @@ def test_modes_do_not_depend_on_the_start_or_on_how_stiff_a_stiff_bore_is() -> N
 
 
 def test_a_pad_that_slides_on_a_wedge_of_oil() -> None:
-    """Beside the same Reynolds equation by matrices of the verification, with a grid that ends on all sides."""
+    """Compared with the same Reynolds equation by matrices of the verification, with a grid that ends on all sides."""
     mesh = box((0.04, 0.04, 0.01), (16, 8, 2))
     body = reduce(
         mesh, replace(STEEL, youngs_modulus=1e5 * 210e9), interfaces={"z_min": "rigid"},
@@ -480,7 +480,7 @@ def test_a_pad_that_slides_on_a_wedge_of_oil() -> None:
     assert abs(found.films["film"].force[-1][2]) == pytest.approx(force, rel=1e-4)
 
 
-def test_a_load_that_no_film_carries_is_told() -> None:
+def test_a_load_that_no_film_carries_is_reported() -> None:
     found = find_equilibrium(bearing((90e3, 0.0)))
     assert found.status == "no_equilibrium"
     assert found.message.startswith("equilibrium: film 'film' is squeezed to")
@@ -490,7 +490,7 @@ def test_a_load_that_no_film_carries_is_told() -> None:
     )
 
 
-def test_a_film_without_sliding_is_told_to_carry_nothing_at_rest() -> None:
+def test_a_film_without_sliding_is_reported_to_carry_nothing_at_rest() -> None:
     """It is no mechanism, and no spring is the cure."""
     found = find_equilibrium(bearing((2e3, 0.0), speed=0.0, quadrature="reduced", axial_degrees=(0, 2)))
     assert found.status == "no_equilibrium" and not len(found.time)
@@ -509,8 +509,8 @@ def test_a_half_film_says_that_its_ledger_does_not_close() -> None:
 # --- notes
 
 
-def test_columns_too_coarse_for_the_smallest_film_are_told() -> None:
-    """The rule at 128 columns and an eccentricity of 0.9 says what nodes beside fine volumes have there."""
+def test_columns_too_coarse_for_the_smallest_film_are_reported() -> None:
+    """The rule at 128 columns and an eccentricity of 0.9 says what nodes compared with fine volumes have there."""
     found = find_equilibrium(bearing((20e3, 0.0)))
     (note,) = [n for n in found.notes if "too thin for columns" in n]
     assert "film 'film'" in note and "too thin for columns of 11.2 degrees" in note and "columns per revolution" in note

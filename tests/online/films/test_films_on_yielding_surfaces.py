@@ -45,7 +45,7 @@ def places(surface: ContactSurface) -> Array:
 
 
 def of_shaft() -> Array:
-    """Hats of the shaft that lie opposite those of the bore, while it has not turned."""
+    """Hats of the shaft that lie opposite those of the bore, while it has not rotated."""
     bore, rim = bore_body().contact_surfaces["bore"], shaft_body().contact_surfaces["rim"]
     away, found = KDTree(places(rim)).query(places(bore))
     np.testing.assert_allclose(away, CLEARANCE, rtol=1e-6)
@@ -54,7 +54,7 @@ def of_shaft() -> Array:
 
 @pytest.mark.parametrize("load", [2e3, 20e3])
 def test_compliances_of_both_add_up(load: float) -> None:
-    """Beside the dense reference with the sum of both, whose nodes lie opposite each other at rest."""
+    """Compared with the dense reference with the sum of both, whose nodes lie opposite each other at rest."""
     found = find_equilibrium(bearing((load, 0.0), yielding=shaft_body()))
     assert found.status == "completed", found.message
     opposite, expected = of_shaft(), reference()
@@ -170,7 +170,7 @@ def test_modes_are_what_a_small_disturbance_does_to_both() -> None:
         assert np.abs(left).max() < 0.02 * np.abs(values).max()
 
 
-def test_a_film_beyond_the_grid_of_the_second_surface_is_told() -> None:
+def test_a_film_beyond_the_grid_of_the_second_surface_is_reported() -> None:
     """A shaft as long as its bore, pushed along it by two and a half cells; nodes at its end span one more."""
     found = find_equilibrium(bearing((2e3, 0.0), yielding=shaft_body()))
     assert not any("beyond the grid" in note for note in found.notes)

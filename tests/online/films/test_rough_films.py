@@ -1,4 +1,4 @@
-"""Films between rough walls in the engine, beside the dense reference, smooth walls and the ledger."""
+"""Films between rough walls in the engine, compared with the dense reference, smooth walls and the ledger."""
 
 from __future__ import annotations
 
@@ -105,7 +105,8 @@ def test_a_centred_shaft_is_dragged_as_rough_walls_are(pattern: float) -> None:
 
 @pytest.mark.parametrize("speed", [300.0, 30.0, 3.0])
 def test_rough_walls_and_their_asperities(speed: float) -> None:
-    """Both of one roughness, beside the dense reference, down to where walls are closer than factors are known."""
+    """Both of one roughness, compared with the dense reference, down to where walls are closer than factors are
+    known."""
     law, wall = GreenwoodTripp.from_products(0.8e-6, 0.08, 0.02, 115e9), Roughness(0.8e-6)
     found = find_equilibrium(bearing((60e3, 0.0), speed=speed, mixed=MixedLubrication(law, roughness_a=wall)))
     assert found.status == "completed", found.message
@@ -121,7 +122,7 @@ def test_rough_walls_and_their_asperities(speed: float) -> None:
     assert bool(told) == (speed == 3.0)
 
 
-def test_heights_that_the_law_tells_otherwise_are_named() -> None:
+def test_heights_that_the_law_states_otherwise_are_named() -> None:
     law = GreenwoodTripp.from_products(0.8e-6, 0.08, 0.02, 115e9)
     found = find_equilibrium(bearing((20e3, 0.0), mixed=MixedLubrication(law, roughness_a=Roughness(0.5e-6))))
     assert any("standard deviation 5e-07 m, those of its law of asperities 8e-07 m" in note for note in found.notes)

@@ -19,7 +19,7 @@ OMEGA = 10.0  # rad/s
 STEP = 5e-4  # s: a twelfth of the way through the patch
 CONVERGED = 1e-7  # tractions are converged to this part of the largest bound: so much slip is left where they stick
 SAMPLES = 40  # of a cell, the same number on both sides of its node: exact for what is linear there
-LATE = 5e-6  # of the traction: elastic softness of a cell just reached beside the law's own, 5e-15 to 5e-9 m/Pa
+LATE = 5e-6  # of the traction: elastic softness of a cell just reached compared with the law's own, 5e-15 to 5e-9 m/Pa
 SECOND_ORDER = 5e-3  # (a/R)^2: the tractions are tangents of a patch that is an arc
 
 
@@ -173,7 +173,7 @@ def test_the_regularised_law_is_viscous_below_its_velocity(body) -> None:
 def test_the_regularised_law_tends_to_coulomb(body) -> None:
     creepage = 4e-3
     exact = run(rollers(body, MU, creepage), 25).history.contacts["pair"].force[-1, 0]
-    speeds = (1e-3, 1e-4, 1e-5)  # m/s beside a creep of 2 mm/s
+    speeds = (1e-3, 1e-4, 1e-5)  # m/s compared with a creep of 2 mm/s
     errors = []
     for speed in speeds:
         law = wf.laws.RegularisedCoulomb(MU, speed)
@@ -183,7 +183,7 @@ def test_the_regularised_law_tends_to_coulomb(body) -> None:
 
 @pytest.mark.parametrize("law", [MU, wf.laws.RegularisedCoulomb(MU, 1e-3)], ids=["Coulomb", "regularised"])
 def test_a_pair_that_hardly_carries_does_not_hold_up_one_that_does(body, law) -> None:
-    """Beside a loaded pair one with a millionth of its load: slips have round-off, which is a part of its bound that
+    """Next to a loaded pair, one with a millionth of its load: slips have round-off, which is a part of its bound that
     no iteration takes away. The loaded pair is the one alone, and no step is halved."""
     alone, both = rollers(body, law, 0.002), rollers(body, law, 0.002)
     for name, source in (("lower 2", "lower"), ("upper 2", "upper")):
@@ -302,7 +302,7 @@ def soft_roller():
 @pytest.mark.parametrize("partner", ["plane", "rigid roller", "soft roller"])
 def test_gross_slip_of_a_wide_patch_transmits_mu_times_the_load(soft_roller, partner: str) -> None:
     """Half-widths of 0.06 to 0.09 R, moved aside by friction: the force is N sqrt(1 + mu^2) all the same, on a plane
-    turned from its normal by arctan mu. (Of rollers it also turns with the line between rims that give way sideways;
+    rotated from its normal by arctan mu. (Of rollers it also turns with the line between rims that give way sideways;
     pressure along the normals of a rigid roller sums to less than the load, by a half-width^2 / 10 R^2.)"""
     R, press, speed = 0.05, 6e-4, 4.0
     scene = wf.Scene()

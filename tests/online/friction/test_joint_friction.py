@@ -285,7 +285,7 @@ def test_a_thrust_brakes_a_wheel_and_stops_it() -> None:
 
 
 def test_a_driven_joint_is_not_pressed_by_its_drive() -> None:
-    """A disc turned at constant speed: the drive's torque is the friction, the weight alone presses the pin."""
+    """A disc rotated at constant speed: the drive's torque is the friction, the weight alone presses the pin."""
     mu, radius, omega = 0.2, 0.03, 5.0
     scene = Scene(gravity=(0.0, -G, 0.0))
     disc = scene.add_rigid_body(MASS, (0.01, 0.01, 0.02), name="disc", angular_velocity=(0.0, 0.0, omega))

@@ -380,7 +380,7 @@ def bump(x: np.ndarray, z: np.ndarray, width: float) -> np.ndarray:
 @pytest.mark.parametrize("advance", [0.1, 0.37, 1.0, -1.7])
 def test_a_locked_in_traction_keeps_its_energy(bodies, advance: float) -> None:
     """A traction that its material carries through the patch, over five strips: the slips that are read with the
-    history do next to no work beside the energy that passes."""
+    history do next to no work compared with the energy that passes."""
     scene = scene_of("like", bodies)
     scene.contacts[0].cells = (STRIPS_MANY, 7)
     engine = Engine(scene)
@@ -415,9 +415,9 @@ def test_a_locked_in_traction_keeps_its_energy(bodies, advance: float) -> None:
 
 
 def moved(bodies: dict[str, ReducedBody], angle: float, turning: float) -> tuple[Any, np.ndarray]:
-    """A roller that is pressed on a rigid plane, moved along it at 0.2 m/s and turned at `turning` [rad/s]: the
+    """A roller that is pressed on a rigid plane, moved along it at 0.2 m/s and rotated at `turning` [rad/s]: the
     contact, and the velocity (2,) at which it slides in the end."""
-    speed, long, step = 0.2, 1e-3, 5e-5  # the speeds come slowly beside the bodies' vibrations
+    speed, long, step = 0.2, 1e-3, 5e-5  # the speeds come slowly compared with the bodies' vibrations
     scene = wf.Scene(gravity=(0, 0, 0))
     lower = scene.add_body(bodies["steel"], name="lower")
     carriage = scene.add_rigid_body(1.0, (1e-2,) * 3, name="carriage")
@@ -447,7 +447,7 @@ def test_what_slides_is_held_back_by_all_of_the_friction(bodies, angle: float, t
 
 
 def driven(bodies: dict[str, ReducedBody], creepage: float, friction: Any, strips: int) -> wf.Scene:
-    """Two steel rollers that are turned against each other, bores held; SPEED on the lower one."""
+    """Two steel rollers that are rotated against each other, bores held; SPEED on the lower one."""
     scene = wf.Scene(gravity=(0, 0, 0))
     speeds = {"lower": SPEED, "upper": -SPEED * (1.0 + creepage)}
     for name, speed in speeds.items():

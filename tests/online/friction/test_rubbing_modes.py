@@ -27,7 +27,7 @@ from warpffrf.output.simulate import equilibrium, simulate, static
 FRICTION, LAYER, SPRING = 0.3, 2.5e10, 5e6  # -, Pa/m along the face, N/m
 YIELDS = 3e-4  # of all stiffnesses: what the block, a hundred times as stiff as steel, yields itself
 SECANT = 5e-4  # of the frequency: the first harmonic of a kinked loop from 48 places
-DECAY = 0.05  # of the loss: amplitudes of a cycle that decays are not one, and other modes move beside
+DECAY = 0.05  # of the loss: amplitudes of a cycle that decays are not one, and other modes move too
 SIDE, GRAVITY = 0.02, 1.3e4  # m, m/s2: 1 MPa under the bar
 
 
@@ -53,8 +53,8 @@ def guided_block() -> Scene:
 
 
 def test_one_cell_is_a_jenkins_element() -> None:
-    """A spring k in line with a slider of force F, beside another spring: D = 4 F (a - F/k), and the stiffness
-    k/pi (theta - sin(2 theta)/2) of the first harmonic, cos(theta) = 1 - 2 F/(k a)."""
+    """A spring k in line with a slider of force F, in parallel with another spring: D = 4 F (a - F/k), and the
+    stiffness k/pi (theta - sin(2 theta)/2) of the first harmonic, cos(theta) = 1 - 2 F/(k a)."""
     scene = guided_block()
     rest = equilibrium(scene)
     pressure = rest.history.small_sliding["lap"].normal_force[0]

@@ -63,7 +63,8 @@ def test_without_being_asked_friction_does_not_act_and_a_note_says_so() -> None:
 
 
 def block(angle: float, press: float = 0.0) -> Scene:
-    """On three feet on a floor that is tilted by `angle`: gravity is. press [N]: on the floor, beside the weight."""
+    """On three feet on a floor that is tilted by `angle`: gravity is. press [N]: on the floor, in addition to the
+    weight."""
     down = np.array([-np.sin(angle), 0.0, -np.cos(angle)])
     scene = Scene(gravity=tuple(GRAVITY * down))
     floor = scene.ground.surface(surfaces.Plane(origin=ORIGIN, outward=(0, 0, 1)), name="floor")

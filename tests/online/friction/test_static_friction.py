@@ -132,7 +132,7 @@ def test_a_lumped_contact_sticks_and_slips_by_displacements() -> None:
 
 @pytest.fixture(scope="module", params=["body_fixed", "contact_fixed"])
 def rubbing(request: pytest.FixtureRequest) -> Scene:
-    """Two flexible rollers on each other: pressed together, then the lower one turned to and fro. Pressures and
+    """Two flexible rollers on each other: pressed together, then the lower one rotated to and fro. Pressures and
     tractions are on the grid of the material, or on cells that travel with the patch."""
     body = roller_body(
         120, layers=4, axial=3, grading=1.6, order=1, max_frequency=15e3, tangential=True,
@@ -155,8 +155,8 @@ def rubbing(request: pytest.FixtureRequest) -> Scene:
 
 
 def test_surfaces_that_rub_go_round_a_loop(rubbing: Scene) -> None:
-    """Loops after the first quarter are closed: going down is going up turned by half a turn (Masing), its slope at the
-    turning points that of the start; at the ends all of the patch slips, at mu p."""
+    """Loops after the first quarter are closed: going down is going up rotated by half a turn (Masing), its slope at
+    the turning points that of the start; at the ends all of the patch slips, at mu p."""
     result = static(rubbing, 6.0, 0.05)
     force = result.history.contacts["nip"].force
     share = force[:, 0] / np.where(force[:, 2] == 0.0, 1.0, force[:, 2])

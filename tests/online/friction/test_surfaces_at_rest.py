@@ -74,7 +74,7 @@ def incline(tangent: float, grid: Any = "body_fixed", *, brake: bool = True) -> 
 
 
 def twisted(share: float, grid: Any) -> Scene:
-    """Two rollers, the lower one fixed, the upper one pressed down and turned by a torque, by `share` of what friction
+    """Two rollers, the lower one fixed, the upper one pressed down and rotated by a torque, by `share` of what friction
     bears."""
     scene = Scene(gravity=ORIGIN)
     lower = scene.add_body(rim(grid), name="lower")

@@ -70,7 +70,7 @@ def test_a_ball_that_touches_nothing_is_named() -> None:
 
 
 def test_what_falls_is_refused_by_name() -> None:
-    """A ball beside the floor, under gravity, with a joint that leaves its fall free."""
+    """A ball next to the floor, under gravity, with a joint that leaves its fall free."""
     scene = Scene(gravity=(0.0, 0.0, -9.81))
     wall = scene.ground.surface(surfaces.Plane(origin=(0, 0, 0), outward=(1, 0, 0)), name="wall")
     ball = scene.add_rigid_body(0.01, (1e-6,) * 3, name="ball", position=(0.00635, 0, 0), surfaces={"skin": BALL})

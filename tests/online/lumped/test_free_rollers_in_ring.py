@@ -2,7 +2,7 @@
 
 Off the middle of the outer ring by y, the load Q on its two lines is a couple Q y, which tilts the roller by phi. The
 outer line leans with it, and presses it outwards by Q phi along its axis. The state is unstable, and the force a real
-one, next to nothing beside Q.
+one, next to nothing compared with Q.
 """
 
 from __future__ import annotations

@@ -95,7 +95,7 @@ def bounce(spring: float, gap: float, h: float) -> tuple[float, float]:
 @pytest.mark.parametrize("omega_h", [10.0, 30.0, 100.0])
 @pytest.mark.parametrize("part", [0.1, 0.5, 0.9])
 def test_a_bounce_within_two_steps(block: ReducedBody, omega_h: float, part: float) -> None:
-    """The step that closes the gap and the one that opens it, at any phase and any step beside the spring."""
+    """The step that closes the gap and the one that opens it, at any phase and any step compared with the spring."""
     spring = stiffness(block)
     h = omega_h / np.sqrt(spring / MASS)
     gap = SPEED * h * (2.0 + part)

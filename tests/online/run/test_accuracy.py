@@ -109,7 +109,7 @@ def test_only_the_pulse_is_resolved() -> None:
     assert any("halved (step_error)" in note for note in fine.notes)
 
 
-def test_halved_steps_are_told_of_the_run_that_halved_them() -> None:
+def test_halved_steps_are_reported_of_the_run_that_halved_them() -> None:
     """A run that goes on with the user's steps does not repeat the note of the one before."""
     first = run(pendulum(), 0.1, step=0.05, step_error=1e-5, progress=False)
     assert first.counters["rejected_steps"] and any("halved" in note for note in first.notes)

@@ -45,7 +45,7 @@ def test_a_spring_holds() -> None:
     assert not fall_notes(scene, run.history)
 
 
-def test_signs_of_preloads_are_told() -> None:
+def test_signs_of_preloads_are_reported() -> None:
     scene = wf.Scene()
     body = scene.add_rigid_body(1.0, (1, 1, 1), name="body")
     guide = scene.add(wf.joints.Prismatic(scene.ground, body.at(ORIGIN), axis=(0, 0, 1)))
@@ -70,7 +70,7 @@ def test_a_lumped_contact_that_never_touches_is_named() -> None:
 
 
 def test_reports_at_rest_do_not_alarm() -> None:
-    """A body that hangs still: the shares of nothing are not told, and round-off is no figure."""
+    """A body that hangs still: the shares of nothing are not reported, and round-off is no figure."""
     scene = wf.Scene(gravity=(0.0, 0.0, -G))
     body = scene.add_rigid_body(1.0, (0.1, 0.1, 0.1), name="body", position=(0.0, 0.0, 1.0))
     scene.add(wf.joints.Fixed(scene.ground, body.at(ORIGIN), name="foot"))

@@ -78,8 +78,8 @@ def modes(body: ReducedBody, **values: float) -> np.ndarray:
 
 
 def test_sizes_by_hand(plain_body: ReducedBody) -> None:
-    """One mode each: w^2 J1/(2 omega^2 q), w^2 J2/omega^2, 2 w G omega_0 q/(omega_1 omega_0 q); momentum beside J0
-    w."""
+    """One mode each: w^2 J1/(2 omega^2 q), w^2 J2/omega^2, 2 w G omega_0 q/(omega_1 omega_0 q); momentum compared with
+    J0 w."""
     omega = 2.0 * np.pi * plain_body.frequencies
     w, q, rate = 300.0, 2e-5, 1.5
     spin, zero = (0.0, 0.0, w), modes(plain_body)

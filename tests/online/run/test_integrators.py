@@ -254,7 +254,7 @@ def test_damping_takes_what_the_ledger_says(body: ReducedBody, integrator: Any) 
 
 
 def test_several_bodies_and_stages_of_a_flight(body: ReducedBody) -> None:
-    """A rigid body beside the flexible one; two halves are the whole, and a device run goes on on the host."""
+    """A rigid body next to the flexible one; two halves are the whole, and a device run goes on on the host."""
 
     def scene() -> Scene:
         found = tumbling(body, gravity=(0.0, 0.0, -9.81))

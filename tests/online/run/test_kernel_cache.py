@@ -79,7 +79,7 @@ def test_nothing_is_sealed_after_an_error(cache: Path) -> None:
 def test_a_cache_that_may_not_be_written_to(
     cache: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """Without seals it is used as it is; damage that a seal tells is said."""
+    """Without seals it is used as it is; damage that a seal shows is reported."""
 
     def refuse(folder: Path) -> None:
         raise PermissionError(13, "Permission denied")

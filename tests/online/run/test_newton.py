@@ -15,7 +15,7 @@ ROUND_OFF = 1e-10  # residuals below this are round-off of the joint equations
 # the tangent leaves out how the grids' phases follow a tilt: then the tail is linear, with this factor at most
 FIXED_PHASE = 0.02
 # residual <= QUADRATIC * (residual before)^2: a turn of 0.03 rad in one step bends joint equations by its square, which
-# is large beside a penetration of 1e-4 m; measured 0.001 to 2300
+# is large compared with a penetration of 1e-4 m; measured 0.001 to 2300
 QUADRATIC = 5e3
 
 

@@ -34,7 +34,7 @@ def test_laps_that_stick_are_as_if_grown_together() -> None:
 
 
 def test_without_friction_the_upper_block_slides() -> None:
-    """Two translations and a turn in the plane have no stiffness but what the load has beside its arms."""
+    """Two translations and a turn in the plane have no stiffness but what the load has at its arms."""
     modes = eigenmodes(two_blocks(friction=0.0), 12)
     soft = modes.frequencies < 5.0
     assert np.sum(soft) >= 3 and modes.frequencies[~soft].min() > 1e4

@@ -22,7 +22,7 @@ from warpffrf.online.history.history import History
 from warpffrf.online.run import finish
 
 SIZE = (0.03, 0.016, 0.004)  # m
-LARGE = 1e3  # N: round-off of places is nothing beside it
+LARGE = 1e3  # N: round-off of places is nothing compared with it
 PLACES = 1e-6  # N: round-off of places, 1e-15 of 0.03 m, times the stiffness of the faces, 4e10 N/m
 
 

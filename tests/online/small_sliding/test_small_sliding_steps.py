@@ -1,5 +1,5 @@
-"""Load steps of joints that are stiff beside their bodies: faces that touch to begin with, loads that turn back, and
-forces that cancel."""
+"""Load steps of joints that are stiff compared with their bodies: faces that touch to begin with, loads that turn back,
+and forces that cancel."""
 
 from __future__ import annotations
 

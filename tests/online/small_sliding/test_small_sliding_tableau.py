@@ -1,5 +1,5 @@
-"""The tableau of small-sliding contacts on the device beside dense matrices, while more cells change over than stand
-beside a table."""
+"""The tableau of small-sliding contacts on the device compared with dense matrices, while more cells change over than
+stand next to a table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Two runs beside each other: differences in closed form, other times, quaternions of either sign, what is told."""
+"""Two runs side by side: differences in closed form, other times, quaternions of either sign, what is reported."""
 
 from __future__ import annotations
 
@@ -90,9 +90,9 @@ def test_only_common_times_count(body: ReducedBody) -> None:
         wf.compare(a, run_on(body, np.linspace(3.0, 4.0, 5)))
 
 
-def test_round_off_and_what_one_lacks_are_told(body: ReducedBody) -> None:
+def test_round_off_and_what_one_lacks_are_reported(body: ReducedBody) -> None:
     a, b = run_on(body), run_on(body)
-    b.history.contacts[PAIR].torque[:] = 1.0  # beside nothing of its quantity: A is zero
+    b.history.contacts[PAIR].torque[:] = 1.0  # compared with nothing of its quantity: A is zero
     del b.history.energy["potential"]
     b.history.energy["kinetic"][3] = np.nan
     found = wf.compare(a, b)
@@ -155,7 +155,7 @@ def test_round_off_is_no_difference(body: ReducedBody) -> None:
     assert high - low >= 1e-6
 
 
-def test_sensors_of_other_units_are_not_beside_each_other(body: ReducedBody) -> None:
+def test_sensors_of_other_units_share_no_axes(body: ReducedBody) -> None:
     """0.5 m is no round-off of 1e9 Pa."""
     a, b = run_on(body), run_on(body, factor=0.5)
     for run in (a, b):
@@ -205,7 +205,7 @@ def test_settings_are_shown_by_what_they_are(tmp_path: Path) -> None:
 
 
 def test_items_that_only_one_run_has_are_named_together() -> None:
-    """Beside a single one, which is a setting of its own."""
+    """Compared with a single one, which is a setting of its own."""
     scene = swing(spring=True)
     bob = scene.body("bob")
     for n in range(5):
@@ -217,7 +217,7 @@ def test_items_that_only_one_run_has_are_named_together() -> None:
     assert wf.compare(without, with_more).settings["force: only in B"] == ("-", many)
 
 
-def test_what_is_small_beside_its_like_comes_last(body: ReducedBody) -> None:
+def test_what_is_small_compared_with_its_like_comes_last(body: ReducedBody) -> None:
     """A torque of 1e-5 of what the largest force makes about the machine, after a force that differs by 1 %."""
     a, b = run_on(body), run_on(body)
     contact = b.history.contacts[PAIR]

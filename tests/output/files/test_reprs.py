@@ -153,7 +153,7 @@ def test_no_module_of_the_model_is_left_with_a_bare_look() -> None:
         assert issubclass(kind, reprs.Item)
 
 
-def test_the_files_of_a_result_are_told(tmp_path: Path) -> None:
+def test_the_files_of_a_result_are_reported(tmp_path: Path) -> None:
     from warpffrf.output.written_file import Written
 
     file = tmp_path / "run.h5"

@@ -288,7 +288,7 @@ def test_a_finished_run_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         simulate("sparse", None, resume=True)
 
 
-def test_two_runs_into_one_file_are_told_apart(server: subprocess.Popen[str], tmp_path: Path) -> None:
+def test_two_runs_into_one_file_are_distinguished(server: subprocess.Popen[str], tmp_path: Path) -> None:
     file = tmp_path / "run.h5"
     program = Program(server, "plain", file)
     try:

@@ -101,7 +101,7 @@ def test_a_roller_has_its_crown_and_its_ends(rollers: wf.Result) -> None:
     assert rho.max() == pytest.approx(0.5 * D, rel=ROUND_OFF)
 
 
-def test_ribs_stand_beside_the_rollers(rollers: wf.Result) -> None:
+def test_ribs_stand_next_to_the_rollers(rollers: wf.Result) -> None:
     meshes = rigid_meshes(rollers)
     inner, outer = meshes["r inner ring"].points, meshes["ground"].points
     bottom = 0.5 * (PITCH - D) - 0.25e-5

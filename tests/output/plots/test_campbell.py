@@ -1,5 +1,5 @@
-"""Campbell diagrams beside closed forms: a rigid rotor on springs with its gyroscopic moment, in world axes; in axes
-that turn a body that wobbles about its axis, a disc on a light shaft (forward, backward, critical speed), a shaft
+"""Campbell diagrams compared with closed forms: a rigid rotor on springs with its gyroscopic moment, in world axes; in
+axes that turn a body that wobbles about its axis, a disc on a light shaft (forward, backward, critical speed), a shaft
 alone, and the waves of a ring. All are seen from both frames."""
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ def test_it_is_drawn_and_made_a_table(diagram: Campbell) -> None:
 
 
 def wobbling(speed: float) -> Result:
-    """A body of three different moments on a ball joint, which has turned about its third axis for a while."""
+    """A body of three different moments on a ball joint, which has rotated about its third axis for a while."""
     scene = wf.Scene()
     top = scene.add_rigid_body(3.0, (1.0, 2.0, 2.7), name="top", angular_velocity=(0, 0, speed))
     scene.add(joints.Spherical(scene.ground, top.at((0.0, 0.0, 0.0))))
@@ -302,7 +302,7 @@ def test_a_state_that_is_not_settled_is_said_aloud(caplog: pytest.LogCaptureFixt
 
 @pytest.mark.parametrize(("turned", "exact"), [(-1j, 1.0), (1j, -1.0), (1.0, 0.0), (-0.5j, 0.8)])
 def test_the_whirl_of_a_flexible_body_is_that_of_its_skin(turned: complex, exact: float) -> None:
-    """Spin about x; points go by (0, 1, turned) and its multiples: 2 Im/(1 + |turned|^2) of an ellipse."""
+    """Spin about x; points go by (0, 1, rotated) and its multiples: 2 Im/(1 + |rotated|^2) of an ellipse."""
     points = np.array([1.0, -2.0, 0.5])[:, None] * np.array([0.0, 1.0, turned])
     body = SimpleNamespace(name="shaft", index=0, mass=3.0, reduced=True)
     found = SimpleNamespace(

@@ -195,7 +195,7 @@ NARROW = 0.09  # m, a column of a journal
 
 
 def legible_and_dark(drawn: Any) -> None:
-    """Text of at least 6.5 points that lies in the figure, on dark paper, and legends beside the curves."""
+    """Text of at least 6.5 points that lies in the figure, on dark paper, and legends next to the curves."""
     figure = drawn.figure
     plt.close(figure)
     figure.canvas.draw()

@@ -1,4 +1,4 @@
-"""Loops of force against displacement beside closed forms, and what they are drawn of by name."""
+"""Loops of force against displacement compared with closed forms, and what they are drawn of by name."""
 
 from __future__ import annotations
 

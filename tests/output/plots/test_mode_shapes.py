@@ -49,7 +49,7 @@ def test_the_moment_at_which_it_is_farthest_is_drawn_over_the_undeformed_skin() 
     assert np.all(moved.reshape(-1, 2) > low) and np.all(moved.reshape(-1, 2) < high)
 
 
-def test_triangles_are_turned_outwards() -> None:
+def test_triangles_are_rotated_outwards() -> None:
     inside_out = MovedSkin(CORNERS, SIDES[:, ::-1], 0.0 * CORNERS)
     assert np.array_equal(outward(inside_out).triangles, SIDES)
     assert np.array_equal(outward(MovedSkin(CORNERS, SIDES, 0.0 * CORNERS)).triangles, SIDES)

@@ -1,4 +1,5 @@
-"""Waterfalls of sines and run-ups in closed form, beside an independent short-time Fourier transform; and refusals."""
+"""Waterfalls of sines and run-ups in closed form, compared with an independent short-time Fourier transform; and
+refusals."""
 
 from __future__ import annotations
 

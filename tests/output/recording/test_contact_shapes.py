@@ -113,7 +113,7 @@ def test_a_plane_carries_the_patch_in_metres() -> None:
     assert contact.half_widths[0] == pytest.approx([a, a], rel=SAMPLED)
     assert contact.center_of_pressure[0] == pytest.approx([away, -2.0 * away], rel=1e-3)
     assert contact.center[0] == pytest.approx(away, rel=1e-3)
-    # beside the common normal the ball's tangent plane is turned by 7e-3 from the block's
+    # off the common normal the ball's tangent plane is rotated by 7e-3 from the block's
     assert contact.curvature(0) == pytest.approx(np.eye(2) / BALL, rel=1e-4, abs=1e-4 / BALL)
     assert contact.mid_peak_pressure[0] == pytest.approx(1e9, rel=1e-3)
 

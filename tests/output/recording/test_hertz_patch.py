@@ -51,7 +51,7 @@ def test_nearly_round_patches_go_over_into_round_ones() -> None:
     assert eccentricity_squared(1.0) == 0.0
 
 
-def test_a_turned_ellipse_has_its_extents() -> None:
+def test_a_rotated_ellipse_has_its_extents() -> None:
     turn = 0.4
     c, s = np.cos(turn), np.sin(turn)
     axes = np.array([[c, -s], [s, c]])

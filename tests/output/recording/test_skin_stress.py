@@ -1,4 +1,5 @@
-"""Stress on skins: a bar pulled and bent beside F/A + M z/I, in VTK files read back; parts of a skin, and none."""
+"""Stress on skins: a bar pulled and bent compared with F/A + M z/I, in VTK files read back; parts of a skin, and
+none."""
 
 from __future__ import annotations
 
@@ -47,7 +48,7 @@ def bar():
 
 @pytest.fixture(scope="module")
 def bent(bar) -> Result:
-    """The bar turned about z, pulled along its axis and bent about its width."""
+    """The bar rotated about z, pulled along its axis and bent about its width."""
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     body = scene.add_body(bar, name="bar", rotation=TURN)
     axis, across = rotate(np.array(TURN), np.eye(3)[:2])
@@ -117,7 +118,7 @@ def test_von_mises_in_a_recording(bent, tmp_path: Path) -> None:
         record(without(bent, "skin", "root"), tmp_path / "none.rrd", color="von_mises")
 
 
-def test_nodes_that_share_a_place_are_told_apart_by_their_order() -> None:
+def test_nodes_that_share_a_place_are_distinguished_by_their_order() -> None:
     nodes = np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0], [3, 0, 0]])
     points = nodes[[3, 1, 2, 4]]  # one of the two at the end: nobody knows whose
     assert same_places(nodes, points).tolist() == [-1, 1, 2, 0, -1, -1]

@@ -1,5 +1,5 @@
-"""What small-sliding contacts do to skins and stresses: beside full finite elements, a body without the joint, and
-closed forms."""
+"""What small-sliding contacts do to skins and stresses: compared with full finite elements, a body without the joint,
+and closed forms."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def on_faces(result: Result, body: str, i: int) -> np.ndarray:
     return found
 
 
-# --- beside full finite elements
+# --- compared with full finite elements
 
 
 LINES = (np.array([0.0, 6.0, 11.0, 18.0, 22.0, 30.0]) * 1e-3, np.array([0.0, 5.0, 9.0, 16.0]) * 1e-3, [0.0, 4e-3])
@@ -159,7 +159,7 @@ def block(
 
 
 def stuck(lower: Any, upper: Any, size: Any, load: Any, turn: Any = (0.0, 0.0, 0.0), spin: float = 0.0) -> Result:
-    """One block on the other, with friction that nothing overcomes; the world turned about its origin by the vector
+    """One block on the other, with friction that nothing overcomes; the world rotated about its origin by the vector
     `turn` (3,) [rad], the upper block by `spin` [rad] about the normal of its face."""
     whole = Rotation.from_rotvec(turn)
     A, own = whole.as_matrix(), whole * Rotation.from_rotvec([0.0, 0.0, spin])

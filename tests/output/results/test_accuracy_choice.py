@@ -38,7 +38,7 @@ REFERENCE = 8  # times the steps of the run: its own error is 1/64 of the run's
 
 
 def off(result: wf.Result, scene: Any, duration: float, **options: Any) -> dict[str, float]:
-    """Root mean square errors of a run beside one of the same scene with an eighth of the step."""
+    """Root mean square errors of a run compared with one of the same scene with an eighth of the step."""
     steps = len(result.time) - 1
     fine = simulate(
         scene,
@@ -74,7 +74,7 @@ def pressed(contact_fixed: bool = False, **options: Any) -> wf.Scene:
 @pytest.mark.parametrize("accuracy", [0.02, 1e-3])
 @pytest.mark.parametrize(("build", "duration"), [(pendulum, 2.0), (driven_mass, 4.0)])
 def test_the_wanted_accuracy_is_kept(build: Any, duration: float, accuracy: float) -> None:
-    """Beside a run with an eighth of the step; and not by brute force: a quarter of the steps would not do."""
+    """Compared with a run with an eighth of the step; and not by brute force: a quarter of the steps would not do."""
     result = simulate(build(), duration, accuracy=accuracy, progress=False)
     assert result.status == "completed"
     errors = off(result, build(), duration)
@@ -83,7 +83,7 @@ def test_the_wanted_accuracy_is_kept(build: Any, duration: float, accuracy: floa
         assert 16.0 * max(errors.values()) > accuracy  # second order: with a quarter of the steps
 
 
-def test_the_scene_is_left_alone_and_choices_are_told() -> None:
+def test_the_scene_is_left_alone_and_choices_are_reported() -> None:
     scene = pressed()
     before = scene.content_hash()
     result = simulate(scene, 0.02, accuracy=0.05, start="equilibrium", progress=False)
@@ -268,7 +268,7 @@ def test_cells_are_never_forced() -> None:
     assert result.scene.contact(PAIR).grid in ("auto", "body_fixed")
 
 
-def test_what_signals_do_too_quickly_is_told() -> None:
+def test_what_signals_do_too_quickly_is_reported() -> None:
     scene = driven_mass()
     pulse = signals.Table([0.0, 0.5, 0.50001, 0.50002, 1.0], [0.0, 0.0, 5.0, 0.0, 0.0])
     scene.add(wf.forces.PointForce(scene.body("bob").at((0, 0, 0)), (pulse, (1, 0, 0))))

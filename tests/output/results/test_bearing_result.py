@@ -184,7 +184,7 @@ def test_plots(ball_209: Result) -> None:
 
 
 def test_a_cage_with_pockets_comes_to_rest() -> None:
-    """Balls beside the load are squeezed out until their pockets hold them, alike on either side."""
+    """Balls next to the load are squeezed out until their pockets hold them, alike on either side."""
     scene = Scene()
     bearing = scene.add_ball_bearing(
         "b", BallGeometry(elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, clearance=10e-6),

@@ -219,7 +219,7 @@ def test_the_report_has_words_of_the_field(patch: Result) -> None:
         assert "creepage        not rolling" in still_text and "T-gamma         not rolling" in still_text
 
 
-def test_too_fast_patches_are_told_of_their_strips(patch: Result) -> None:
+def test_too_fast_patches_are_reported_with_their_strips(patch: Result) -> None:
     friction = patch.contact(PAIR).friction
     friction.cells_per_step[:] = 2.0  # right to 1 %
     assert friction.warning() is None

@@ -1,4 +1,4 @@
-"""What a run says of its own errors, beside the errors that it has."""
+"""What a run says of its own errors, compared with the errors that it has."""
 
 from __future__ import annotations
 
@@ -57,8 +57,9 @@ def true_error(scene: wf.Scene, result: wf.Result, step: float) -> float:
     return float(np.sqrt(np.mean(own.apart(finer.values) ** 2))) / own.size
 
 
-def test_a_body_that_rests_is_beside_the_machine() -> None:
-    """Errors of nanometres of a body that is to rest are not beside its own nanometres where another goes a metre."""
+def test_a_body_that_rests_is_compared_with_the_machine() -> None:
+    """Errors of nanometres of a body that is to rest are not compared with its own nanometres where another goes a
+    metre."""
     scene = wf.Scene()
     scene.add_rigid_body(1.0, (0.01, 0.01, 0.01), name="goer", velocity=(1.0, 0.0, 0.0))
     scene.add_rigid_body(1.0, (0.01, 0.01, 0.01), name="creeper", position=(0, 1, 0), velocity=(1e-9, 0.0, 0.0))
@@ -73,8 +74,9 @@ def test_a_body_that_rests_is_beside_the_machine() -> None:
     assert "motion of body 'still'" not in found
 
 
-def test_a_contact_that_carries_little_is_beside_the_machine() -> None:
-    """Hertz lines of 2 N and 20 kN: of the first errors are beside 20 N, its pressures beside those of 20 N."""
+def test_a_contact_that_carries_little_is_compared_with_the_machine() -> None:
+    """Hertz lines of 2 N and 20 kN: of the first errors are compared with 20 N, its pressures compared with those of 20
+    N."""
     forces = {"heavy": 2e4, "some": 20.0, "light": 2.0}
     contacts = {name: SimpleNamespace(force=np.full((3, 1), F)) for name, F in forces.items()}
     scene = SimpleNamespace(bodies=[])

@@ -1,4 +1,4 @@
-"""What a run says of the errors of the figures that its report prints, beside the errors that these have."""
+"""What a run says of the errors of the figures that its report prints, compared with the errors that these have."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def weighed() -> wf.Result:
 
 
 def test_a_mesh_knows_its_own_error(coarse: Any, fine: Any) -> None:
-    """Beside a second mesh, which itself errs by less than a third."""
+    """Compared with a second mesh, which itself errs by less than a third."""
     true = abs(coarse.mesh_error(fine, half_width=4e-4)["rim"])
     assert true / FACTOR < own_mesh_error(coarse, "rim", (4e-4, 0.01), line=True) < true * FACTOR
 
@@ -93,7 +93,7 @@ def test_loads_give_a_force(weighed: wf.Result, pressed: wf.Result) -> None:
 
 
 def test_a_ball_on_a_plane_is_right(weighed: wf.Result) -> None:
-    """Beside Hertz, and what a ball yields less than a half-space."""
+    """Compared with Hertz, and what a ball yields less than a half-space."""
     errors = points.ball_errors(points.ball(points.STEEL, points.PLAIN), points.LOAD, points.STEEL)
     for kind, true in (
         ("approach", errors.approach),
@@ -105,7 +105,7 @@ def test_a_ball_on_a_plane_is_right(weighed: wf.Result) -> None:
 
 
 def test_the_stress_below_a_contact_is_right() -> None:
-    """Beside Hertz at the load of a ball; what lies deeper than a contact reaches is told apart."""
+    """Compared with Hertz at the load of a ball; what lies deeper than a contact reaches is distinguished."""
     exact = PointContact(points.LOAD, points.BALL_RADIUS, contact_modulus(points.STEEL))
     depths = exact.half_width * np.append(points.DEPTHS, 20.0)
     result = points.weighed(points.ball(points.STEEL, points.PLAIN, depths), points.LOAD, points.STEEL)

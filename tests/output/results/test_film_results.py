@@ -105,8 +105,8 @@ PLACE = np.array([0.4, -0.1, 0.2])
 
 
 def shaft_at(off: np.ndarray, tilt: np.ndarray, *, first: BodyHistory, shape: Any = BORE, second: Any = SHAFT) -> Any:
-    """Motion of the second body whose axis goes through the middle of the film, `off` (2,) [m] beside that of the first
-    along e_0 and e_1, and has turned by `tilt` about that place."""
+    """Motion of the second body whose axis goes through the middle of the film, `off` (2,) [m] from that of the first
+    along e_0 and e_1, and has rotated by `tilt` about that place."""
     A = rot.matrix(first.rotation[0])
     middle = shape.axis_point + MIDDLE * shape.e_a + off @ shape.frame[:2]
     rotation = rot.quaternion(A @ rot.matrix(tilt))
@@ -244,7 +244,7 @@ def test_of_a_flexible_shaft_the_inner_surface_is_the_first() -> None:
     np.testing.assert_allclose(eccentricity(film, bodies, STEPS), np.tile(-OFF, (STEPS, 1)), atol=1e-12)
 
 
-def test_of_a_ball_its_centre_counts_however_it_has_turned() -> None:
+def test_of_a_ball_its_centre_counts_however_it_has_rotated() -> None:
     scene = Scene()
     cup = surfaces.Cup(radius=R, axis_point=CENTER, axis_direction=AXIS)
     ball = surfaces.Sphere(radius=R - CLEARANCE, axis_point=(0.0, 0.001, 0.0), axis_direction=AXIS)
@@ -315,7 +315,7 @@ def test_the_least_film_of_the_last_part_of_a_run(result: Result) -> None:
     assert f"(least {gap[-2:].min() * 1e6:.5g})" in part.report(progress=False)
 
 
-def test_errors_are_told_of_the_force(history: History) -> None:
+def test_errors_are_reported_of_the_force(history: History) -> None:
     assert quantities(history)["force of film 'bearing'"].size > np.linalg.norm(PRESSED)
 
 

@@ -20,7 +20,8 @@ PLACED: dict[str, Any] = {"axis_point": (0, 0, 0), "axis_direction": Y}
 
 def cushions(count: int) -> wf.Scene:
     """Rollers that their own springs press on rings, which other springs hold, with a grid each of their own kind: one
-    flexible roller, in as many places, on the flat ground, under growing loads; and rigid ones, lumped, beside them."""
+    flexible roller, in as many places, on the flat ground, under growing loads; and rigid ones, lumped, next to
+    them."""
     mesh = wf.mesh.roller(0.01, 0.005, 0.004, sectors=60, layers=2, axial=1, order=1)
     roller = wf.reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, cache=False,
@@ -48,7 +49,7 @@ def result() -> Result:
     return wf.simulate(cushions(COUNT), 2e-4, step=1e-4, start="equilibrium", progress=False)
 
 
-def test_a_bearing_is_told_on_one_screen(result: Result) -> None:
+def test_a_bearing_is_reported_on_one_screen(result: Result) -> None:
     assert result.status == "completed", result.message
     every, few = (result.report(progress=False, pairs=pairs).splitlines() for pairs in ("all", "folded"))
     assert len(every) > 10 * COUNT

@@ -41,7 +41,7 @@ def like(found: wf.Modes, exact: wf.Modes) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def compared() -> tuple[np.ndarray, np.ndarray]:
-    """True and stated errors of bodies with few vibration modes; the true ones beside one with 40."""
+    """True and stated errors of bodies with few vibration modes; the true ones compared with one with 40."""
     true, stated = [], []
     few, many = [beam(modes=count) for count in (2, 4, 8)], beam(modes=40)
     for mass in (0.0, 1.0):

@@ -156,7 +156,7 @@ def test_a_thin_slip_annulus_is_warned_about(cells: int, warned: bool) -> None:
         assert not warned or f"may err by about {friction.loss_error:.0%}" in str(friction.warning())
 
 
-def test_more_than_a_cell_a_step_is_warned_about(body) -> None:
+def test_more_than_a_cell_per_step_is_warned_about(body) -> None:
     result = Result(add_friction(make_history(body), cells=2.5))
     warning = result.contact("lower-upper").friction.warning()
     assert warning is not None and "2.5 cells per step, in 9 of 9" in warning and "2.5 times shorter" in warning

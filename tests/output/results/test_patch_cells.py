@@ -183,7 +183,7 @@ def test_forces_are_those_of_the_cells(result: Result) -> None:
     assert np.ptp(contact.history.cells.column) > 0.1  # the patch has travelled
 
 
-def test_hertz_beside(result: Result) -> None:
+def test_compared_with_hertz(result: Result) -> None:
     contact = result.contact(PAIR)
     hertz = contact.hertz(-1)
     assert contact.half_width[-1] == pytest.approx(hertz.half_width, rel=0.02)  # a strip is 0.24 half-widths
@@ -221,7 +221,7 @@ def test_skins_are_pressed_in(result: Result) -> None:
         near = np.argmin(np.linalg.norm(world - [0.0, 0.0, R], axis=1))
         # a node within half a spacing: pressed in by a part of the body's own half of the approach
         assert 0.2 * 0.5 * APPROACH < sign * moved[near, 2] < 0.5 * APPROACH
-    # the node that the patch is over has the pressure of its cell, one beside it none
+    # the node that the patch is over has the pressure of its cell, one next to it none
     skin = skins["lower"]
     angle = 2.0 * np.pi / SECTORS
     at = np.flatnonzero(np.hypot(skin.points[:, 0], skin.points[:, 2]) > R * (1.0 - 1e-9))

@@ -135,7 +135,7 @@ def test_invariants_do_not_turn() -> None:
 
 @pytest.mark.parametrize("closed", [True, False])
 def test_traction_coefficients_invert_the_gram_matrix(closed: bool) -> None:
-    """A full turn, and an arc of which the grid is a part: beside that there is no traction."""
+    """A full turn, and an arc of which the grid is a part: outside that there is no traction."""
     rng = np.random.default_rng(1)
     columns, rows, pitch, first = 9, 3, 0.1, 2
     gram_z = np.diag([2.0, 4.0, 2.0]) + 0.5 * (np.eye(3, k=1) + np.eye(3, k=-1))

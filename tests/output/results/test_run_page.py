@@ -46,7 +46,7 @@ def test_each_figure_of_the_report_is_on_the_page(swing: Result) -> None:
     assert report.run[0].text in page.text and "4 joints 'pin of bob 1' to 'pin of bob 4'" in page.text
 
 
-def test_errors_stand_beside_the_figures_and_sources_with_their_cures(history: Any) -> None:
+def test_errors_stand_next_to_the_figures_and_sources_with_their_cures(history: Any) -> None:
     history.budget = [
         BudgetLine("FE mesh", "force of contact 'lower-upper'", 0.03, "a rule", "a finer mesh"),
         BudgetLine("time step", "force of contact 'lower-upper'", 0.04, "run again", "a smaller step"),

@@ -1,4 +1,5 @@
-"""Inertia "auto" of a shaft that a motor sets turning: beside a Jeffcott rotor, and the same however the run is cut."""
+"""Inertia "auto" of a shaft that a motor sets turning: compared with a Jeffcott rotor, and the same however the run is
+cut."""
 
 from __future__ import annotations
 
@@ -80,7 +81,7 @@ def test_modes_about_the_end_of_a_run_up_have_its_inertia(shaft: ReducedBody) ->
 
 
 def test_a_run_up_is_the_same_however_it_is_cut(shaft: ReducedBody, tmp_path: Path) -> None:
-    """In two runs, beside a machine that stays slow, and resumed after a stop before and after it has begun anew."""
+    """In two runs, next to a machine that stays slow, and resumed after a stop before and after it has begun anew."""
     whole = wf.simulate(rotor(shaft, 100.0), 0.06, step=1e-3, progress=False)
     scene = rotor(shaft, 100.0)
     first = wf.simulate(scene, 0.03, step=1e-3, progress=False)

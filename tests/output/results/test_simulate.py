@@ -77,7 +77,7 @@ def test_arguments_reach_the_engine_and_files_are_written(
     assert (tmp_path / "r.rrd").stat().st_size > 0
 
 
-def test_files_are_told_with_their_sizes_and_seconds(
+def test_files_are_reported_with_their_sizes_and_seconds(
     calls: list, scene: Any, history: History, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     history.notes.append("something was left out")

@@ -92,7 +92,7 @@ def test_the_budget_of_a_motion_includes_small_sliding() -> None:
 
 
 def test_both_prongs_have_the_pressure_and_opposite_tractions() -> None:
-    """On the nodes of the slot, beside each other as the meshes match; forces on the body's small-sliding contacts are
+    """On the nodes of the slot, side by side as the meshes match; forces on the body's small-sliding contacts are
     those of cells."""
     found = wf.equilibrium(fork())
     lap, skin = found.contact("slot"), found.skins()["fork"]

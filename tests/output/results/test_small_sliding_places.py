@@ -1,4 +1,4 @@
-"""Small-sliding contacts laid flat, faces that slide as wholes, and slip zones, beside what is known of them."""
+"""Small-sliding contacts laid flat, faces that slide as wholes, and slip zones, compared with what is known of them."""
 
 from __future__ import annotations
 

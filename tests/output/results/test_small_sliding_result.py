@@ -165,7 +165,7 @@ def test_a_force_beyond_friction_is_said_to_make_the_joint_slide() -> None:
     assert found is not None and float(found[1]) == pytest.approx(1.0 / 1.25, rel=1e-3)
 
 
-def test_slides_beside_cells_are_told(result: Result, lap: SmallSlidingResult) -> None:
+def test_slides_compared_with_cells_are_reported(result: Result, lap: SmallSlidingResult) -> None:
     assert not any("partners of cells" in warning for warning in lap.warnings())
     far = replace(lap.history, slip=lap.slip + [0.8 * SLIDES * lap.size[0], 0.8 * SLIDES * lap.size[0]])
     found = SmallSlidingResult(far, lap.view, lap.time, result.history.bodies)
@@ -258,7 +258,7 @@ def test_the_part_of_a_run_from_a_time_on(result: Result, lap: SmallSlidingResul
         result.since(9.0)
 
 
-def test_errors_are_told_of_force_and_loss(result: Result, lap: SmallSlidingResult) -> None:
+def test_errors_are_reported_of_force_and_loss(result: Result, lap: SmallSlidingResult) -> None:
     found = quantities(result.history)
     assert found["loss of contact 'lap'"].size == pytest.approx(lap.loss[-1])
     assert found["force of contact 'lap'"].size > PRESSED

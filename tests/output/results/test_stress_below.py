@@ -1,5 +1,5 @@
-"""Stress below a patch: Hertz's closed forms beside the half-space, independent ones and the numbers of the books; the
-pressure of runs beside Hertz."""
+"""Stress below a patch: Hertz's closed forms compared with the half-space, independent ones and the numbers of the
+books; the pressure of runs compared with Hertz."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def approach_correction(half_width: float, radius: float, material: Material) ->
     a = require_number(half_width, "elastic sphere: half_width", positive=True)
     R = require_number(radius, "elastic sphere: radius", positive=True)
     if a > 0.2 * R:
-        raise InputError(f"elastic sphere: half_width {a:g} is not small beside the radius {R:g}")
+        raise InputError(f"elastic sphere: half_width {a:g} is not small compared with the radius {R:g}")
     lame, G = material.lame
     nu = material.poisson_ratio
     x, w = np.polynomial.legendre.leggauss(POINTS)

@@ -30,8 +30,9 @@ Sparse = Any
 @dataclass(frozen=True)
 class Basis:
     """at (points, 2) [m], weights (points,) [m2]; value, slope_x, slope_z (points, unknowns); between (points, nodes);
-    to_hats (nodes, unknowns); beside (voids,): the unknown replaced by a cavity volume, whose equation alone it enters;
-    area (voids,) [m2], and outflows (voids, voids) [m] of cavities per speed around, for both signs of it."""
+    to_hats (nodes, unknowns); `beside` (voids,): the unknown replaced by a cavity volume, whose
+    equation alone it enters; area (voids,) [m2], and outflows (voids, voids) [m] of cavities per speed around, for both
+    signs of it."""
 
     at: Array
     weights: Array

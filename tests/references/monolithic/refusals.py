@@ -66,13 +66,13 @@ def refuse_films(scene: Any, local: str, variant: str) -> None:
         elif not film.b.rigid:
             beyond, cure = f"has a rigid second surface of a film only, {film.b.label} is flexible", "make it rigid"
         elif film.mixed.asperities is not None:
-            beyond, cure = "has no asperities beside a film", "leave asperities out"
+            beyond, cure = "has no asperities in addition to a film", "leave asperities out"
         elif film.mixed.deviation > 0.0:
             beyond, cure = "has smooth walls of films only", "leave roughness out"
         elif film.oil.density is not None:
             beyond, cure = "has oils of constant density only", "leave density out"
         elif scene.finite_sliding:
-            beyond, cure = "has films without contacts beside them", "take the contacts out"
+            beyond, cure = "has films without contacts in addition to them", "take the contacts out"
         elif local != "quasi_static":
             beyond, cure = "has films on quasi-static local modes only", "take local='quasi_static'"
         elif variant != "full":

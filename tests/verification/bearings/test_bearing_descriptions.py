@@ -86,7 +86,7 @@ THICKER = np.array([0.0, 4.0, 0.0, 0.0, -3.0, 0.0, 1.0]) * UM
 
 
 def reference(form: Any, turned: float, radial: float) -> np.ndarray:
-    """Loads (7,) [N]: Q = c_P delta^1.5 with delta_j = n_j - t_j^2/d_pw - w(phi_j - turned) + D_j - D, n_j and t_j the
+    """Loads (7,) [N]: Q = c_P delta^1.5 with delta_j = n_j - t_j^2/d_pw - w(phi_j - rotated) + D_j - D, n_j and t_j the
     motion of the inner ring along and across the radius of a ball."""
     book = by_the_book()
     phi = book.angles
@@ -111,7 +111,7 @@ def reference(form: Any, turned: float, radial: float) -> np.ndarray:
 
 @pytest.mark.parametrize(("form", "turned"), [(OVAL, 0.0), (WAVY, 0.7)])
 def test_loads_follow_the_form_of_the_raceway(form: Any, turned: float) -> None:
-    """An outer ring that is oval and wavy, as built and turned in its seat, and balls of different sizes."""
+    """An outer ring that is oval and wavy, as built and rotated in its seat, and balls of different sizes."""
     scene = Scene()
     ring = scene.add_rigid_body(1.0, (1e-3,) * 3, name="ring", rotation={"axis": (0, 0, 1), "angle": 0.3})
     bearing = scene.add_ball_bearing(
@@ -181,7 +181,7 @@ def test_thrust_tilts_rollers() -> None:
     drop = 0.00035 * diameter * np.log(1.0 / (1.0 - (2.0 * x / length) ** 2))
     stiffness = 35948.0 * length ** (8.0 / 9.0) / n * 2.0 ** (10.0 / 9.0)
 
-    couple = 2.0 * (END - 0.5 * LENGTH) * thrust / 8.0 / np.cos(lean)  # of forces along the axis of the roller, turned
+    couple = 2.0 * (END - 0.5 * LENGTH) * thrust / 8.0 / np.cos(lean)  # of forces along the axis of the roller, rotated
 
     def excess(tilt: float) -> float:
         pressed = [np.maximum(0.25 * tight / MM + sign * tilt * x - drop, 0.0) ** (10.0 / 9.0) for sign in (1.0, -1.0)]

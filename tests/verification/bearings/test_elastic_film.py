@@ -1,4 +1,5 @@
-"""A shaft in an elastic bore, on nodes by Newton's method: beside the rigid one, Barus' transform and dry contact."""
+"""A shaft in an elastic bore, on nodes by Newton's method: compared with the rigid one, Barus' transform and dry
+contact."""
 
 from __future__ import annotations
 
@@ -17,7 +18,7 @@ RADIUS, LENGTH, CLEARANCE, VISCOSITY, SPEED = 0.025, 0.025, 25e-6, 0.01, 300.0  
 COLUMNS, ROWS, FEED = 64, 9, 32
 ROUGH = ExponentialAsperities(2e9, 0.2e-6, 2.8e-6).curve
 BALANCED = 1e-6  # of a load that is balanced to 1e-8 in steps that still squeeze by 1e-6 of the clearance
-# load and largest pressure of nodes of p beside nodes of its transform, of second order: 0.7 and 1.4 % measured
+# load and largest pressure of nodes of p compared with nodes of its transform, of second order: 0.7 and 1.4 % measured
 BARUS, BARUS_PEAK = 0.01, 0.02
 MOST = 60  # iterations from rest, promised
 STRIPS_PLACE, STRIPS_THIN, STRIPS_HIGH = 2e-3, 0.01, 0.03  # of eccentricity, smallest film, largest pressure, promised
@@ -93,8 +94,8 @@ def test_rest_is_found_from_a_full_film(bore: ReducedBody, load: float) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("load", [2e3, 20e3])
-def test_strips_beside_all_nodes(load: float) -> None:
-    """126 unknowns beside 945, at few points."""
+def test_strips_compared_with_all_nodes(load: float) -> None:
+    """126 unknowns compared with 945, at few points."""
     body = sleeves.bore(COLUMNS, 2 * ROWS - 1)
     films = journal(body), journal(body, powers=(0, 2))
     whole, few = (sleeves.Film.of(film, rest(film, load).state) for film in films)

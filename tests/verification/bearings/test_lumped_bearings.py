@@ -46,7 +46,7 @@ def test_the_load_is_shared_as_in_a_bearing(
 
 
 def tilted_roller(tilt: float, approach: float, law: laws.LumpedLaw) -> tuple[Scene, LumpedContact]:
-    """A roller held by a joint, its axis turned by `tilt` [rad] about the direction of the load."""
+    """A roller held by a joint, its axis rotated by `tilt` [rad] about the direction of the load."""
     bearing = roller_209()
     element, inner, _ = bearing.surfaces
     scene = Scene()

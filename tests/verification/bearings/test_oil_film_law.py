@@ -1,4 +1,4 @@
-"""The law of films alone, on nodes, beside closed forms, quadrature and finite volumes."""
+"""The law of films alone, on nodes, compared with closed forms, quadrature and finite volumes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ PUBLISHED = 1e-6  # digits of the tables of the closed forms
 LONG = 2e-3  # of the force of a long bearing on 128 columns at an eccentricity of 0.9: 1.4e-3 measured
 SHORT = 0.02  # of a short one of L/D 0.02 on 9 rows: the parabola along the axis, and end flow that goes around
 FINE = (
-    7e-3  # of force and peak on 128 x 17 shape functions beside 360 x 64 volumes; 4 to 6e-3 measured, of second order
+    # of force and peak on 128 x 17 shape functions compared with 360 x 64 volumes; 4 to 6e-3 measured, of second order
+    7e-3
 )
 FINE_ATTITUDE = np.radians(0.1)
 FRONT = 0.06  # of a threshold of stability: the film of the short bearing ends between two columns
@@ -107,7 +108,7 @@ def test_a_short_bearing(eccentricity: float) -> None:
 
 @pytest.mark.parametrize("ratio", [0.5, 1.0])
 @pytest.mark.parametrize("eccentricity", [0.2, 0.8])
-def test_a_finite_bearing_beside_finite_volumes(ratio: float, eccentricity: float) -> None:
+def test_a_finite_bearing_compared_with_finite_volumes(ratio: float, eccentricity: float) -> None:
     length = ratio * 2.0 * RADIUS
     film = journal(length, 128, 17, mode="reynolds")
     state = film.steady(np.array([eccentricity * CLEARANCE, 0.0]))

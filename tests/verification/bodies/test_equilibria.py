@@ -20,7 +20,7 @@ from warpffrf.online.run import find_equilibrium
 STEEL = Material(210e9, 0.3, 7850.0)
 ACROSS = (0.0, 1.0, 0.0)
 
-CAM, FOLLOWER, OFF = 0.030, 0.012, 0.008  # m: radii, and how far the follower moves beside the cam's centre
+CAM, FOLLOWER, OFF = 0.030, 0.012, 0.008  # m: radii, and how far the follower moves off the cam's centre
 
 
 @functools.cache
@@ -33,7 +33,7 @@ def cam_body() -> ReducedBody:
 
 
 def cam_scene(load: float) -> Scene:
-    """An eccentric disc on a rigid shaft; a slide beside its centre carries a roller on a free pin, a spring
+    """An eccentric disc on a rigid shaft; a slide next to its centre carries a roller on a free pin, a spring
     presses."""
     from warpffrf.model.contact import Contact
 

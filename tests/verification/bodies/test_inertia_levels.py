@@ -76,7 +76,8 @@ def test_bar_modes_from_vibration_tend_to_the_same_limit(bar: ReducedBody) -> No
 @pytest.mark.slow
 @pytest.mark.parametrize("level", ["constant", "gyroscopic", "deformed", "full"])
 def test_bar_in_time_settles_to_second_order(bar: ReducedBody, level: str) -> None:
-    """Spun up from rest and settled: beside the stationary state of the same model, which no code of the run made."""
+    """Spun up from rest and settled: compared with the stationary state of the same model, which no code of the run
+    made."""
     exact = rotating_bar.elongation(bar, rotating_bar.stationary(bar, level).q)
     error = rotating_bar.settled_sequence(bar, level, (4e-5, 2e-5, 1e-5)) / exact - 1.0
     assert np.log2(error[:-1] / error[1:]) == pytest.approx(2.0, abs=0.1)
@@ -134,7 +135,7 @@ def test_disc_displacement_and_stress() -> None:
     assert abs(spins[1].rim) < 2e-4 and abs(spins[1].bore) < 1e-3
     assert abs(spins[0].bore / spins[1].bore) > 4.0
     for spin in spins:
-        inside = rotating_disc.PLACES > 0.03  # the row of cells at the bore is coarse beside its radius
+        inside = rotating_disc.PLACES > 0.03  # the row of cells at the bore is coarse compared with its radius
         assert np.abs(spin.radial_stress[inside]).max() < 0.02 and np.abs(spin.hoop_stress[inside]).max() < 0.02
     worst = [max(np.abs(s.radial_stress).max(), np.abs(s.hoop_stress).max()) for s in spins]
     assert worst[1] < 0.6 * worst[0] and worst[1] < 0.025
@@ -173,7 +174,7 @@ def test_ring_frequencies(ring: ReducedBody) -> None:
 @pytest.mark.parametrize("level", ["gyroscopic", "full"])
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_pattern_lags_behind_the_ring(ring: ReducedBody, n: int, level: str) -> None:
-    """In time: within 0.5 % of theory; beside the eigenvalues of the same model of order 2, and to 1e-6."""
+    """In time: within 0.5 % of theory; compared with the eigenvalues of the same model of order 2, and to 1e-6."""
     exact = spinning_ring.exact_lag(ring, n, level)
     assert exact == pytest.approx(spinning_ring.thin_lag(n), rel=1e-3)
     rates = [spinning_ring.measured_lag(ring, n, spinning_ring.spinning(ring, n, level, h)) for h in (2e-5, 1e-5, 5e-6)]

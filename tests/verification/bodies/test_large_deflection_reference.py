@@ -65,7 +65,7 @@ def test_rigid_rotation_gives_no_stress() -> None:
     turn = Rotation.from_rotvec([0.7, -1.9, 2.2]).as_matrix()
     u = (body.mesh.points @ (turn - np.eye(3)).T + [0.1, 0.2, -0.3]).ravel()
     assert np.abs(body.stress(u)).max() < 1e-12 * STEEL.youngs_modulus
-    # and a state that is turned has the turned forces
+    # and a state that is rotated has the rotated forces
     v = u + 1e-3 * np.random.default_rng(2).standard_normal(body.size)
     back = (v.reshape(-1, 3) @ turn + body.mesh.points @ (turn - np.eye(3))).ravel()
     forces = body.forces(back).reshape(-1, 3) @ turn.T

@@ -1,4 +1,4 @@
-"""Reduced plates with membrane energy beside full finite elements of the same mesh: deflections and stresses."""
+"""Reduced plates with membrane energy compared with full finite elements of the same mesh: deflections and stresses."""
 
 from __future__ import annotations
 

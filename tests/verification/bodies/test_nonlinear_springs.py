@@ -217,7 +217,7 @@ def test_weight_hangs_at_the_root_and_vibrates_with_the_tangent(name: str, kind:
     assert not any("kink" in note for note in found.notes)
 
 
-def test_a_kink_where_a_body_rests_is_told() -> None:
+def test_a_kink_where_a_body_rests_is_reported() -> None:
     notes = find_modes(on("joint_spring_damper", STATIC_CURVES["stop"])).notes
     assert any("characteristic of force 'element' has a kink" in note for note in notes)
 

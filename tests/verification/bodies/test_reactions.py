@@ -60,7 +60,7 @@ def tensor(name: str) -> np.ndarray:
 
 
 def crane(rate: float, turned: float = 0.0) -> Scene:
-    """The crane slewing at `rate` [rad/s], its pose turned by `turned` [rad] about the slewing axis; the user frames
+    """The crane slewing at `rate` [rad/s], its pose rotated by `turned` [rad] about the slewing axis; the user frames
     of the bodies lie anyhow."""
     scene, spin = Scene(gravity=GRAVITY), rate * Z
     R = rot.rotation_vector_matrix(turned * Z)

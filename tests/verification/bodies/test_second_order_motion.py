@@ -1,4 +1,5 @@
-"""Second-order motion in pictures: a cantilever's skin beside the elastica, its ends, and small motions about it."""
+"""Second-order motion in pictures: a cantilever's skin compared with the elastica, its ends, and small motions about
+it."""
 
 from __future__ import annotations
 

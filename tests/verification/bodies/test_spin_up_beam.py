@@ -1,6 +1,7 @@
-r"""The spin-up of a beam, J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855, beside beam elements without limit.
+r"""The spin-up of a beam, J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855, compared with beam elements without
+limit.
 
-A beam of L = 10 m, EA = 2.8e7 N, EI = 1.4e4 N m2, rhoA = 1.2 kg/m, rhoI = 6e-4 kg m is turned about one end by
+A beam of L = 10 m, EA = 2.8e7 N, EI = 1.4e4 N m2, rhoA = 1.2 kg/m, rhoI = 6e-4 kg m is rotated about one end by
 
     psi(t) = (6/15) [t^2/2 + (15/2 pi)^2 (cos(2 pi t/15) - 1)],     t < 15 s;     6 t - 45  from there on.
 
@@ -82,7 +83,7 @@ def spun() -> wf.Result:
 
 
 def test_forces_of_the_beam_elements_are_derivatives() -> None:
-    """By central differences, whose error is 1e-9 at this step; a beam that is turned whole has no forces."""
+    """By central differences, whose error is 1e-9 at this step; a beam that is rotated whole has no forces."""
     elements = beam(3)
     rng = np.random.default_rng(1)
     rest = np.zeros((7, 3))

@@ -80,7 +80,7 @@ def test_stress_below_a_point() -> None:
         assert abs(float(error.rstrip("%"))) < 100.0 * bound
 
 
-def test_a_patch_at_the_edge_of_its_surface_is_told() -> None:
+def test_a_patch_at_the_edge_of_its_surface_is_reported() -> None:
     """The surface ends half a spacing inside its facets, and takes half of the patch away."""
     body = cp.ball(cp.STEEL, cp.PLAIN)
     result = cp.weighed(body, cp.LOAD, cp.STEEL, lean=0.5 / cp.PLAIN.elements)

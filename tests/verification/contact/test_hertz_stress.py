@@ -30,8 +30,8 @@ VALUE_ERROR, DEPTH_ERROR = 0.03, 0.05  # what stress recovery promises at that s
 
 
 def largest(depth: np.ndarray, shear: np.ndarray) -> tuple[float, float]:
-    """Depth and value of the maximum of a smooth curve through the samples beside it: the maximum is flat (5 % of depth
-    change it by 0.1 %), and the interpolated stress has its kinks at the nodes."""
+    """Depth and value of the maximum of a smooth curve through the samples next to it: the maximum is flat (5 % of
+    depth change it by 0.1 %), and the interpolated stress has its kinks at the nodes."""
     near = (depth > 0.45) & (depth < 1.25)
     curve = np.polynomial.Polynomial.fit(depth[near], shear[near], 4)
     fine = np.linspace(0.5, 1.2, 701)

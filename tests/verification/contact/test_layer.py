@@ -19,7 +19,7 @@ from warpffrf.online.run import find_equilibrium, run
 
 WIDTH, RADIUS = 0.02, 0.05
 BED = 0.01  # of load and half-width: 8 nodes per half-width; the rollers deform by 0.1 % of the approach
-NOTHING = 1e-3  # of pressure: what the stiff layer still yields beside the rollers
+NOTHING = 1e-3  # of pressure: what the stiff layer still yields in addition to the rollers
 CLOSES = 0.01  # of the energy moved: the contact grid's own defect while rolling up and down the load
 
 

@@ -1,4 +1,5 @@
-"""The loss of a cycle in micro-slip of two spheres, and the error that is stated with it, beside the closed form."""
+"""The loss of a cycle in micro-slip of two spheres, and the error that is stated with it, compared with the closed
+form."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from scenes.half_space import PAIR, STEEL, rolling, simulated
 
 FRICTION, SPEED, WIDTH = 0.3, 1.0, 0.01
 HALF_WIDTH = 1.5e-3  # m
-# m: the plane's surface bends to an arc, along which its length is (x/R)^2/2 longer: beside a creepage of about
+# m: the plane's surface bends to an arc, along which its length is (x/R)^2/2 longer: compared with a creepage of about
 # 0.1 mu a/R that is a/R over mu, 0.1 %
 RADIUS = 5.0
 CROSSINGS = 10

@@ -79,7 +79,7 @@ def test_steady_sliding_transmits_mu_of_the_speed(body: ReducedBody, name: str, 
     ("decay", "stiffness", "step", "cure"),
     [(2e-2, 4e4, 2e-3, "take a shorter step"), (1e-4, 4e5, 1e-4, "let the coefficient fall over higher speeds")],
 )
-def test_a_fall_too_steep_for_the_step_is_told(
+def test_a_fall_too_steep_for_the_step_is_reported(
     body: ReducedBody, decay: float, stiffness: float, step: float, cure: str
 ) -> None:
     """M/(beta |mu'| N) = 0.9 ms in the first case, less than the step; in the second the surface itself snaps."""

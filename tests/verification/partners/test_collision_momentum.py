@@ -1,4 +1,4 @@
-"""Two free bodies of new shapes collide: a spinning ball strikes a block beside its middle, with friction."""
+"""Two free bodies of new shapes collide: a spinning ball strikes a block off its middle, with friction."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A plate on four revolute corners, beside full finite elements of the same mesh: membrane energy together with
+"""A plate on four revolute corners, compared with full finite elements of the same mesh: membrane energy together with
 interfaces that move, at rest and after a sudden load."""
 
 from __future__ import annotations

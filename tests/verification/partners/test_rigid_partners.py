@@ -28,7 +28,7 @@ TORQUE = 1e-12  # of force times radius
 
 def grounded(body: ReducedBody, shape: Any, approach: Any, angle: Any = 0.0, *, along: Any = (0.0, 0.0, -1.0)) -> Scene:
     """The roller on a driven axle along y, moved by `approach` (n,) [m] along `along` from its place in the world and
-    turned by `angle` (n,) [rad]; state i at time i. `shape` is a surface of the ground."""
+    rotated by `angle` (n,) [rad]; state i at time i. `shape` is a surface of the ground."""
     scene = Scene()
     roller = scene.add_body(body, name="roller")
     scene.add(Contact(roller["rim"], scene.ground.surface(shape, name="face"), name="pair", overlap=1.0))

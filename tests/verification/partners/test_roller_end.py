@@ -1,4 +1,5 @@
-"""The pressure at the ends of a roller: reduced bodies in the step beside full finite elements of one quarter."""
+"""The pressure at the ends of a roller: reduced bodies in the step compared with full finite elements of one
+quarter."""
 
 from __future__ import annotations
 

@@ -113,7 +113,7 @@ def test_hertz_where_the_cover_is_deep_enough() -> None:
         assert (abs(peak / hertz.peak_pressure - 1.0) < PEAK) == applies
 
 
-# --- patches that are wide beside the radius: normals that lean ---
+# --- patches that are wide compared with the radius: normals that lean ---
 
 SOFT_CELLS = (480, 12)  # of the reference, for deep walls with a strip all around
 THICK = {"order": 2, "sectors": 240, "layers": 12, "axial": 12}
@@ -164,7 +164,7 @@ def test_what_it_costs_in_thin_and_thick_covers(core: float, approach: float, nu
 
 
 def assert_known(core: float, approach: float, nu: float) -> None:
-    """The load beside that with the normal of the plane, and the estimate that a run notes."""
+    """The load compared with that with the normal of the plane, and the estimate that a run notes."""
     found, _, _ = pressed_cover(RADIUS, core, rubber(nu), approach, *CELLS)
     exact, _, half_width = pressed_cover(RADIUS, core, rubber(nu), approach, *CELLS, exact=True)
     estimate = line_load_error(half_width, RADIUS, RADIUS - core, nu)

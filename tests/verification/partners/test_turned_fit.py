@@ -1,4 +1,4 @@
-"""The closed form of a turned press fit beside sections in a row, joined by springs and Coulomb elements."""
+"""The closed form of a rotated press fit compared with sections in a row, joined by springs and Coulomb elements."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def test_slip_begins_at_the_entry_and_ends_with_all_of_the_seat() -> None:
 
 
 def test_without_shear_of_the_rings_it_is_the_parabola_of_rods() -> None:
-    """A seat of 40 radii, beside which the shear lag is a two-hundredth."""
+    """A seat of 40 radii, compared with which the shear lag is a two-hundredth."""
     long = TurnedFit(replace(FIT, width=0.8))
     k, torque = long.share, 0.7 * long.fit.slip_torque
     shaft, hub = (STEEL.lame[1] * 0.5 * np.pi * J for J in (FIT.radius**4, FIT.outer_radius**4 - FIT.radius**4))

@@ -375,7 +375,7 @@ def numbered(mesh: Mesh, orbits: Orbits, origin: Array, frame: Array) -> tuple[M
     for kind, nodes in mesh.cells.items():
         rows = _by_sector(new_number[nodes], N, nn)
         if rows is None:
-            raise NotPeriodic(f"its {kind} cells cannot be told apart by sectors")
+            raise NotPeriodic(f"its {kind} cells cannot be distinguished by sectors")
         blocks[kind], place = rows
         new_cell[start : start + len(nodes)] = start + place
         start += len(nodes)

@@ -53,7 +53,7 @@ class Shown:
         return f"{type(self).__name__}({', '.join([*parts, *(f'{key}={value}' for key, value in facts.items())])})"
 
     def _picture(self) -> str:
-        """A picture beside the table in a notebook, as HTML; "" if there is none. Errors are logged."""
+        """A picture next to the table in a notebook, as HTML; "" if there is none. Errors are logged."""
         return ""
 
     def _repr_html_(self) -> str:

@@ -164,7 +164,7 @@ def why_apart(first: Triangles, second: Triangles, covered: tuple[float, float])
     elif angle > 60.0:
         why = f"their outward normals are {angle:.0f} degrees from being opposite"
     else:
-        why = "they lie beside each other, far apart, or back to back with material between"
+        why = "they lie side by side, far apart, or back to back with material between"
     return (
         f"{covered[0]:.2g} and {covered[1]:.2g} of their areas overlap, their nearest corners are {apart:.3g} m apart, "
         f"{why}"

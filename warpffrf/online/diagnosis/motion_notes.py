@@ -117,7 +117,7 @@ def load_notes(engine: Engine, energy: dict[str, np.ndarray]) -> list[str]:
     return [
         f"the works of the load steps leave {open_end:.3g} J open, {open_end / max(hand, 1e-300):.1%} of the largest "
         "energy of the ledger (lines numerical and contact grid): the steps are long for the trapezoidal rule, or the "
-        "structure has snapped; a smaller step tells which"
+        "structure has snapped; a smaller step shows which"
     ]
 
 

@@ -306,7 +306,7 @@ def half_turn_notes(laws: dict[str, SpringLaw], bodies: dict[str, BodyHistory], 
         angle = float(np.arccos(np.clip(cosine, -1.0, 1.0)).max())
         if angle > NEAR_HALF_TURN * np.pi:
             notes.append(
-                f"bushing {name!r}: its ports turned by {np.degrees(angle):.3g} degrees against each other; at half a "
+                f"bushing {name!r}: its ports rotated by {np.degrees(angle):.3g} degrees against each other; at half a "
                 "turn its law jumps, the results beyond are wrong; use a joint with springs, or a Bearing for a shaft "
                 "that spins"
             )

@@ -270,7 +270,7 @@ def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
     if linear.lumped:
         notes.append(
             f"closed lumped contacts ({linear.lumped} places) have the stiffness of their laws at the forces they "
-            "carry: the modes are those of vibrations small beside their approaches"
+            "carry: the modes are those of vibrations small compared with their approaches"
         )
     if linear.closed:
         notes.append(

@@ -141,12 +141,12 @@ FILM_FIELDS = (
     Field("film_void_fraction", "void_fraction", "1", "of the volume of the gap"),
     Field("film_oil_volume", "oil_volume", "m3", "in the film, as of the density without pressure"),
     Field("film_asperity_force", "asperity_force", "N", "along the normals, without regard to their direction"),
-    Field("film_largest_asperity_pressure", "largest_asperity_pressure", "Pa", "of asperities beside the oil"),
+    Field("film_largest_asperity_pressure", "largest_asperity_pressure", "Pa", "of asperities, without the oil"),
     Field("film_eccentricity", "eccentricity", "m", "inner against outer axis, e_0 and e_1 of the first", CHART_AXIS),
     Field("film_pressure", "pressure", "Pa", FILM_GRID, FILM_NODES, stacked=False),
     Field("film_gap", "gap", "m", FILM_GRID, FILM_NODES, stacked=False),
     Field("film_void", "void", "m", f"{FILM_GRID}, volume per area", FILM_NODES, stacked=False),
-    Field("film_asperity", "asperity", "Pa", f"{FILM_GRID}, of asperities beside the oil", FILM_NODES, stacked=False),
+    Field("film_asperity", "asperity", "Pa", f"{FILM_GRID}, of asperities, without the oil", FILM_NODES, stacked=False),
 )
 FILM_SECOND_FIELDS = (
     Field(

@@ -149,7 +149,7 @@ def picture(figure: Any, alt: str, caption: str = "") -> str:
 
 
 def plots(pictures: Iterable[str]) -> str:
-    """Pictures beside each other."""
+    """Pictures side by side."""
     return '<div class="plots">' + "\n".join(pictures) + "</div>"
 
 

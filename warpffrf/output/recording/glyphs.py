@@ -1,5 +1,5 @@
 """Arrows of a recording: reactions of joints, applied forces and forces of lumped contacts, and the triad, whose arrows
-have a round length that is written beside them.
+have a round length that is written next to them.
 """
 
 from __future__ import annotations

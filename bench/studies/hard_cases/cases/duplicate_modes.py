@@ -77,7 +77,7 @@ def check(result: Result) -> list[Finding]:
 
 def alike(result: Result, other: Result) -> list[Finding]:
     """The tips of the two beams, over the static deflection."""
-    return [Finding("beside each snapshot once", float(np.abs(tip(result) - tip(other)).max()) / STATIC, 1e-4, 1e-2)]
+    return [Finding("next to each snapshot once", float(np.abs(tip(result) - tip(other)).max()) / STATIC, 1e-4, 1e-2)]
 
 
 CASE = Case(

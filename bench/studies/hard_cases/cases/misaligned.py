@@ -38,7 +38,7 @@ def _body() -> ReducedBody:
 
 
 def scene_of(skew: float, way: float = 1.0) -> Scene:
-    """The upper roller on a damped guide, its axis turned by `skew` [rad]; `way` -1 in the mirror."""
+    """The upper roller on a damped guide, its axis rotated by `skew` [rad]; `way` -1 in the mirror."""
     scene = Scene()
     turned = rot.quaternion(rot.rotation_vector_matrix(way * np.array([TILT, 0.0, skew])))
     lower = scene.add_body(_body(), name="lower")

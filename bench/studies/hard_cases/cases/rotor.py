@@ -80,7 +80,7 @@ def amplitudes() -> tuple[np.ndarray, np.ndarray]:
 
 
 def check(result: Result) -> list[Finding]:
-    """The largest amplitude so far, where that can be told from none."""
+    """The largest amplitude so far, where that can be distinguished from none."""
     place, (times, exact) = result.body("disc").position, amplitudes()
     found = float(np.hypot(place[:, 0], place[:, 2]).max())
     wanted = float(exact[times <= result.time[-1]].max())

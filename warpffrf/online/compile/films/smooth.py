@@ -18,12 +18,12 @@ derivative of a line by the gap, which has the nodes of two cells, is exact with
 of what they change (big end of a connecting rod; steel sleeves of 64 x 9 and 128 x 17 nodes).
 
 The same functions give the motions that the film is coupled to, so that they are completed by what the global modes
-are beside them. With the outward normal n of the first surface, motions of the bodies open the gap by -n and its
+are next to them. With the outward normal n of the first surface, motions of the bodies open the gap by -n and its
 moments, and global modes by their normal displacements; their coefficients in Phi, by least squares, are exact, for
 rigid ones on a cylinder up to the tilt of the second surface.
 
 Openings are interpolated from *stations*: the nodes, or, of profiles, their few points. A compliant second surface B
-moves along them. Its smooth functions come beside those of A, Phi = (Phi_A, S Phi_B), S the seats of the stations on
+moves along them. Its smooth functions come next to those of A, Phi = (Phi_A, S Phi_B), S the seats of the stations on
 B; N has its near part S N_B S^T F besides, N_B = D_B - Phi_B C_B Phi_B^T, and C is block diagonal
 (`warpffrf_kernels.films.smooth`).
 """
@@ -118,7 +118,7 @@ def lines_of(film: Film, basis: Basis, rough: int) -> Lines:
 
 
 def rooms(basis: Basis, lines: Lines, owner: Array, point: Array) -> Array:
-    """Places (entries, some) of the functions at each `point` of a function `owner`, in its room: (column beside its
+    """Places (entries, some) of the functions at each `point` of a function `owner`, in its room: (column next to its
     own + 1, place), -1 where the pressure is given."""
     columns, width = lines.at.shape
     each = basis.functions // columns
@@ -128,7 +128,7 @@ def rooms(basis: Basis, lines: Lines, owner: Array, point: Array) -> Array:
 
 
 def smooth_functions(surface: ContactSurface) -> Array:
-    """Phi (nodes, r), completed by what the global modes are beside it."""
+    """Phi (nodes, r), completed by what the global modes add to it."""
     grid = surface.grid
     if grid.periodic:
         angle = 2.0 * np.pi * np.arange(grid.columns) / grid.columns

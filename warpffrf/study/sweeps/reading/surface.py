@@ -279,7 +279,7 @@ def _plates(name: str, u: np.ndarray, y: np.ndarray) -> Unit:
     except np.linalg.LinAlgError:
         raise InputError(
             f"response of {name!r}: the rows with values stand on a line or a plane between the parameters; sweep rows "
-            "beside it, or choose one value of a parameter with where="
+            "next to it, or choose one value of a parameter with where="
         ) from None
 
 

@@ -1,5 +1,5 @@
-"""What is free beside a large contact force: a load that drives it is no slope, however small it is beside that force,
-and a slope that is held is named with the force or torque on it."""
+"""What is free next to a large contact force: a load that drives it is no slope, however small it is compared with that
+force, and a slope that is held is named with the force or torque on it."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def guided(body: ReducedBody) -> Scene:
 
 
 @pytest.mark.parametrize("inertia", [1e-5, 1e-2])  # it slides, or it turns
-def test_a_pendulum_beside_a_pair_hangs_down(plain_body: ReducedBody, inertia: float) -> None:
+def test_a_pendulum_next_to_a_pair_hangs_down(plain_body: ReducedBody, inertia: float) -> None:
     """Its weight of 0.5 N is 8e-6 of the load. It hangs down as far as what is next to nothing still drives it."""
     scene, tilt = guided(plain_body), np.radians(17.0)
     pin = np.array([0.3, 0.0, 0.0])
@@ -60,7 +60,7 @@ def test_a_pendulum_beside_a_pair_hangs_down(plain_body: ReducedBody, inertia: f
 
 
 def test_a_load_on_what_a_slide_guides_finds_no_equilibrium(plain_body: ReducedBody) -> None:
-    """0.1 N beside 60 kN, and the slider as free as before."""
+    """0.1 N compared with 60 kN, and the slider as free as before."""
     scene = guided(plain_body)
     slider = scene.add_rigid_body(BOB, (1e-5,) * 3, name="slider", position=(0.3, 0, 0))
     scene.add(joints.Prismatic(scene.ground, slider.at((0, 0, 0)), axis=(1, 0, 0), name="way"))

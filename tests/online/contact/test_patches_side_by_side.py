@@ -77,7 +77,7 @@ def test_small_motions_need_no_matrix(ring: wf.ReducedBody, monkeypatch: pytest.
 
 
 @pytest.mark.parametrize("idle", [5.0, 50.0])
-def test_an_idle_roller_beside_a_pressed_one_keeps_its_set_on_a_turning_grid(idle: float) -> None:
+def test_an_idle_roller_next_to_a_pressed_one_keeps_its_set_on_a_rotating_grid(idle: float) -> None:
     """Blocks between pairs of unequal weights: with symmetric ones in their place nodes of the idle patch entered and
     left the active set without end, and steps were halved."""
     mesh = wf.mesh.roller(0.05, 0.015, 0.02, sectors=720, layers=12, axial=2, grading=1.3, order=1)
