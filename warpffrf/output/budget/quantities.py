@@ -25,8 +25,8 @@ SPIKE = 10.0  # times the median of a force under load: bouncing balls reach 1.4
 @dataclass(frozen=True)
 class Quantity:
     """One quantity of a run: `values` (T, n) at its saved steps. Errors are magnitudes of differences over `size`;
-    values above `most` are not compared. `beside`: text of a report on a reference value that is not the quantity's own.
-    share: of a deformation its part of the largest displacement, or of the energy, in the machine: the larger.
+    values above `most` are not compared. `beside`: text of a report on a reference value that is not the quantity's
+    own. share: of a deformation its part of the largest displacement, or of the energy, in the machine: the larger.
     """
 
     name: str
