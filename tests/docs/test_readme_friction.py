@@ -15,7 +15,7 @@ from printed import python_blocks
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = (ROOT / "docs" / "examples.md").read_text(encoding="utf-8")
-LONGEST = 25  # lines of an example that one still reads at a glance
+LONGEST = 30  # lines of an example that one still reads at a glance
 TORQUE, RADIUS, CARRIED, GRAVITY = 100.0, 0.05, 2000.0, 9.81  # N m, m, kg, m/s2: as in the example
 # the rail pushes at the deformed radius, 14 um of 50 mm inside, and the wheel still settles after the torque's rise
 TRANSMITTED = 1e-3
