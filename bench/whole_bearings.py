@@ -124,7 +124,7 @@ def bearing(case: Case) -> Scene:
     def turning(speed: float) -> Any:
         return signals.SmoothStep(0.0, speed, duration=case.ramp) if case.ramp > 0.0 else speed
 
-    one = scene.add_roller_bearing(
+    one = scene.add_bearing(
         "b",
         bearings.RollerGeometry(
             elements=case.elements, roller_diameter=2.0 * RADIUS - 0.5 * case.clearance, roller_length=LENGTH,

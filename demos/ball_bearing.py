@@ -57,7 +57,7 @@ FULL, QUICK = Size(), Size(passages=1)
 def build() -> wf.Scene:
     """The scene: bearing `209` whose outer ring is the ground, joint `plane`, drive `drive`, force `load`."""
     scene = wf.Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         NAME,
         wf.bearings.BallGeometry(
             elements=COUNT, ball_diameter=BALL, pitch_diameter=PITCH, osculation=GROOVE / BALL, clearance=CLEARANCE,

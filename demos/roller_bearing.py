@@ -83,7 +83,7 @@ def stiff_housing() -> wf.Scene:
 
 def _rollers(scene: wf.Scene, outer: Any) -> wf.bearings.Bearing:
     """The bearing, its inner ring guided in the plane across the axis, and the load."""
-    bearing = scene.add_roller_bearing(
+    bearing = scene.add_bearing(
         NAME,
         wf.bearings.RollerGeometry(
             elements=COUNT, roller_diameter=ROLLER, roller_length=LENGTH, pitch_diameter=PITCH, clearance=CLEARANCE,

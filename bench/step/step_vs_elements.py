@@ -37,7 +37,7 @@ ROUNDS = 3  # the fastest counts: other work on the machine only slows down
 def bearing(count: int) -> Scene:
     """With `count` rollers, that begin to roll."""
     scene = Scene()
-    one = scene.add_roller_bearing(
+    one = scene.add_bearing(
         "b",
         RollerGeometry(
             elements=count, roller_diameter=DIAMETER, roller_length=LENGTH, pitch_diameter=count * SPACING / np.pi,

@@ -59,7 +59,7 @@ def rubbing_contact() -> Result:
 def loaded_bearing() -> Result:
     """A ball bearing whose inner ring is pressed outwards, at rest."""
     scene = wf.Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "bearing", wf.bearings.BallGeometry(elements=7, ball_diameter=11.5e-3, pitch_diameter=43.5e-3), first=(0, 0, 1),
         outer=scene.ground,
     )  # fmt: skip

@@ -73,7 +73,7 @@ def test_the_same_scene_as_from_python(tmp_path: Path) -> None:
     steel = Material(210e9, 0.3, 7800.0, name="steel")
     scene = Scene()
     shaft = scene.add_rigid_body(1.0, (1e-3,) * 3, name="shaft")
-    scene.add_ball_bearing(
+    scene.add_bearing(
         "a",
         BallGeometry(
             elements=8, ball_diameter=0.01, pitch_diameter=0.05, osculation=(0.52, 0.53), contact_angle=0.4,
@@ -82,7 +82,7 @@ def test_the_same_scene_as_from_python(tmp_path: Path) -> None:
         axial_preload=PreloadForce(300.0), inner=shaft, cage=PocketCage(2e-4),
         contact=RollingContact(friction=laws.TractionCurve(0.06, 0.02, 0.03, 0.5)), materials=steel,
     )  # fmt: skip
-    b = scene.add_roller_bearing(
+    b = scene.add_bearing(
         "b", RollerGeometry(elements=10, roller_diameter=0.008, roller_length=0.01, pitch_diameter=0.05),
         position=(0, 0.05, 0), outer=scene.ground, flanges=Flanges(5e-5),
     )  # fmt: skip
@@ -158,7 +158,11 @@ def test_bearings_of_the_catalogue(tmp_path: Path) -> None:
     assert geometry == catalogue("6310", clearance=12e-6)
     for old, new, said in (
         ("6310", "6399", r"\[bearings.a\]: catalogue: '6399': the series 63 has no bore of 495 mm"),
-        ("6310", "NU 2210", r"\[bearings.a\]: bearing 'a': geometry must be bearings.BallGeometry"),
+        (
+            "6310",
+            "NU 2210",
+            r"\[bearings.a\]: bearing 'a': catalogue: 'NU 2210' is a RollerGeometry, not a BallGeometry",
+        ),
         ('catalogue = "6310"', "", r"\[bearings.a\]: the key 'elements' is missing; give it, or a designation"),
     ):
         with pytest.raises(InputError, match=said):

@@ -20,8 +20,7 @@ MM, UM = 1e-3, 1e-6
 def solved(geometry: Any, force: tuple[float, float], **others: Any) -> tuple[Bearing, BearingResult]:
     """Equilibrium under (radial, axial) [N], the inner ring is guided in parallel, along z and the axis y."""
     scene = wf.Scene()
-    add = scene.add_ball_bearing if isinstance(geometry, BallGeometry) else scene.add_roller_bearing
-    bearing = add("b", geometry, first=(0, 0, 1), outer=scene.ground, **others)
+    bearing = scene.add_bearing("b", geometry, first=(0, 0, 1), outer=scene.ground, **others)
     slide = scene.add_rigid_body(1.0, np.eye(3), name="slide")
     scene.add(wf.joints.Prismatic(scene.ground.at((0, 0, 0)), slide.at((0, 0, 0)), axis=(0, 0, 1)))
     scene.add(wf.joints.Prismatic(slide.at((0, 0, 0)), bearing.inner.at((0, 0, 0)), axis=(0, 1, 0)))

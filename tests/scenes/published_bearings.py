@@ -30,14 +30,14 @@ def p7(clearance: float, radial: float, axial: float) -> tuple[Scene, Bearing]:
     """Seven balls of 11.5 mm; diametral clearance [m]."""
     scene = Scene()
     geometry = BallGeometry(**P7, clearance=clearance)
-    bearing = scene.add_ball_bearing("bearing", geometry, first=(0, 0, 1), outer=scene.ground, materials=E210)
+    bearing = scene.add_bearing("bearing", geometry, first=(0, 0, 1), outer=scene.ground, materials=E210)
     return loaded(scene, bearing, radial, axial)
 
 
 def p8(**geometry: Any) -> tuple[Scene, Bearing]:
     """A 209 ball bearing under 8.9 kN; geometry: more of it."""
     scene = Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "209",
         BallGeometry(
             elements=9, ball_diameter=12.7 * MM, pitch_diameter=0.5 * (52.291 + 77.706) * MM, osculation=6.6 / 12.7,
@@ -51,7 +51,7 @@ def p8(**geometry: Any) -> tuple[Scene, Bearing]:
 def p9() -> tuple[Scene, Bearing]:
     """A 218 angular-contact bearing under 17.8 kN of thrust."""
     scene = Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "218",
         BallGeometry(
             elements=16, ball_diameter=22.23 * MM, pitch_diameter=125.3 * MM, osculation=0.5232,
@@ -68,7 +68,7 @@ P10_CLEARANCE, P10_LENGTH, P10_LOAD = 40.6 * UM, 9.6 * MM, 4450.0  # m, m, N
 def p10() -> tuple[Scene, Bearing]:
     """A 209 cylindrical roller bearing, Palmgren's law at each of the two contacts of a roller."""
     scene = Scene()
-    bearing = scene.add_roller_bearing(
+    bearing = scene.add_bearing(
         "N 209",
         RollerGeometry(
             elements=14, roller_diameter=10 * MM, roller_length=P10_LENGTH, pitch_diameter=64 * MM,

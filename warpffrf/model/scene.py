@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from warpffrf.model.arguments import Matrix, RotationLike, Vector
-from warpffrf.model.bearings import Bearing, add_ball_bearing, add_roller_bearing
+from warpffrf.model.bearings import Bearing, add_bearing
 from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, PortLike, as_port
 from warpffrf.model.checks.contacts import refuse_double_claims, refuse_double_small_sliding
 from warpffrf.model.checks.plausibility import gravity_doubts, warn
@@ -72,8 +72,7 @@ class Scene(reprs.Shown):
         self.bearings: list[Bearing] = []
         self._numbers: dict[str, int] = {}  # kind -> last number given to an unnamed item
 
-    add_ball_bearing = add_ball_bearing
-    add_roller_bearing = add_roller_bearing
+    add_bearing = add_bearing
 
     @property
     def finite_sliding(self) -> list[Contact]:

@@ -216,8 +216,10 @@ class Builder:
             if not isinstance(table, dict):
                 continue
             yield from (f"{name} {side} ring" for side in ("inner", "outer") if side not in table)
-            count = table.get("elements", estimated_elements(table.get("catalogue")))
-            yield from (f"{name} {table.get('kind')} {i + 1}" for i in range(count if type(count) is int else 0))
+            count, rows = table.get("elements"), table.get("rows", 1)
+            number = count * rows if type(count) is int and type(rows) is int else 0
+            number = number or estimated_elements(table.get("catalogue"))
+            yield from (f"{name} {table.get('kind')} {i + 1}" for i in range(number))
             yield f"{name} cage"
 
     # --- building

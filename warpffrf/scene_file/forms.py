@@ -138,7 +138,12 @@ def listed(kind: type) -> Callable[..., Any]:
 
     def made(*, catalogue: str | None = None, **given: Any) -> Any:
         if catalogue is not None:
-            return geometry_of(catalogue, **given)
+            found = geometry_of(catalogue, **given)
+            if not isinstance(found, kind):
+                raise InputError(
+                    f"catalogue: {catalogue!r} is a {type(found).__name__}, not a {kind.__name__}; correct the kind"
+                )
+            return found
         for name, parameter in own.items():
             if parameter.default is inspect.Parameter.empty and name not in given:
                 raise InputError(f'the key {name!r} is missing; give it, or a designation, such as catalogue = "6310"')
@@ -155,7 +160,8 @@ def estimated_elements(designation: Any) -> int:
     from warpffrf.model.bearings.designations import boundary, estimate
 
     try:
-        return estimate(boundary(designation))["elements"]
+        inside = estimate(boundary(designation))
+        return inside["elements"] * inside.get("rows", 1)
     except InputError:
         return 0
 
@@ -366,14 +372,7 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
 def fixed_forms() -> dict[str, dict[str, Form]]:
     """Section -> kind -> form of the tables that are not items; kind "" where a section has one form only."""
     from warpffrf.model import mesh
-    from warpffrf.model.bearings import (
-        BallGeometry,
-        Materials,
-        RollerGeometry,
-        RollingContact,
-        add_ball_bearing,
-        add_roller_bearing,
-    )
+    from warpffrf.model.bearings import BallGeometry, Materials, RollerGeometry, RollingContact, add_bearing
     from warpffrf.model.material import Material
     from warpffrf.model.mesh.cut import cut
     from warpffrf.model.reduced.body import ReducedBody
@@ -387,8 +386,8 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     of_program = ("scene", "progress", "overwrite", "resume", "check")
     rings: dict[str, str] = {"inner": "port", "outer": "port", "element_body": "reduced_bodies"}
     options: dict[str, type] = {"contact": RollingContact, "materials": Materials}
-    balls = flat(add_ball_bearing, geometry=listed(BallGeometry), **options)
-    rollers = flat(add_roller_bearing, geometry=listed(RollerGeometry), **options)
+    balls = flat(add_bearing, geometry=listed(BallGeometry), **options)
+    rollers = flat(add_bearing, geometry=listed(RollerGeometry), **options)
     found = {
         "materials": {"": form_of("material", Material, {}, ("name",))},
         "meshes": {

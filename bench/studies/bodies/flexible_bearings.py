@@ -83,7 +83,7 @@ def in_housing(scene: wf.Scene, ring: wf.ReducedBody, surface: str) -> Any:
 def p7(radial: float, axial: float, flexible: bool) -> Made:
     """Seven balls of 11.5 mm, ISO/TS 16281."""
     scene = wf.Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         NAME,
         wf.bearings.BallGeometry(
             elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, osculation=(0.52, 0.53),
@@ -97,7 +97,7 @@ def p7(radial: float, axial: float, flexible: bool) -> Made:
 def p8(flexible: bool) -> Made:
     """A 209 ball bearing."""
     scene = wf.Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         NAME,
         wf.bearings.BallGeometry(
             elements=9, ball_diameter=12.7 * MM, pitch_diameter=64.9985 * MM, osculation=6.6 / 12.7, clearance=15 * UM,
@@ -111,7 +111,7 @@ def p8(flexible: bool) -> Made:
 def p9(flexible: bool) -> Made:
     """A 218 angular-contact bearing."""
     scene = wf.Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         NAME,
         wf.bearings.BallGeometry(
             elements=16, ball_diameter=22.23 * MM, pitch_diameter=125.3 * MM, osculation=0.5232,
@@ -127,7 +127,7 @@ def p10(*, rollers: bool, ring: bool) -> Made:
     """A 209 roller bearing."""
     scene, clearance, length = wf.Scene(), 40.6 * UM, 9.6 * MM
     bore = 0.5 * (64 * MM + 10 * MM) + 0.25 * clearance
-    bearing = scene.add_roller_bearing(
+    bearing = scene.add_bearing(
         NAME,
         wf.bearings.RollerGeometry(
             elements=14, roller_diameter=10 * MM, roller_length=length, pitch_diameter=64 * MM, clearance=clearance,

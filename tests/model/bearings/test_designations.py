@@ -133,8 +133,8 @@ def test_spelling_does_not_matter() -> None:
 
 def test_builders_take_them() -> None:
     scene = wf.Scene()
-    ball = scene.add_ball_bearing("front", wf.bearings.catalogue("6310"))
-    roller = scene.add_roller_bearing("rear", wf.bearings.catalogue("NU 2210"))
+    ball = scene.add_bearing("front", wf.bearings.catalogue("6310"))
+    roller = scene.add_bearing("rear", wf.bearings.catalogue("NU 2210"))
     assert len(ball.elements) == 8 and isinstance(roller.geometry, RollerGeometry)
     ring = 7850.0 * np.pi / 4.0 * (0.11**2 - (0.08 + 0.4 * 0.0183) ** 2) * 0.027  # up to the shoulder
     assert ball.outer.mass == pytest.approx(ring, rel=1e-6)  # pyright: ignore[reportAttributeAccessIssue]

@@ -20,8 +20,7 @@ from warpffrf.model.bearings import (
     PrescribedCage,
     RollerGeometry,
     RollingContact,
-    add_ball_bearing,
-    add_roller_bearing,
+    add_bearing,
 )
 from warpffrf.model.bearings.geometry import from_description
 from warpffrf.model.bearings.life import _of_rollers, edge_factor, reference_life
@@ -33,8 +32,8 @@ from warpffrf.scene_file.forms import flat
 BALLS: dict[str, Any] = {"elements": 8, "ball_diameter": 0.01, "pitch_diameter": 0.05}
 ROLLERS: dict[str, Any] = {"elements": 12, "roller_diameter": 0.01, "roller_length": 0.012, "pitch_diameter": 0.06}
 OPTIONS: dict[str, type] = {"contact": RollingContact, "materials": Materials}
-BALL_BEARING = flat(add_ball_bearing, geometry=BallGeometry, **OPTIONS)  # as of scene files
-ROLLER_BEARING = flat(add_roller_bearing, geometry=RollerGeometry, **OPTIONS)
+BALL_BEARING = flat(add_bearing, geometry=BallGeometry, **OPTIONS)  # as of scene files
+ROLLER_BEARING = flat(add_bearing, geometry=RollerGeometry, **OPTIONS)
 SKEW = np.array([1.0, 2.0, 2.0]) / 3.0
 
 
@@ -131,7 +130,7 @@ def test_pockets_surround_elements() -> None:
         (lambda: ball(law=3), "laws.HertzPoint"),
         (lambda: ball(shoulders=-1.0), "shoulders"),
         (lambda: ball(material=3), "material must be a Material"),
-        (lambda: Scene().add_ball_bearing("b", RollerGeometry(**ROLLERS)), r"must be bearings.BallGeometry\(...\)"),  # type: ignore[arg-type]
+        (lambda: Scene().add_bearing("b", "6310"), r"must be bearings.BallGeometry\(...\), .* got '6310'"),  # type: ignore[arg-type]
         (lambda: ball(osculation=(0.52, 0.53, 0.54)), "two, .inner, outer., got 3"),
         (lambda: ball(axial_preload=500.0), r"bearings.PreloadForce\(newtons\)"),
         (lambda: ball(axial_preload=PreloadForce(-5.0)), "PreloadForce: force"),

@@ -17,7 +17,7 @@ from warpffrf.scene_file.forms import flat, value_kinds
 MODULES: tuple[Any, ...] = (wf, wf.films, wf.forces, wf.laws, wf.bearings)
 CALLS: tuple[Callable[..., Any], ...] = (
     wf.Contact, wf.Film, flat(wf.Film, mixed=wf.films.MixedLubrication), wf.reduce, wf.ContactGrid,
-    wf.bearings.add_ball_bearing, wf.bearings.add_roller_bearing,
+    wf.bearings.add_bearing,
     wf.forces.Pretension, wf.forces.RevoluteFriction, wf.simulate, wf.study.sweep,
 )  # fmt: skip
 WORDS = {
@@ -68,9 +68,9 @@ def test_scripts_written_before_are_answered() -> None:
     with pytest.raises(
         TypeError, match=r"'elements'; it is geometry=wf.bearings.BallGeometry\(...\) or RollerGeometry"
     ):
-        scene.add_ball_bearing("b", **balls)
+        scene.add_bearing("b", **balls)
     with pytest.raises(TypeError, match="'preload'; it is called 'axial_preload' now"):
-        scene.add_ball_bearing("b", wf.bearings.BallGeometry(**balls), preload=None)  # pyright: ignore[reportCallIssue]
+        scene.add_bearing("b", wf.bearings.BallGeometry(**balls), preload=None)  # pyright: ignore[reportCallIssue]
     port: Any = scene.ground.surface(wf.surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
     with pytest.raises(TypeError, match="'gaps'; it is called 'kinematics' now"):
         wf.Contact(port, port, gaps="points")  # pyright: ignore[reportCallIssue]

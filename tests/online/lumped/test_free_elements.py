@@ -89,7 +89,7 @@ def test_a_ring_that_only_its_balls_hold_is_named(load: float, free: str, held: 
     scene = Scene()
     shaft = scene.add_rigid_body(1.0, (1e-3,) * 3, name="shaft")
     inner, outer = (shaft, None) if free == "outer" else (None, shaft)
-    scene.add_ball_bearing(
+    scene.add_bearing(
         "b", BallGeometry(elements=7, ball_diameter=0.0111, pitch_diameter=0.046), inner=inner, outer=outer
     )
     plane = scene.add(joints.Planar(scene.ground, shaft.at((0, 0, 0)), axis=AXIS))

@@ -42,7 +42,7 @@ def loaded(ring: ReducedBody, off: float, *, held: bool = True) -> Scene:
     outer = scene.add_body(ring, name="outer")
     if held:
         scene.add(joints.Fixed(scene.ground, outer["outside"], name="housing"))
-    bearing = scene.add_roller_bearing(
+    bearing = scene.add_bearing(
         "r", RollerGeometry(elements=3, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH),
         first=(0, 0, -1), outer=outer["bore"], contact=RollingContact(law=laws.PalmgrenLine(LENGTH, 3)),
         materials=STEEL,

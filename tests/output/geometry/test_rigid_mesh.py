@@ -43,7 +43,7 @@ def balls() -> wf.Result:
     geometry = wf.bearings.BallGeometry(
         elements=8, ball_diameter=D, pitch_diameter=PITCH, contact_angle=np.radians(20.0), bore=0.035, width=0.016
     )
-    bearing = scene.add_ball_bearing("b", geometry, outer=scene.ground, position=(0.1, 0.2, 0.3))
+    bearing = scene.add_bearing("b", geometry, outer=scene.ground, position=(0.1, 0.2, 0.3))
     scene.add(wf.joints.Fixed(scene.ground, bearing.inner, axis=(0, 1, 0)))
     return run(scene)
 
@@ -55,7 +55,7 @@ def rollers() -> wf.Result:
         elements=10, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH, profile=2.0, clearance=1e-5
     )
     flanges = wf.bearings.Flanges(PLAY, inner="front", end_radius=END)
-    bearing = scene.add_roller_bearing("r", geometry, outer=scene.ground, flanges=flanges)
+    bearing = scene.add_bearing("r", geometry, outer=scene.ground, flanges=flanges)
     scene.add(wf.joints.Fixed(scene.ground, bearing.inner, axis=(0, 1, 0)))
     return run(scene)
 

@@ -34,7 +34,7 @@ def bearing() -> wf.Result:
     """A ball bearing at rest on the ground, loaded along -z, whose first ball is under the load."""
     scene = wf.Scene()
     geometry = wf.bearings.BallGeometry(elements=8, ball_diameter=0.01, pitch_diameter=0.06)
-    made = scene.add_ball_bearing("b", geometry, first=(0, 0, -1), outer=scene.ground)
+    made = scene.add_bearing("b", geometry, first=(0, 0, -1), outer=scene.ground)
     ring: Any = made.inner
     scene.add(wf.joints.Planar(scene.ground.at((0, 0, 0)), ring, axis=(0, 1, 0), name="plane"))
     scene.add(wf.forces.PointForce(ring, (0, 0, -LOAD), name="load"))

@@ -118,7 +118,7 @@ def test_columns_of_the_table(skew: Result) -> None:
 def test_a_roller_of_laminae() -> None:
     """P10 with a clearance; peak pressures of lines by Hertz, and what a table has not is left out."""
     scene = Scene()
-    bearing = scene.add_roller_bearing(
+    bearing = scene.add_bearing(
         "N",
         RollerGeometry(
             elements=14, roller_diameter=10 * MM, roller_length=9.6 * MM, pitch_diameter=64 * MM, clearance=40.6e-6,
@@ -186,7 +186,7 @@ def test_plots(ball_209: Result) -> None:
 def test_a_cage_with_pockets_comes_to_rest() -> None:
     """Balls next to the load are squeezed out until their pockets hold them, alike on either side."""
     scene = Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "b", BallGeometry(elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, clearance=10e-6),
         first=(0, 0, 1), outer=scene.ground, cage=PocketCage(0.1 * MM),
     )  # fmt: skip
@@ -201,7 +201,7 @@ def test_a_cage_with_pockets_comes_to_rest() -> None:
 def evenly_spaced() -> np.ndarray:
     """Loads of the same bearing with balls at equal angles."""
     scene = Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "b", BallGeometry(elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, clearance=10e-6),
         first=(0, 0, 1), outer=scene.ground,
     )  # fmt: skip
@@ -215,7 +215,7 @@ def evenly_spaced() -> np.ndarray:
 )
 def test_thrust_against_the_contact_angle_is_named(thrust: float, said: str) -> None:
     scene = Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "b",
         BallGeometry(elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, contact_angle=np.radians(25.0)),
         outer=scene.ground,
@@ -227,7 +227,7 @@ def test_thrust_against_the_contact_angle_is_named(thrust: float, said: str) -> 
 
 def test_a_bearing_without_load_says_so() -> None:
     scene = Scene()
-    scene.add_ball_bearing(
+    scene.add_bearing(
         "b", BallGeometry(elements=3, ball_diameter=10 * MM, pitch_diameter=40 * MM, clearance=20e-6),
         outer=scene.ground,
     )  # fmt: skip
@@ -236,7 +236,7 @@ def test_a_bearing_without_load_says_so() -> None:
 
 def test_a_bearing_without_load_has_no_stiffness() -> None:
     scene = Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "b", BallGeometry(elements=8, ball_diameter=0.01, pitch_diameter=0.05), outer=scene.ground
     )
     scene.add(Fixed(scene.ground, bearing.inner.at((0, 0, 0)), axis=(0, 0, 1)))  # pyright: ignore[reportAttributeAccessIssue]

@@ -51,7 +51,7 @@ def axial_force(pressed: float) -> float:
 def test_a_force_presses_the_rings(angle: float) -> None:
     """Both rings are free: the loads of all balls add up to it on either, and the ring moves as the equations say."""
     scene = Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "b", BallGeometry(**SIZE, contact_angle=angle), axial_preload=PreloadForce(500.0), outer=scene.ground,
         axis=(0.0, 0.6, 0.8),
     )  # fmt: skip
@@ -68,7 +68,7 @@ def test_a_force_presses_the_rings(angle: float) -> None:
 
 def test_raceways_that_stand_off_press_when_held() -> None:
     scene = Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "b", BallGeometry(**SIZE, contact_angle=ANGLE), axial_preload=PreloadOffset(20 * UM), outer=scene.ground
     )
     scene.add(Fixed(scene.ground, bearing.inner.at((0, 0, 0)), name="hold"))
@@ -114,7 +114,7 @@ def test_loads_follow_the_form_of_the_raceway(form: Any, turned: float) -> None:
     """An outer ring that is oval and wavy, as built and rotated in its seat, and balls of different sizes."""
     scene = Scene()
     ring = scene.add_rigid_body(1.0, (1e-3,) * 3, name="ring", rotation={"axis": (0, 0, 1), "angle": 0.3})
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "b", BallGeometry(**SIZE, outer_form=form, diameter_deviations=THICKER), first=(0, 0, 1), outer=ring,
         axis=(0, 1, 0),
     )  # fmt: skip
@@ -143,7 +143,7 @@ def test_flanges_carry_thrust() -> None:
     after the play and 2 (Q/K)^(2/3) of Hertz's sphere on a plane."""
     scene = Scene()
     play = 40 * UM
-    bearing = scene.add_roller_bearing(
+    bearing = scene.add_bearing(
         "r", RollerGeometry(**ROLLERS, clearance=-4 * UM), outer=scene.ground,
         flanges=Flanges(play, inner="back", end_radius=END), materials=STEEL,
     )  # fmt: skip
@@ -162,7 +162,7 @@ def test_thrust_tilts_rollers() -> None:
     """Ribs met at a height over the raceways: forces through the middles of the spherical ends make a couple, which the
     laminae of IsoLamina carry; against a roller between two planes in NumPy."""
     scene, height, thrust, tight = Scene(), 1 * MM, 800.0, 8 * UM
-    bearing = scene.add_roller_bearing(
+    bearing = scene.add_bearing(
         "r", RollerGeometry(**ROLLERS, clearance=-tight), outer=scene.ground,
         flanges=Flanges(40 * UM, inner="back", end_radius=END, height=height), materials=STEEL,
     )  # fmt: skip
@@ -199,7 +199,7 @@ def test_flanges_stop_the_skew() -> None:
     """At psi_max of the play, where the roller's ends just touch both ribs."""
     scene = Scene()
     play = 30 * UM
-    bearing = scene.add_roller_bearing("r", RollerGeometry(**ROLLERS), flanges=Flanges(play, end_radius=END), cage=None)
+    bearing = scene.add_bearing("r", RollerGeometry(**ROLLERS), flanges=Flanges(play, end_radius=END), cage=None)
     skew = np.sqrt(play / (END - 0.5 * LENGTH))
     roller = bearing.elements[2]
     roller.rotation = rot.quaternion(

@@ -28,7 +28,7 @@ PUBLISHED = 3e-2
 def rolling(inner: float, outer: float) -> BearingResult:
     """An angular-contact bearing, pressed, whose rings turn with these speeds [rad/s]."""
     scene = Scene(gravity=(0, 0, 0))
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "b", BallGeometry(elements=8, ball_diameter=D, pitch_diameter=PITCH, contact_angle=np.radians(25.0)),
         materials=STEEL,
     )  # fmt: skip
@@ -70,7 +70,7 @@ def test_film_of_a_209_bearing_under_load() -> None:
     where that ball has 4.5 kN and not 5 F_r/Z."""
     speed, steel = 400.0, Material(200e9, 0.3, 7850.0)
     scene = Scene(gravity=(0, 0, 0))
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "209",
         BallGeometry(
             elements=9, ball_diameter=12.7 * MM, pitch_diameter=0.5 * (52.291 + 77.706) * MM, osculation=0.52,
@@ -109,7 +109,7 @@ def test_film_of_rollers() -> None:
     """Rollers rolling under a radial load: Dowson's formula at the load and entrainment of each."""
     speed, length = 300.0, 9.6 * MM
     scene = Scene(gravity=(0, 0, 0))
-    bearing = scene.add_roller_bearing(
+    bearing = scene.add_bearing(
         "n", RollerGeometry(elements=14, roller_diameter=10 * MM, roller_length=length, pitch_diameter=64 * MM),
         first=(0, 0, 1), outer=scene.ground, contact=RollingContact(law=laws.PalmgrenLine(length, 3)), materials=STEEL,
     )  # fmt: skip
@@ -140,7 +140,7 @@ def test_torque_of_pivoting_is_that_of_the_catalogue() -> None:
     factor of 1.5 of M_1 of the catalogue, f_1 = 0.001 (P_0/C_0)^0.33 with half the thrust as P_0 and C_0 12 kN."""
     speed = 300.0
     scene = Scene(gravity=(0, 0, 0))
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "b", BallGeometry(elements=8, ball_diameter=D, pitch_diameter=PITCH, contact_angle=np.radians(25.0)),
         outer=scene.ground, cage=PocketCage(0.1 * MM), materials=STEEL,
         contact=RollingContact(

@@ -30,7 +30,7 @@ def roller() -> wf.ReducedBody:
 @pytest.fixture(scope="module")
 def rest(roller: wf.ReducedBody) -> wf.Result:
     scene = wf.Scene()
-    bearing = scene.add_roller_bearing(
+    bearing = scene.add_bearing(
         "r", wf.bearings.RollerGeometry(elements=3, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH),
         outer=scene.ground, axis=AXIS, first=FIRST, materials=wf.bearings.Materials(STEEL, element_body=roller),
     )  # fmt: skip
@@ -78,7 +78,7 @@ def test_a_solid_roller_between_rigid_rings(rest: wf.Result) -> None:
 def test_pockets_take_flexible_rollers_along(roller: wf.ReducedBody) -> None:
     """A driven cage takes the play, then its rollers, which nothing else touches: they stay in their pockets."""
     scene, play, rate, step = wf.Scene(gravity=(0, 0, 0)), 2e-5, 4e3, 2e-5
-    bearing = scene.add_roller_bearing(
+    bearing = scene.add_bearing(
         "r",
         wf.bearings.RollerGeometry(
             elements=3, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH, clearance=4e-4,
@@ -101,7 +101,7 @@ def test_pockets_take_flexible_rollers_along(roller: wf.ReducedBody) -> None:
 def test_what_is_no_element_is_refused(roller: wf.ReducedBody) -> None:
     def bearing(**changed: object) -> None:
         arguments = {"elements": 3, "roller_diameter": D, "roller_length": LENGTH, "pitch_diameter": PITCH}
-        add = flat(wf.bearings.add_roller_bearing, geometry=wf.bearings.RollerGeometry, materials=wf.bearings.Materials)
+        add = flat(wf.bearings.add_bearing, geometry=wf.bearings.RollerGeometry, materials=wf.bearings.Materials)
         add(wf.Scene(), "r", **{"element_body": roller} | arguments | changed)
 
     bearing()
@@ -114,7 +114,7 @@ def test_what_is_no_element_is_refused(roller: wf.ReducedBody) -> None:
         with pytest.raises(wf.InputError, match=message):
             bearing(**changed)
     with pytest.raises(wf.InputError, match="a cylinder of diameter 0.01 m, .* are one of sphere"):
-        wf.Scene().add_ball_bearing(
+        wf.Scene().add_bearing(
             "b", wf.bearings.BallGeometry(elements=3, ball_diameter=D, pitch_diameter=PITCH),
             materials=wf.bearings.Materials(element_body=roller),
         )  # fmt: skip
@@ -127,7 +127,7 @@ def test_stiffness_of_a_bearing_with_flexible_rollers(roller: wf.ReducedBody) ->
 
     def pressed(load: float) -> wf.Result:
         scene = wf.Scene()
-        bearing = scene.add_roller_bearing(
+        bearing = scene.add_bearing(
             "r",
             wf.bearings.RollerGeometry(
                 elements=3, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH, clearance=-12e-6,
@@ -167,7 +167,7 @@ def ball() -> wf.ReducedBody:
 
 def under(ball: wf.ReducedBody, load: float) -> wf.Result:
     scene = wf.Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "b",
         wf.bearings.BallGeometry(elements=3, ball_diameter=BALL, pitch_diameter=BALL_PITCH, osculation=GROOVE / BALL),
         outer=scene.ground, first=(0, 0, -1), materials=wf.bearings.Materials(STEEL, element_body=ball),
@@ -206,7 +206,7 @@ def test_a_ball_in_rigid_grooves(ball: wf.ReducedBody) -> None:
 def test_cells_under_a_ball_have_the_curvatures_at_the_contact_angle(ball: wf.ReducedBody, angle: float) -> None:
     """Off the middle of a groove the ball's axis leans against that of the ring: those of ISO/TS 16281's raceways."""
     scene = wf.Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "b",
         wf.bearings.BallGeometry(
             elements=3, ball_diameter=BALL, pitch_diameter=BALL_PITCH, osculation=GROOVE / BALL, contact_angle=angle,

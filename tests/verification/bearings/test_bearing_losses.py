@@ -39,7 +39,7 @@ def test_torque_of_rolling_resistance() -> None:
     what creeps turns the rollers less, and takes the difference."""
     lever, speed, length, D, pitch, creep = 2e-5, 100.0, 8 * MM, 8 * MM, 40 * MM, 1e-2
     scene = Scene()
-    bearing = scene.add_roller_bearing(
+    bearing = scene.add_bearing(
         "b",
         RollerGeometry(elements=3, roller_diameter=D, roller_length=length, pitch_diameter=pitch, clearance=-10e-6),
         outer=scene.ground,
@@ -74,7 +74,7 @@ def test_ribs_rub_under_thrust() -> None:
     speed, thrust, length, origin = 100.0, 300.0, 8 * MM, (0.0, 0.0, 0.0)
     scene, friction = Scene(), laws.RegularisedCoulomb(MU, 1e-2)
     flanges = Flanges(20e-6, inner="back", height=1 * MM, end_radius=30 * MM, friction=friction)
-    bearing = scene.add_roller_bearing(
+    bearing = scene.add_bearing(
         "b",
         RollerGeometry(
             elements=3, roller_diameter=8 * MM, roller_length=length, pitch_diameter=40 * MM, clearance=-10e-6,
@@ -144,7 +144,7 @@ def test_raceway_control_is_found(osculation: tuple[float, float], speed: float,
     creep on the other ring as far as the regularisation of friction has it."""
     creep = 2e-5 * speed
     scene = Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "b",
         BallGeometry(elements=3, ball_diameter=BALL, pitch_diameter=PITCH, contact_angle=ANGLE, osculation=osculation),
         outer=scene.ground, cage=None,

@@ -33,7 +33,7 @@ VC_SPEED, VC_STEPS = 100.0, 500  # rad/s: the ball passes at a fiftieth of the s
 def preloaded(cage: Any, *, speed: float = SPEED) -> tuple[Scene, Bearing]:
     """An angular-contact bearing whose inner ring is held where it is pressed in, and turns at 10,000 rpm."""
     scene = Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "b", BallGeometry(elements=8, ball_diameter=D, pitch_diameter=PITCH, contact_angle=FREE), outer=scene.ground,
         cage=cage, contact=RollingContact(law=DAMPED, friction=TRACTION), materials=STEEL,
     )  # fmt: skip
@@ -58,7 +58,7 @@ def fast() -> Result:
 def test_bodies_begin_to_roll(control: str) -> None:
     """Where they touch surfaces have one velocity, and none of pivoting on one ring; at any axis; the closed forms."""
     scene = Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "b", BallGeometry(elements=8, ball_diameter=D, pitch_diameter=PITCH, contact_angle=FREE),
         position=(0.1, 0.2, 0.3), axis=(1, 2, 2),
     )  # fmt: skip
@@ -151,7 +151,7 @@ def sweep() -> np.ndarray:
 def _passing(angle: float, cage: Any, load: Any) -> tuple[Scene, Bearing, Any]:
     """A bearing under a radial load along z, the first ball `angle` from it."""
     scene = Scene()
-    bearing = scene.add_ball_bearing(
+    bearing = scene.add_bearing(
         "b", BallGeometry(**VC), first=(np.sin(angle), 0.0, np.cos(angle)), outer=scene.ground, cage=cage,
         contact=RollingContact(law=DAMPED, friction=load), materials=STEEL,
     )  # fmt: skip

@@ -134,7 +134,7 @@ def test_209_roller_bearing() -> None:
 def test_loads_that_nothing_carries_are_named() -> None:
     """Thrust on a bearing of straight rollers, and balls without a cage, which the load squeezes out of its zone."""
     scene = Scene()
-    bearing = scene.add_roller_bearing(
+    bearing = scene.add_bearing(
         "r", RollerGeometry(elements=8, roller_diameter=8 * MM, roller_length=8 * MM, pitch_diameter=40 * MM),
         outer=scene.ground, contact=RollingContact(law=laws.PalmgrenLine(8 * MM, 3)),
     )  # fmt: skip
@@ -143,7 +143,7 @@ def test_loads_that_nothing_carries_are_named() -> None:
     assert history.status == "no_equilibrium"
     assert "body 'r inner ring' is free to slide along (0, 1, 0), and 100 N drive it there" in history.message
     scene = Scene()
-    bearing = scene.add_ball_bearing("b", BallGeometry(**P7), outer=scene.ground, cage=None)
+    bearing = scene.add_bearing("b", BallGeometry(**P7), outer=scene.ground, cage=None)
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (1e3, 0.0, 300.0), name="load"))
     history = find_equilibrium(scene)
     assert history.status == "no_equilibrium"

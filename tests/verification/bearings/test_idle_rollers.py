@@ -32,7 +32,7 @@ def test_idle_rollers_find_their_rest(cells: tuple[int, int] | None) -> None:
     scene = wf.Scene(gravity=(0.0, 0.0, -GRAVITY))
     housing, inner = scene.add_body(ring, name="outer"), scene.add_body(shaft, name="inner")
     scene.add(wf.joints.Fixed(scene.ground, housing["outside"]))
-    bearing = scene.add_roller_bearing(
+    bearing = scene.add_bearing(
         "b",
         wf.bearings.RollerGeometry(
             elements=9, roller_diameter=2.0 * RADIUS, roller_length=LENGTH, pitch_diameter=INNER + OUTER

@@ -116,7 +116,7 @@ def test_four_points_under_thrust_and_radial_load() -> None:
 def test_tapered_rollers_under_thrust() -> None:
     """Raceways and ribs in the balance of a roller."""
     geometry, found = tapered_bearing((0.0, 5000.0))
-    alpha_e, tau, nu = ALPHA, geometry.inclination, geometry.taper
+    alpha_e, tau, nu = ALPHA, geometry.inclination, float(geometry.taper or 0.0)
     assert np.tan(nu) == pytest.approx(D * np.sin(tau) / PITCH, rel=ROUND_OFF)
     assert tau + nu == pytest.approx(ALPHA, rel=ROUND_OFF)
     np.testing.assert_allclose(found.outer_load[-1], 5000.0 / (COUNT * np.sin(alpha_e)), rtol=EXACT)
@@ -181,9 +181,9 @@ def test_rollers_roll_without_slip(angle: float) -> None:
     geometry = RollerGeometry(
         elements=8, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH, contact_angle=np.radians(angle)
     )
-    bearing = scene.add_roller_bearing("b", geometry, axis=(0, 0, 1))
+    bearing = scene.add_bearing("b", geometry, axis=(0, 0, 1))
     bearing.roll(inner=100.0, outer=-30.0)
-    element, tau, nu = bearing.elements[0], geometry.inclination, geometry.taper
+    element, tau, nu = bearing.elements[0], geometry.inclination, float(geometry.taper or 0.0)
     out = bearing.place.outward(0.0)
     axis = bearing.element_axis(0.0, geometry.tracks[0])
     across = np.cos(tau) * out + np.sin(tau) * bearing.place.axis

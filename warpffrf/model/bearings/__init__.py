@@ -22,7 +22,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from warpffrf.model.bearings.bearing import Bearing
-from warpffrf.model.bearings.build import add_ball_bearing, add_roller_bearing
+from warpffrf.model.bearings.build import add_bearing
 from warpffrf.model.bearings.designations import catalogue
 from warpffrf.model.bearings.elements import Cage, PocketCage, PrescribedCage
 from warpffrf.model.bearings.flanges import Flanges
@@ -55,7 +55,7 @@ from warpffrf.model.errors import no_attribute
 __all__ = [
     "AxialPreload", "BallGeometry", "BasicLife", "Bearing", "Cage", "DutyLife", "FilmThickness", "Flanges", "Materials",
     "ModifiedLife", "PocketCage", "PreloadForce", "PreloadOffset", "PrescribedCage", "ReferenceLife", "RollerGeometry",
-    "RollingContact", "add_ball_bearing", "add_roller_bearing", "basic_life", "catalogue", "catalogue_torque",
+    "RollingContact", "add_bearing", "basic_life", "catalogue", "catalogue_torque",
     "contamination_factor", "drag_torque", "duty_life", "fatigue_load_limit", "film_of_lines", "film_of_points",
     "life_factor", "modified_life", "reliability_factor", "starved", "static_safety", "thermal_factor",
     "viscosity_ratio",

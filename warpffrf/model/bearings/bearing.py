@@ -26,7 +26,7 @@ ELEMENT_SURFACE = "skin"  # of rigid elements
 
 @dataclass(eq=False, repr=False)
 class Bearing(reprs.Shown):
-    """A bearing as created by `scene.add_ball_bearing` and `scene.add_roller_bearing`; its parts belong to the scene
+    """A bearing as created by `scene.add_bearing`; its parts belong to the scene
     and may be changed.
 
     kind: "ball" or "roller". elements: bodies, "<name> ball 1" onwards, counter-clockwise about the axis.

@@ -7,7 +7,8 @@ cylindrical, needle, tapered, spherical, toroidal and thrust ones. A kind is a g
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -109,14 +110,21 @@ def assemble(
     return bearing
 
 
-KINDS = ("sphere", "crowned_cylinder")  # of surfaces of flexible elements
+@dataclass(frozen=True)
+class Kind:
+    """What differs between balls and rollers: mass [kg], inertia and surface of an element of a diameter [m], the
+    direction of its axis and its row; its law of contact; kinds of surfaces that a flexible one may have."""
+
+    element: Callable[[float, np.ndarray, Track], tuple[float, Any, Any]]
+    law: LumpedLaw
+    surfaces: tuple[str, ...]
 
 
 @named_arguments
-def add_ball_bearing(
+def add_bearing(
     scene: Scene,
     name: str,
-    geometry: BallGeometry,
+    geometry: BallGeometry | RollerGeometry,
     *,
     position: Vector = (0.0, 0.0, 0.0),
     axis: Vector = (0.0, 1.0, 0.0),
@@ -125,103 +133,82 @@ def add_ball_bearing(
     outer: Ring = None,
     axial_preload: AxialPreload | None = None,
     cage: Cage | None = STANDING,
-    contact: RollingContact = FRICTIONLESS,
-    materials: Material | Materials = STEEL,
-) -> Bearing:
-    """Add a ball bearing: rings, balls, their contacts and a cage; returns them as a `Bearing`.
-
-    geometry: `bearings.BallGeometry(...)`. position (3,) [m]: the centre, axis (3,), first (3,): direction of the first
-    ball from the axis, world axes at the initial pose; first None: +x made perpendicular to the axis. inner, outer: a
-    rigid body or `scene.ground`, which get a raceway; a contact surface `body["rim"]` of a flexible body, whose contact
-    is then distributed, two of them of a double-row bearing; None: a rigid ring, free, "<name> inner ring".
-    axial_preload: `bearings.PreloadForce(newtons)` or `bearings.PreloadOffset(metres)`, the preload of ISO 5593,
-    compressive and positive. cage: `bearings.PrescribedCage()`, stationary balls at equal angles,
-    `bearings.PocketCage(...)` or None. contact: `bearings.RollingContact(...)`, law and friction of balls and raceways.
-    materials: one material of rings and balls, or `bearings.Materials(...)`, also for flexible balls.
-
-    Raises `InputError` for incompatible arguments.
-    """
-    label = f"bearing {name!r}"
-    refuse_name(scene, name)
-    checked(label, "geometry", geometry, BallGeometry)
-    checked(label, "contact", contact, RollingContact)
-    of = materials if isinstance(materials, Materials) else Materials(materials)
-    pressed, sense = checked_preload(label, axial_preload), sense_of(geometry.contact_angle)
-    place = Place.of(label, position, axis, first)
-    bearing = Bearing(name, "ball", geometry, place, of.both)
-
-    def element_of(diameter: float, axis: np.ndarray, track: Track) -> tuple[float, Any, Any]:
-        ball = surfaces.Sphere(radius=0.5 * diameter, axis_point=(0.0, 0.0, 0.0), axis_direction=place.axis)
-        return (*solid_ball(diameter, of.both[0]), ball)
-
-    rigid = RigidElements(ELEMENT_SURFACE, element_of)
-    assemble(
-        scene, bearing, rings={"inner": inner, "outer": outer}, offset=sense * pressed.offset(label),
-        elements=checked_elements(label, of.element_body, rigid, geometry, KINDS),
-        laws=checked_laws(label, contact.law, laws.HertzPoint(*of.both)), contact=contact, cage=cage,
-    )  # fmt: skip
-    pressed.press(scene, bearing, sense)
-    return bearing
-
-
-ROUND_OFF = 1e-6  # of the length of a roller
-EDGE = 0.005  # of the length of a roller: at its ends, where it drops by as much
-ROLLER_KINDS = ("cylinder", "crowned_cylinder", "profiled_cylinder", "cone")  # of surfaces of flexible elements
-
-
-@named_arguments
-def add_roller_bearing(
-    scene: Scene,
-    name: str,
-    geometry: RollerGeometry,
-    *,
-    position: Vector = (0.0, 0.0, 0.0),
-    axis: Vector = (0.0, 1.0, 0.0),
-    first: Vector | None = None,
-    inner: Ring = None,
-    outer: Ring = None,
-    cage: Cage | None = STANDING,
     flanges: Flanges | None = None,
     contact: RollingContact = FRICTIONLESS,
     materials: Material | Materials = STEEL,
 ) -> Bearing:
-    """Add a roller bearing: rings, rollers, their contacts and a cage; returns them as a `Bearing`.
+    """Add a rolling bearing: rings, elements, their contacts and a cage; returns them as a `Bearing`.
 
-    geometry: `bearings.RollerGeometry(...)`; straight rigid rollers on a flexible raceway that is wider end sharply at
-    `roller_length`, others where the table of their profile does. flanges: `bearings.Flanges(...)`, ribs that stop the
-    rollers along their axes, None for rollers that are free along them. As of `add_ball_bearing`: scene, name, position
-    [m], axis and first (3,), directions in the world, inner, outer, cage, contact and materials; an element_body has a
-    profile of its own.
-    Raises `InputError` for incompatible arguments.
+    geometry: `bearings.BallGeometry(...)`, `bearings.RollerGeometry(...)`, or one of these by designation,
+    `bearings.catalogue("6310")`. position (3,) [m]: the centre, axis (3,), first (3,): direction of the first element
+    from the axis, world axes at the initial pose; first None: +x made perpendicular to the axis. inner, outer: a rigid
+    body or `scene.ground`, which get a raceway; a contact surface `body["rim"]` of a flexible body, whose contact is
+    then distributed, two of them of a double-row bearing; None: a rigid ring, free, "<name> inner ring". axial_preload:
+    of a bearing with a contact angle or clearance, `bearings.PreloadForce(newtons)` or
+    `bearings.PreloadOffset(metres)`, the preload of ISO 5593, compressive and positive. cage:
+    `bearings.PrescribedCage()`, stationary elements at equal angles, `bearings.PocketCage(...)` or None. flanges:
+    `bearings.Flanges(...)`, ribs that stop rollers along their axes, None for rollers that are free along them.
+    contact: `bearings.RollingContact(...)`, law and friction of elements and raceways. materials: one material of rings
+    and elements, or `bearings.Materials(...)`, also for flexible elements, which have a profile of their own.
+
+    Straight rigid rollers on a flexible raceway that is wider end sharply at `roller_length`, others where the table of
+    their profile does. Raises `InputError` for incompatible arguments.
     """
     label = f"bearing {name!r}"
     refuse_name(scene, name)
-    checked(label, "geometry", geometry, RollerGeometry)
+    if not isinstance(geometry, (BallGeometry, RollerGeometry)):
+        raise InputError(
+            f"{label}: geometry must be bearings.BallGeometry(...), bearings.RollerGeometry(...) or "
+            f'bearings.catalogue("6310"), got {geometry!r}'
+        )
     checked(label, "contact", contact, RollingContact)
+    if flanges is not None:
+        checked(label, "flanges", flanges, Flanges)
     of = materials if isinstance(materials, Materials) else Materials(materials)
+    pressed, sense = checked_preload(label, axial_preload), sense_of(geometry.contact_angle)
+    if axial_preload is not None and isinstance(geometry, RollerGeometry) and not geometry.contact_angle:
+        raise InputError(f"{label}: rollers without a contact angle carry no axial preload; leave axial_preload out")
     place = Place.of(label, position, axis, first)
-    bearing = Bearing(name, "roller", geometry, place, of.both)
-    shaped, length = geometry, geometry.roller_length
-    straight = geometry.profile is None and not geometry.taper
-    if straight and any(_width(ring) > length * (1.0 + ROUND_OFF) for ring in (inner, outer)):
-        shaped = replace(geometry, profile=_with_ends(length))
-
-    def element_of(diameter: float, axis: np.ndarray, track: Track) -> tuple[float, Any, Any]:
-        shape = shaped.roller(diameter, track, {"axis_point": (0.0, 0.0, 0.0), "axis_direction": axis})
-        return (*hollow_cylinder(0.0, diameter, geometry.roller_length, of.both[0], axis), shape)
-
-    default = laws.IsoLamina(geometry.roller_length, profile=geometry.profile is None)
-    if flanges is not None and not isinstance(flanges, Flanges):
-        raise InputError(f"{label}: flanges must be bearings.Flanges(...) or None, got {flanges!r}")
-    rigid = RigidElements(ELEMENT_SURFACE, element_of)
+    if isinstance(geometry, BallGeometry):
+        bearing, kind = Bearing(name, "ball", geometry, place, of.both), _balls(of, place)
+    else:
+        bearing, kind = Bearing(name, "roller", geometry, place, of.both), _rollers(geometry, of, (inner, outer))
+    rigid = RigidElements(ELEMENT_SURFACE, kind.element)
     assemble(
-        scene, bearing, rings={"inner": inner, "outer": outer},
-        elements=checked_elements(label, of.element_body, rigid, geometry, ROLLER_KINDS),
-        laws=checked_laws(label, contact.law, default), contact=contact, cage=cage,
+        scene, bearing, rings={"inner": inner, "outer": outer}, offset=sense * pressed.offset(label),
+        elements=checked_elements(label, of.element_body, rigid, geometry, kind.surfaces),
+        laws=checked_laws(label, contact.law, kind.law), contact=contact, cage=cage,
     )  # fmt: skip
+    pressed.press(scene, bearing, sense)
     if flanges is not None:
         flanges.hold(scene, bearing)
     return bearing
+
+
+def _balls(of: Materials, place: Place) -> Kind:
+    def element(diameter: float, axis: np.ndarray, track: Track) -> tuple[float, Any, Any]:
+        ball = surfaces.Sphere(radius=0.5 * diameter, axis_point=(0.0, 0.0, 0.0), axis_direction=place.axis)
+        return (*solid_ball(diameter, of.both[0]), ball)
+
+    return Kind(element, laws.HertzPoint(*of.both), ("sphere", "crowned_cylinder"))
+
+
+ROUND_OFF = 1e-6  # of the length of a roller
+EDGE = 0.005  # of the length of a roller: at its ends, where it drops by as much
+
+
+def _rollers(geometry: RollerGeometry, of: Materials, rings: tuple[Any, Any]) -> Kind:
+    shaped, length = geometry, geometry.roller_length
+    straight = geometry.profile is None and not geometry.taper
+    if straight and any(_width(ring) > length * (1.0 + ROUND_OFF) for ring in rings):
+        shaped = replace(geometry, profile=_with_ends(length))
+
+    def element(diameter: float, axis: np.ndarray, track: Track) -> tuple[float, Any, Any]:
+        shape = shaped.roller(diameter, track, {"axis_point": (0.0, 0.0, 0.0), "axis_direction": axis})
+        return (*hollow_cylinder(0.0, diameter, length, of.both[0], axis), shape)
+
+    law = laws.IsoLamina(length, profile=geometry.profile is None)
+    return Kind(element, law, ("cylinder", "crowned_cylinder", "profiled_cylinder", "cone"))
 
 
 def _width(ring: Any) -> float:

@@ -100,7 +100,7 @@ class Boundary:
 def catalogue(designation: str, **overrides: Any) -> Any:
     """The geometry of a bearing of standard size: catalogue("6310"), ("7210 B"), ("NU 2210"), ("N 209"), ("NA 4910").
 
-    It is a `BallGeometry` or a `RollerGeometry`, which `scene.add_ball_bearing` and `scene.add_roller_bearing` take.
+    It is a `BallGeometry` or a `RollerGeometry`, which `scene.add_bearing` take.
     Boundary dimensions are those of ISO 15, the inside is an estimate (`warpffrf.model.bearings.designations`) with the
     clearance 0. overrides: fields of `BallGeometry` or `RollerGeometry` that are known better: catalogue("6310",
     elements=8, ball_diameter=19.05e-3, clearance=12e-6); the others remain as they are estimated.

@@ -54,5 +54,5 @@ POLAR = frozenset({"load_zone"})
 def the_bearing(result: Any, name: str | None) -> BearingResult:
     """The bearing called `name`, the first one if None; raises `InputError` if there is none."""
     if name is None and not result.bearing_names:
-        raise InputError("plot: the scene has no bearing; make one with scene.add_ball_bearing(...), and run again")
+        raise InputError("plot: the scene has no bearing; make one with scene.add_bearing(...), and run again")
     return result.bearing(result.bearing_names[0] if name is None else name)
