@@ -161,7 +161,7 @@ def test_bearings_of_the_catalogue(tmp_path: Path) -> None:
         (
             "6310",
             "NU 2210",
-            r"\[bearings.a\]: bearing 'a': catalogue: 'NU 2210' is a RollerGeometry, not a BallGeometry",
+            r"\[bearings.a\]: catalogue: 'NU 2210' is a RollerGeometry, not a BallGeometry",
         ),
         ('catalogue = "6310"', "", r"\[bearings.a\]: the key 'elements' is missing; give it, or a designation"),
     ):
