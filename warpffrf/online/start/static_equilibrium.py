@@ -174,6 +174,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
             free.hold_driven()
         if np.all(left <= level):
             engine.control(energy_bounded=0)
+            shortened = 0
         if np.all(moved <= failed_at / GROWTH):
             too_long, before = np.inf, np.full(engine.worlds, np.inf)
         longer = [min(tau * growth, last) for growth in (GROWTH, CAREFUL, 1.0)]
