@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 from warpffrf.model import forces, joints, surfaces
+from warpffrf.model.bearings import BallGeometry
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import find_equilibrium, run
-from warpffrf.output.simulate import simulate
+from warpffrf.output.simulate import equilibrium, simulate
 
 ACROSS: dict[str, Any] = {"axis_point": (0, 0, 0), "axis_direction": (0, 1, 0)}
 RADIUS, SMALL = 0.05, 0.02  # m, of the flexible roller and the rigid one
@@ -145,3 +146,14 @@ def test_a_run_without_any_contact_says_so(plain_body: ReducedBody) -> None:
     found = result.contact("nose").hertz(3)
     assert np.isnan(found.half_width)
     assert found.reason.startswith("contact 'nose': Hertz does not apply: nothing touches in saved step 3")
+
+
+def test_elements_outside_of_the_load_zone_are_as_they_should_be() -> None:
+    """A bearing under radial load leaves half of its contacts open; without a load all of them are reported."""
+    scene = Scene(gravity=(0.0, 0.0, 0.0))
+    geometry = BallGeometry(elements=8, ball_diameter=0.01, pitch_diameter=0.05, clearance=1e-5)
+    bearing = scene.add_bearing("b", geometry, first=(0, 0, 1), outer=scene.ground)
+    load = scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 0.0, 1000.0)))
+    assert "not closed" not in equilibrium(scene).report()
+    scene.forces.remove(load)
+    assert "contacts not closed in the run" in equilibrium(scene).report()

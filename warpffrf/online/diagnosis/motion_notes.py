@@ -28,6 +28,8 @@ contact, the observation and the cure; contacts that stay apart share one note, 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from warpffrf.model.bodies import GROUND_INDEX
@@ -211,16 +213,23 @@ def untouched_notes(scene: Scene, history: History) -> list[str]:
         for name, found in history.lumped_contacts.items()
         if len(found.approach) and not np.any(found.force != 0.0)
     }
+    beyond = _beyond_load_zones(scene, gaps)
     open_ones = [
         f"{name!r} ({gap:.2g} m apart at least)" if np.isfinite(gap) else repr(name)
         for name, gap in gaps.items()
-        if not gap < 0.0 and not any(note.startswith(f"contact {name!r}:") for note in notes)
+        if not gap < 0.0 and name not in beyond and not any(note.startswith(f"contact {name!r}:") for note in notes)
     ]
     if open_ones:
         what = "contact" if len(open_ones) == 1 else "contacts"
         cure = f"check the gaps{pulled_apart(scene)}"
         notes.append(f"{what} not closed in the run: {', '.join(open_ones)}; if this is not intended, {cure}")
     return notes
+
+
+def _beyond_load_zones(scene: Scene, gaps: Mapping[str, float]) -> set[str]:
+    """Names of the contacts of bearings of which others closed: those of elements outside the load zone, and ribs."""
+    names = [{c.name for c in bearing.contacts.values()} for bearing in scene.bearings]
+    return {name for of_bearing in names if not of_bearing <= set(gaps) for name in of_bearing}
 
 
 def _saved(scene: Scene, history: History) -> list[Contact]:
