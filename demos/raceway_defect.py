@@ -65,7 +65,8 @@ def build(side: str) -> wf.Scene:
     bearing = scene.add_ball_bearing(
         NAME,
         wf.bearings.BallGeometry(
-            elements=COUNT, ball_diameter=BALL, pitch_diameter=PITCH, clearance=5e-6, **{f"{side}_form": spall}
+            elements=COUNT, ball_diameter=BALL, pitch_diameter=PITCH, clearance=5e-6,
+            outer_form=spall if side == "outer" else None, inner_form=spall if side == "inner" else None,
         ),
         first=(0, 0, -1), outer=housing, cage=wf.bearings.PocketCage(0.1e-3, friction=TRACTION),
         contact=wf.bearings.RollingContact(friction=TRACTION, law=wf.laws.HertzPoint(STEEL, STEEL, damping=DAMPING)),

@@ -27,7 +27,6 @@ from warpffrf.model.bearings.designations import catalogue
 from warpffrf.model.bearings.elements import Cage, PocketCage, PrescribedCage
 from warpffrf.model.bearings.flanges import Flanges
 from warpffrf.model.bearings.geometry import BallGeometry, RollerGeometry
-from warpffrf.model.bearings.kinematics import DefectFrequencies
 from warpffrf.model.bearings.life import BasicLife, ReferenceLife, basic_life
 from warpffrf.model.bearings.lubrication import (
     FilmThickness,
@@ -54,12 +53,12 @@ from warpffrf.model.bearings.parts import AxialPreload, Materials, PreloadForce,
 from warpffrf.model.errors import no_attribute
 
 __all__ = [
-    "AxialPreload", "BallGeometry", "BasicLife", "Bearing", "Cage", "DefectFrequencies", "DutyLife", "FilmThickness",
-    "Flanges", "Materials", "ModifiedLife", "PocketCage", "PreloadForce", "PreloadOffset", "PrescribedCage",
-    "ReferenceLife", "RollerGeometry", "RollingContact", "add_ball_bearing", "add_roller_bearing", "basic_life",
-    "catalogue", "catalogue_torque", "contamination_factor", "drag_torque", "duty_life", "fatigue_load_limit",
-    "film_of_lines", "film_of_points", "life_factor", "modified_life", "reliability_factor", "starved", "static_safety",
-    "thermal_factor", "viscosity_ratio",
+    "AxialPreload", "BallGeometry", "BasicLife", "Bearing", "Cage", "DutyLife", "FilmThickness", "Flanges", "Materials",
+    "ModifiedLife", "PocketCage", "PreloadForce", "PreloadOffset", "PrescribedCage", "ReferenceLife", "RollerGeometry",
+    "RollingContact", "add_ball_bearing", "add_roller_bearing", "basic_life", "catalogue", "catalogue_torque",
+    "contamination_factor", "drag_torque", "duty_life", "fatigue_load_limit", "film_of_lines", "film_of_points",
+    "life_factor", "modified_life", "reliability_factor", "starved", "static_safety", "thermal_factor",
+    "viscosity_ratio",
 ]  # fmt: skip
 
 

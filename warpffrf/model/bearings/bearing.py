@@ -85,13 +85,14 @@ class Bearing(reprs.Shown):
         `.bpfi`, `.bsf`, `.ftf`. inner, outer: speeds of the rings [rad/s]; angle: contact angle [rad], both as of
         `orbit_speed`. A double-row bearing has them in each row. Raises `InputError` for a value that is no number."""
         label = f"bearing {self.name!r}: defect_frequencies"
-        speeds = [require_number(x, f"{label}: {n} [rad/s]") for x, n in ((inner, "inner"), (outer, "outer"))]
+        w_i = require_number(inner, f"{label}: inner [rad/s]")
+        w_o = require_number(outer, f"{label}: outer [rad/s]")
         alpha = self._contact_angle(angle, "defect_frequencies")
-        orbit, Z = self._rolling(*speeds, alpha, "outer").orbit, self.geometry.elements
+        w_c, Z = self._rolling(w_i, w_o, alpha, "outer").orbit, self.geometry.elements
         ratio = self.geometry.diameter / self.geometry.pitch_diameter
-        spin = 0.5 / ratio * (1.0 - (ratio * np.cos(alpha)) ** 2) * (speeds[0] - speeds[1])
-        found = Z * (orbit - speeds[1]), Z * (speeds[0] - orbit), spin, orbit
-        return DefectFrequencies(*(float(abs(x)) / (2.0 * np.pi) for x in found))
+        spin = 0.5 / ratio * (1.0 - (ratio * np.cos(alpha)) ** 2) * (w_i - w_o)
+        found = np.abs([Z * (w_c - w_o), Z * (w_i - w_c), spin, w_c]) / (2.0 * np.pi)
+        return DefectFrequencies(*found.tolist())
 
     @property
     def angle(self) -> float:

@@ -52,8 +52,8 @@ class Rolling:
 
 @dataclass(frozen=True)
 class DefectFrequencies:
-    """Frequencies [Hz] of the impacts of defects: `bpfo` and `bpfi` [Hz], elements that pass a point of the outer and
-    of the inner raceway; `bsf`, rotation of an element relative to the cage, whose defect meets a raceway twice in it;
+    """Frequencies [Hz] of the impacts of defects: `bpfo` and `bpfi`, elements that pass a point of the outer and of the
+    inner raceway; `bsf`, rotation of an element relative to the cage, in which its defect meets each raceway once;
     `ftf`, rotation of the cage."""
 
     bpfo: float
