@@ -54,7 +54,8 @@ def test_blocks_run_and_do_what_they_say(ran: dict[str, Any]) -> None:
 
 @pytest.mark.slow
 def test_blocks_with_machines_of_their_own(ran: dict[str, Any]) -> None:
-    """A sled under a measured sine, the mass of a body of matrices, a bolt as a bar in a stiffer block, a run-up."""
+    """A sled under a measured sine, the mass of a body of matrices, a bolt as a bar in a stiffer block, a run-up, a
+    spall."""
     force, mass, rate = 500.0, 5.0, 20 * np.pi  # N, kg, rad/s; over a whole period, from rest
     assert ran["moved"].body("sled").position[-1, 0] == pytest.approx(force / (mass * rate) * 0.1, rel=2e-3)
     assert ran["rod"].mass == pytest.approx(7850 * 0.02**2 * 0.2, rel=1e-9)
@@ -63,6 +64,8 @@ def test_blocks_with_machines_of_their_own(ran: dict[str, Any]) -> None:
     critical = ran["diagram"].critical_speeds()[0].speed
     at = ran["disc"].angular_velocity[ran["orbit"].argmax(), 0]
     assert ran["orbit"].max() > 5e-4 and critical < at < 1.5 * critical  # five eccentricities, late as run-ups are
+    passing = ran["support"].defect_frequencies(188.2, angle=0.0).bpfo
+    assert ran["impacts"].peaks(1)[0][0] == pytest.approx(passing, rel=5e-3)
 
 
 def test_every_question_is_answered() -> None:

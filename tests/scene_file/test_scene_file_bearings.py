@@ -158,11 +158,7 @@ def test_bearings_of_the_catalogue(tmp_path: Path) -> None:
     assert geometry == catalogue("6310", clearance=12e-6)
     for old, new, said in (
         ("6310", "6399", r"\[bearings.a\]: catalogue: '6399': the series 63 has no bore of 495 mm"),
-        (
-            "6310",
-            "NU 2210",
-            r"\[bearings.a\]: catalogue: 'NU 2210' is a RollerGeometry, not a BallGeometry",
-        ),
+        ("6310", "NU 2210", r"\[bearings.a\]: catalogue: 'NU 2210' is a RollerGeometry, not a BallGeometry"),
         ('catalogue = "6310"', "", r"\[bearings.a\]: the key 'elements' is missing; give it, or a designation"),
     ):
         with pytest.raises(InputError, match=said):

@@ -165,7 +165,7 @@ class LumpedContact(reprs.Item):
                 raise InputError(
                     f"{self.label}: the waves of {one.label} have hollows of {hollow:.4g} 1/m, which {other.label} "
                     f"bridges: it curves by {ideal:.4g} 1/m more than the ideal surface follows, and touches on both "
-                    "sides; use lower or fewer waves"
+                    "sides; use lower or longer waves"
                 )
 
     def _require_shapes(self) -> None:

@@ -209,15 +209,16 @@ class Result(reprs.Shown):
         x = channel(self, against, "m", "displacement")
         return Hysteresis(self.time, F.values, x.values, F.label, x.label, F.unit, x.unit)
 
-    def spectrum(self, history: str | np.ndarray) -> Spectrum:
+    def spectrum(self, history: str | np.ndarray, *, envelope: tuple[float, float] | None = None) -> Spectrum:
         """Amplitude spectrum of a history: `.place` [Hz], `.amplitude`, `.peaks()`, `.report()`, `.draw(ax)`.
 
         history: the name of a column of `to_dataframe`, such as "contact_force_z[roller on plate]", or an array (T,).
-        Raises InputError for an unknown name, fewer than 8 rows, and rows without a value.
+        envelope: (low, high) [Hz], for the spectrum of its envelope in this band, which shows repeated impacts. Raises
+        InputError for an unknown name, fewer than 8 rows, rows without a value, and a band that rows do not resolve.
         """
         from warpffrf.output.spectrum import frequency_spectrum
 
-        return frequency_spectrum(self.time, *self._history(history))
+        return frequency_spectrum(self.time, *self._history(history), envelope)
 
     def orders(self, history: str | np.ndarray, body: str, axis: Any = None) -> Spectrum:
         """Order spectrum of a `history`, `.place` [1/rev], over the rotation of the body called `body` about `axis`

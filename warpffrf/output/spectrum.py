@@ -7,7 +7,14 @@ With N values x_n at equal distances d in time, or in revolutions, and the Hann 
 at k/(N d) for k = 0 .. N/2, without the factor 2 in the last line of an even N: a sine of amplitude A at one of these
 frequencies has A_k = A there and A/2 in both neighbours; between two of them the nearer one shows at least 8/(3 pi) =
 0.85 of A. Two lines are resolved if they are 4 points apart. Linear interpolation, if necessary, reduces the amplitude
-of a signal with m rows per period by (2 pi/m)^2/12.
+of a signal with m rows per period by (2 pi/m)^2/12. Peaks are those of a sine between lines: with the larger neighbour
+A_j of a local maximum A_k, j = k +- 1, and c = A_j/A_k,
+
+    k + d (j - k),      A_k (1 - d^2) pi d/sin(pi d),      d = (2 c - 1)/(1 + c).
+
+The envelope of a history in a band of frequencies is the magnitude of its analytic signal, twice the part at these
+frequencies of its Fourier series, which is periodic over the run; the Hann window takes off its ends. Impacts that
+excite a resonance within the band appear at the frequency of their repetition.
 
 Orders count per revolution: values are sampled at equal angles of the body, over the whole number of revolutions that
 ends with the run, so that excitations locked to the rotation stay at one order even if the speed changes. The angle is
@@ -21,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, require_count, require_direction
+from warpffrf.model.errors import InputError, require_array, require_count, require_direction
 
 ROUND_OFF = 1e-14  # of the largest value: smaller amplitudes are zero
 LEAST = 1e-6  # likewise: smaller ones may be round-off, or tolerance of iterations
@@ -52,13 +59,18 @@ class Spectrum:
         return float(self.place[1] - self.place[0])
 
     def peaks(self, count: int = 5) -> list[tuple[float, float]]:
-        """(place, amplitude) of the largest local maxima, largest first, at most `count`; zeros are excluded."""
+        """(place, amplitude) of the largest local maxima, largest first, at most `count`, interpolated between lines as
+        of a sine (see the module); zeros are excluded."""
         a = self.amplitude
         count = require_count(count, "peaks: count", 1)
         inner = np.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:])) + 1
         inner = inner[a[inner] > 0.0]
         best = inner[np.argsort(-a[inner], kind="stable")][:count]
-        return [(float(self.place[k]), float(a[k])) for k in best]
+        right = a[best + 1] > a[best - 1]
+        ratio = np.where(right, a[best + 1], a[best - 1]) / a[best]
+        d = np.maximum((2.0 * ratio - 1.0) / (1.0 + ratio), 0.0)
+        place = self.place[best] + np.where(right, d, -d) * self.resolution
+        return list(zip(place.tolist(), (a[best] * (1.0 - d**2) / np.sinc(d)).tolist(), strict=True))
 
     def report(self, count: int = 5) -> str:
         """The `count` largest peaks as a table."""
@@ -85,10 +97,14 @@ class Spectrum:
         ax.grid(alpha=0.3)
 
 
-def frequency_spectrum(time: np.ndarray, values: np.ndarray, label: str, units: str) -> Spectrum:
-    """The `Spectrum` by frequency of `values` (T,) at `time` (T,) [s]; rows at uneven times are interpolated linearly
-    to even ones, with a note. Raises InputError for fewer than 8 rows and values that are not finite."""
+def frequency_spectrum(time: np.ndarray, values: np.ndarray, label: str, units: str, envelope: Any = None) -> Spectrum:
+    """The `Spectrum` by frequency of `values` (T,) at `time` (T,) [s], or of their envelope in the band `envelope`,
+    (low, high) [Hz]; rows at uneven times are interpolated linearly to even ones, with a note. Raises InputError for
+    fewer than 8 rows, values that are not finite, and a band that the rows do not resolve."""
     values, step, notes = even_rows(time, values, label)
+    if envelope is not None:
+        values = envelope_of(values, step, envelope, label)
+        label = f"{label}, envelope of {envelope[0]:g} to {envelope[1]:g} Hz"
     place, amplitude = amplitudes(values, step)
     return Spectrum(label, units, "frequency [Hz]", place, amplitude, notes, float(np.max(np.abs(values))))
 
@@ -103,6 +119,21 @@ def even_rows(time: np.ndarray, values: np.ndarray, label: str) -> tuple[np.ndar
         return values, step, []
     note = f"rows at uneven times, interpolated linearly to every {step:.4g} s"
     return np.interp(even, time, values), step, [note]
+
+
+def envelope_of(values: np.ndarray, step: float, band: Any, label: str) -> np.ndarray:
+    """(T,), in the unit of `values` (T,) at the distance `step` [s]: their envelope in a band, (low, high) [Hz]. Raises
+    InputError naming `label` for a band of fewer than 8 lines, or beyond half the rate of the rows."""
+    low, high = require_array(band, f"{label}: envelope [Hz]", (2,))
+    line, most = 1.0 / (step * len(values)), 0.5 / step
+    if not 0.0 <= low or not high <= most or not high - low >= FEWEST_ROWS * line:
+        raise InputError(
+            f"{label}: envelope must be a band (low, high) between 0 and {most:.4g} Hz, half the rate of saved rows, "
+            f"and {FEWEST_ROWS * line:.4g} Hz wide or more, got ({low:g}, {high:g}); save more rows, or simulate longer"
+        )
+    frequency = np.fft.fftfreq(len(values), step)
+    within = (frequency >= low) & (frequency <= high)
+    return np.abs(np.fft.ifft(np.where(within, 2.0 * np.fft.fft(values), 0.0)))
 
 
 def turning_rate(time: np.ndarray, spin: np.ndarray, axis: Any = None) -> np.ndarray:

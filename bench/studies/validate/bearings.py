@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from demos import raceway_defect
 from references.closed_forms.ball_bearing import BallBearing
 from scenes.bearing_kinds import (
     OF_TWO_ROWS,
@@ -21,7 +22,7 @@ from scenes.published_bearings import P7, P7_CAPACITY, UM, p7, p8, p9, p10
 from studies.validate.case import Row, case
 from warpffrf.model.bearings import BallGeometry
 from warpffrf.output.result import Result
-from warpffrf.output.simulate import equilibrium
+from warpffrf.output.simulate import equilibrium, simulate
 
 ROOM = "Rolling bearings"
 PROGRAM = "ISO/TS 16281:2008 by a commercial program; P7 of the verification cases"
@@ -138,3 +139,23 @@ def kinds_of_bearings() -> Iterator[Row]:
         worst, most = int(np.argmax(np.abs(ours - theirs))), float(theirs.max())
         yield Row(f"{name}, largest load", float(ours.max()), most, 0.01, "N")
         yield Row(f"{name}, load that differs most", float(ours[worst]), float(theirs[worst]), 0.01, "N", most)
+
+
+@case(
+    ROOM, "rolling without slip, closed form; multiples per revolution: bearing data centre, Case Western Reserve Univ."
+)
+def defect_frequencies() -> Iterator[Row]:
+    """Spall of a raceway, bearing 6205 at 1,797 rpm, balls driven by friction: lines of the envelope spectrum"""
+    shaft, size = raceway_defect.SPEED / (2.0 * np.pi), raceway_defect.QUICK
+    for side, (line, multiple) in {"outer": ("BPFO", 3.5848), "inner": ("BPFI", 5.4152)}.items():
+        scene = raceway_defect.build(side)
+        result = simulate(scene, size.duration, step=size.step, start="equilibrium", progress=False)
+        if result.status != "completed":
+            raise RuntimeError(result.message)
+        found = raceway_defect.envelope(result)
+        wanted = {line: multiple, f"2 {line}": 2.0 * multiple}
+        if side == "inner":
+            wanted |= {f"{line} less the shaft": multiple - 1.0, f"{line} plus the shaft": multiple + 1.0, "shaft": 1.0}
+        for name, orders in wanted.items():
+            place, _ = raceway_defect.line(found, orders * shaft)
+            yield Row(f"{side} raceway: {name}", place, orders * shaft, 5e-3, "Hz")

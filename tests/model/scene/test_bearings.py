@@ -99,6 +99,25 @@ def test_orbit_speed_is_that_of_rolling() -> None:
     assert roller().orbit_speed(0.0, 100.0) == pytest.approx(50.0 * (1.0 + 0.01 / 0.06))
 
 
+def test_defect_frequencies_are_published_ones() -> None:
+    """Of the bearing 6205 of the bearing data centre of Case Western Reserve University, per revolution of the inner
+    ring, where the frequency of the balls is twice that of their rotation; and of both rings by the textbook."""
+    size: dict[str, Any] = {"elements": 9, "ball_diameter": 0.3126 * 25.4e-3, "pitch_diameter": 1.537 * 25.4e-3}
+    bearing = Scene().add_bearing("6205", BallGeometry(**size))
+    found = bearing.defect_frequencies(2.0 * np.pi)
+    assert (found.bpfi, found.bpfo, found.ftf) == pytest.approx((5.4152, 3.5848, 0.39828), rel=1e-4)
+    assert 2.0 * found.bsf == pytest.approx(4.7135, rel=1e-4)
+    angle, inner, outer = 0.3, 12.0, -5.0  # rev/s
+    gamma = size["ball_diameter"] / size["pitch_diameter"] * np.cos(angle)
+    found = bearing.defect_frequencies(2.0 * np.pi * inner, 2.0 * np.pi * outer, angle=angle)
+    assert found.ftf == pytest.approx(0.5 * abs(inner * (1.0 - gamma) + outer * (1.0 + gamma)))
+    assert found.bpfo == pytest.approx(4.5 * (inner - outer) * (1.0 - gamma))
+    assert found.bpfi == pytest.approx(4.5 * (inner - outer) * (1.0 + gamma))
+    assert found.bsf == pytest.approx(0.5 * np.cos(angle) / gamma * (inner - outer) * (1.0 - gamma**2))
+    with pytest.raises(InputError, match="bearing '6205': defect_frequencies: inner"):
+        bearing.defect_frequencies("fast")  # pyright: ignore[reportArgumentType]
+
+
 def test_pockets_surround_elements() -> None:
     bearing = ball(cage=PocketCage(0.2e-3, friction=0.1))
     for i in (1, 5):

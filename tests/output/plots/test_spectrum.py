@@ -26,8 +26,24 @@ def test_a_sine_has_its_amplitude_at_its_frequency() -> None:
     assert found.amplitude[49] == pytest.approx(1.5) and found.amplitude[200] < ROUND_OFF * 3.0
     half = frequency_spectrum(time, np.sin(2.0 * np.pi * 50.5 * time), "x", "N")
     assert half.amplitude[50] == pytest.approx(HANN_SCALLOP, rel=1e-3)  # the mirror image is 100 places away
+    for frequency in (50.3, 50.5, 50.8):  # peaks are interpolated
+        found = frequency_spectrum(time, np.sin(2.0 * np.pi * frequency * time), "x", "N")
+        assert found.peaks(1)[0] == (pytest.approx(frequency, abs=1e-4), pytest.approx(1.0, rel=1e-3))
     highest = frequency_spectrum(time, np.where(np.arange(1000) % 2, -2.0, 2.0), "x", "N")
     assert highest.amplitude[-1] == pytest.approx(2.0)
+
+
+def test_an_envelope_has_the_modulation_of_its_band_alone() -> None:
+    """A carrier whose amplitude 2 + cos varies, next to a tone outside the band, which is larger."""
+    time = np.arange(2000) * 5e-4
+    size = 2.0 + np.cos(2.0 * np.pi * 15.0 * time)
+    values = size * np.sin(2.0 * np.pi * 300.0 * time) + 50.0 * np.cos(2.0 * np.pi * 40.0 * time)
+    found = frequency_spectrum(time, values, "x", "N", (200.0, 400.0))
+    assert found.peaks(1) == [pytest.approx((15.0, 1.0))] and found.largest == pytest.approx(3.0)
+    assert found.amplitude[20:].max() < ROUND_OFF * 50.0 and found.label == "x, envelope of 200 to 400 Hz"
+    for band in ((200.0, 1200.0), (-1.0, 400.0), (300.0, 307.0), (400.0, 200.0)):
+        with pytest.raises(InputError, match=r"x: envelope must be a band .* 0 and 1000 Hz.* 8 Hz wide"):
+            frequency_spectrum(time, values, "x", "N", band)
 
 
 def test_uneven_rows_are_said() -> None:

@@ -1,7 +1,7 @@
 """Rolling bearings: builders of rings, elements, contacts and cage, and the `Bearing` object.
 
     geometry.py   BallGeometry, RollerGeometry: raceways and rollers of all kinds
-    kinematics.py rolling without slip
+    kinematics.py rolling without slip, defect frequencies
     parts.py      Materials, RollingContact, axial preload; position, masses, rings, contacts
     elements.py   rolling elements, PrescribedCage, PocketCage
     flanges.py    ribs that stop rollers

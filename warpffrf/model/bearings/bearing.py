@@ -9,7 +9,7 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.bearings.geometry import SIDES, BallGeometry, RollerGeometry, Track
-from warpffrf.model.bearings.kinematics import Rolling, rolling
+from warpffrf.model.bearings.kinematics import DefectFrequencies, Rolling, rolling
 from warpffrf.model.bearings.parts import Place
 from warpffrf.model.bodies import Body, Ground
 from warpffrf.model.contact import Contact
@@ -77,6 +77,22 @@ class Bearing(reprs.Shown):
         is no number.
         """
         return self._rolling(inner, outer, self._contact_angle(angle, "orbit_speed"), "outer").orbit
+
+    def defect_frequencies(
+        self, inner: float = 0.0, outer: float = 0.0, *, angle: float | None = None
+    ) -> DefectFrequencies:
+        """Frequencies [Hz] at which defects of raceways and elements show where elements roll without slip: `.bpfo`,
+        `.bpfi`, `.bsf`, `.ftf`. inner, outer: speeds of the rings [rad/s]; angle: contact angle [rad], both as of
+        `orbit_speed`. A double-row bearing has them in each row. Raises `InputError` for a value that is no number."""
+        label = f"bearing {self.name!r}: defect_frequencies"
+        w_i = require_number(inner, f"{label}: inner [rad/s]")
+        w_o = require_number(outer, f"{label}: outer [rad/s]")
+        alpha = self._contact_angle(angle, "defect_frequencies")
+        w_c, Z = self._rolling(w_i, w_o, alpha, "outer").orbit, self.geometry.elements
+        ratio = self.geometry.diameter / self.geometry.pitch_diameter
+        spin = 0.5 / ratio * (1.0 - (ratio * np.cos(alpha)) ** 2) * (w_i - w_o)
+        found = np.abs([Z * (w_c - w_o), Z * (w_i - w_c), spin, w_c]) / (2.0 * np.pi)
+        return DefectFrequencies(*found.tolist())
 
     @property
     def angle(self) -> float:

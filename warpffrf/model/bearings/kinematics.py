@@ -21,6 +21,12 @@ w_c) sin tau = 0. At equal angles, gamma = D cos(alpha)/d,
 
 and the rolling against the cage is d/(2 D) (1 - gamma^2)(w_o - w_i). Rotating w_r e_r with w_c requires the gyroscopic
 moment I w_c w_r about e_t, which friction must provide.
+
+A point of a raceway meets the Z elements of a row one after the other, Z times per rotation of its ring relative to the
+cage, a point of an element each raceway once per rotation relative to the cage:
+
+    BPFO = Z |w_c - w_o|/(2 pi),    BPFI = Z |w_i - w_c|/(2 pi),    BSF = d/(2 D) (1 - gamma^2) |w_i - w_o|/(2 pi),
+    FTF = |w_c|/(2 pi).
 """
 
 from __future__ import annotations
@@ -42,6 +48,18 @@ class Rolling:
     orbit: float
     radial: float
     axial: float
+
+
+@dataclass(frozen=True)
+class DefectFrequencies:
+    """Frequencies [Hz] of the impacts of defects: `bpfo` and `bpfi`, elements that pass a point of the outer and of the
+    inner raceway; `bsf`, rotation of an element relative to the cage, in which its defect meets each raceway once;
+    `ftf`, rotation of the cage."""
+
+    bpfo: float
+    bpfi: float
+    bsf: float
+    ftf: float
 
 
 def rolling(

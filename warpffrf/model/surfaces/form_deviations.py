@@ -8,7 +8,7 @@ roundness.
 
 A form of `warpffrf.films` is the missing material, w(theta) [m], which adds to the gap. Here it depends on the angle
 theta about the axis alone, and is kept as the periodic cubic spline through STEPS points: a wave of order 60 has an
-error of 1e-5 of its amplitude, and of 0.1 % of its curvature. Its effect on gap, normal and curvature, of first order
+error of 1e-8 of its amplitude, and of 1e-4 of its curvature. Its effect on gap, normal and curvature, of first order
 in the slope, is derived in `warpffrf_kernels.lumped.form`.
 
 Two surfaces touch at a single point only where the one curves more than the other follows: around the axis the relative
@@ -103,8 +103,8 @@ class BarrelForm(Form):
 @named_arguments
 @dataclass(frozen=True)
 class WornForm(Form):
-    """A worn region, depth cos^2(pi/2 (angle from theta)/width) within the angle `width` [rad] to both sides of theta
-    [rad], along the whole length; depth [m]. Raises `InputError`."""
+    """A worn region, or a spall, depth cos^2(pi/2 (angle from theta)/width) within the angle `width` [rad] to both
+    sides of theta [rad], along the whole length; depth [m]. Raises `InputError`."""
 
     depth: float
     theta: float
@@ -252,7 +252,7 @@ def _piece(places: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return i, np.clip((at - places[i]) / (places[i + 1] - places[i]), 0.0, 1.0)
 
 
-STEPS = 4096  # around
+STEPS = 16384  # around
 AGREES = 1e-4  # of the largest deviation: admissible distance of the spline from the form between its points
 
 
@@ -287,7 +287,7 @@ class RoundForm:
         if off > AGREES * size:
             raise InputError(
                 f"{label}: form: {found.form.kind} has waves too short or edges too sharp, {STEPS} points around have "
-                f"an error of {off:.3g} m; use fewer waves"
+                f"an error of {off:.3g} m; use fewer waves, or wider hollows"
             )
         return found
 
