@@ -147,8 +147,8 @@ def fits_at_speed_and_warm() -> Iterator[Row]:
             material=(fitted_rings.STEEL, fitted_rings.LIGHT), speed=1500.0, temperature_rise=(40.0, 25.0),
             expansion=(12e-6, 23e-6),
         )  # fmt: skip
-        ring = pressed_tubes.tube(*sorted((0.5 * seat, 0.5 * raceway)), fitted_rings.STEEL, 12e-6 * 40.0, 1500.0)
-        mate = pressed_tubes.tube(*sorted((0.5 * seat, 0.5 * free)), fitted_rings.LIGHT, 23e-6 * 25.0, 1500.0)
+        ring = pressed_tubes.tube(seat, raceway, fitted_rings.STEEL, 12e-6 * 40.0, 1500.0)
+        mate = pressed_tubes.tube(seat, free, fitted_rings.LIGHT, 23e-6 * 25.0, 1500.0)
         pressure, *u = pressed_tubes.pressed(*((mate, ring) if side == "inner" else (ring, mate)), 6e-5)
         yield Row(f"pressure, {side} ring", 1e-6 * found.pressure, 1e-6 * pressure, 1e-3, "MPa")
         change = 2e6 * float(u[1][-1] if side == "inner" else u[0][0])

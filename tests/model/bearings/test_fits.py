@@ -73,8 +73,8 @@ def test_finite_elements_along_the_radius(side: str) -> None:
         "material": (STEEL, ALUMINIUM), "free_diameter": free,
     }  # fmt: skip
     found = fit(BEARING, side, **given)
-    ring = tube(*sorted((0.5 * seat, 0.5 * raceway)), STEEL, 12e-6 * 40.0, 1500.0)
-    mate = tube(*sorted((0.5 * seat, 0.5 * free)), ALUMINIUM, LIGHT * 25.0, 1500.0)
+    ring = tube(seat, raceway, STEEL, 12e-6 * 40.0, 1500.0)
+    mate = tube(seat, free, ALUMINIUM, LIGHT * 25.0, 1500.0)
     inner, outer = (mate, ring) if side == "inner" else (ring, mate)
     pressure, *u = pressed(inner, outer, 6e-5)
     change = 2.0 * (u[1][-1] if side == "inner" else u[0][0])
@@ -129,21 +129,26 @@ def test_rings_that_come_loose_or_burst_are_named() -> None:
         )  # fmt: skip
     stress = fit(BEARING, "inner", interference=1e-4).hoop_stress
     assert fit(BEARING, "inner", interference=1e-4, yield_strength=1.001 * stress[0]).hoop_stress == stress
-    with pytest.raises(InputError, match=r"hoop stress of the inner ring.*exceeds its yield strength.*less interf"):
-        fit(BEARING, "inner", interference=1e-4, yield_strength=(0.999 * stress[0], None))
+    with pytest.raises(InputError, match=r"hoop stress of the inner ring.*exceeds its yield strength.*at most 5e-05 m"):
+        fit(BEARING, "inner", interference=1e-4, yield_strength=(0.5 * stress[0], None))
+    with pytest.raises(InputError, match="use a lower speed"):
+        fit(BEARING, "inner", interference=1e-3, speed=4000.0, yield_strength=50e6)
     with pytest.raises(InputError, match="hoop stress of the shaft"):
         fit(BEARING, "inner", interference=1e-4, yield_strength=(None, -0.999 * stress[1]))
 
 
 def test_bad_input_is_named() -> None:
     balls = BallGeometry(elements=9, ball_diameter=0.0127, pitch_diameter=0.065)
+    three: Any = (1e-5, 1e-5, 1e-5)
     for match, call in {
         "has no bore; give BallGeometry": lambda: fit(balls, "inner", interference=1e-5),
+        "geometry must be": lambda: fit(three, "inner", interference=1e-5),
+        "material must be": lambda: fit(BEARING, "inner", interference=1e-5, material=three[:2]),
         "side must be": lambda: fit(BEARING, "left", interference=1e-5),
         "must ascend: bore of the shaft 0.06 m": lambda: fit(BEARING, "inner", interference=1e-5, free_diameter=0.06),
         "outside of the housing 0.08 m": lambda: fit(BEARING, "outer", interference=1e-5, free_diameter=0.08),
         "massive housing does not rotate": lambda: fit(BEARING, "outer", interference=1e-5, speed=10.0),
-        r"\(ring, seat\), got 3": lambda: fit(BEARING, "inner", interference=1e-5, expansion=(1e-5, 1e-5, 1e-5)),
+        r"\(ring, seat\), got 3": lambda: fit(BEARING, "inner", interference=1e-5, expansion=three),
         "no diametral clearance": lambda: fit(catalogue("81110"), "inner", interference=1e-5),
         "got the fit of the outer ring": lambda: operating_clearance(BEARING, Fit("outer", 0.0, 0.0, 0.0, (0.0, 0.0))),
     }.items():

@@ -11,11 +11,12 @@ from warpffrf.model.material import Material
 NODES = 401
 
 
-def tube(a: float, b: float, material: Material, warming: float, speed: float) -> tuple[Any, Any, Any]:
-    """Radii (n,), stiffness (n, n) per radian and width and loads (n,) of linear elements in plane stress."""
+def tube(seat: float, other: float, material: Material, warming: float, speed: float) -> tuple[Any, Any, Any]:
+    """Radii (n,), stiffness (n, n) per radian and width and loads (n,) of linear elements in plane stress between two
+    diameters [m]."""
     E, nu = material.youngs_modulus, material.poisson_ratio
     D = E / (1.0 - nu**2) * np.array([[1.0, nu], [nu, 1.0]])
-    r = np.linspace(a, b, NODES)
+    r = 0.5 * np.linspace(min(seat, other), max(seat, other), NODES)
     K, f = np.zeros((NODES, NODES)), np.zeros(NODES)
     for i in range(NODES - 1):
         h, middle = r[i + 1] - r[i], 0.5 * (r[i] + r[i + 1])

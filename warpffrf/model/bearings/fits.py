@@ -2,7 +2,7 @@ r"""Interference fits of rings by formula: pressure, loss by speed and temperatu
 
 Ring, shaft and housing are tubes in plane stress, free along the axis, the ring up to its raceway; loads of elements
 are left out. A tube from a to b, k = a^2/b^2, under pressures p_a inside and p_b outside, at the speed w and warmer by
-T, has at r (S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, sections 28 (Lame) and 32)
+T, has at r (S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, 1970, sections 28 (Lame) and 32)
 
     s_t = (k p_a - p_b + (p_a - p_b) a^2/r^2)/(1 - k)
           + (3 + nu)/8 rho w^2 (a^2 + b^2 + a^2 b^2/r^2 - (1 + 3 nu)/(3 + nu) r^2),
@@ -28,6 +28,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from warpffrf.model.bearings.geometry import SIDES, BallGeometry, RollerGeometry, pair
 from warpffrf.model.bearings.parts import STEEL, WASHERS
@@ -105,13 +106,13 @@ def fit(
 
     >>> bearing = wf.bearings.catalogue("6210", clearance=20e-6)
     >>> f"{wf.bearings.fit(bearing, 'inner', interference=15e-6).pressure:.3g} Pa"
-    '9.8e+06 Pa'
+    '7.92e+06 Pa'
     """
     ring_name, seat_name = f"{side} ring", "shaft" if side == "inner" else "housing"
     label = f"bearings.fit, {ring_name}"
     if side not in SIDES:
         raise InputError(f"bearings.fit: side must be 'inner' or 'outer', got {side!r}")
-    _refuse_thrust(geometry, label)
+    _check(geometry, label)
     given = require_number(interference, f"{label}: interference [m]")
     w = abs(require_number(speed, f"{label}: speed [rad/s]"))
     seat, raceway, free = _diameters(geometry, side, free_diameter, label)
@@ -120,8 +121,10 @@ def fit(
     both = _pair(temperature_rise, f"{label}: temperature_rise [K]")
     warming = [a * T for a, T in zip(_pair(expansion, f"{label}: expansion [1/K]"), both, strict=True)]
     of = pair(material, f"{label}: material", "(ring, seat)")
-    ring = _Tube(*sorted((0.5 * seat, 0.5 * raceway)), of[0], warming[0])
-    mate = _Tube(*sorted((0.5 * seat, 0.5 * free)), of[1], warming[1])
+    if not all(isinstance(one, Material) for one in of):
+        raise InputError(f"{label}: material must be a Material, or two, (ring, seat), got {material!r}")
+    ring = _Tube(0.5 * min(seat, raceway), 0.5 * max(seat, raceway), of[0], warming[0])
+    mate = _Tube(0.5 * min(seat, free), 0.5 * max(seat, free), of[1], warming[1])
     inner, outer = (mate, ring) if side == "inner" else (ring, mate)
 
     def opening(p: float, speed: float) -> float:
@@ -138,20 +141,29 @@ def fit(
             f"{label}: it comes loose from the {seat_name}: of its interference of {given:.3g} m the speed takes "
             f"{spin:.3g} m and the temperatures {heat:.3g} m; use {cure}"
         )
-    p = max(left, 0.0) / opening(1.0, 0.0)
-    loads = ((p, 0.0), (0.0, p)) if side == "inner" else ((0.0, p), (p, 0.0))
-    stress = ring.hoop(*loads[0], w), mate.hoop(*loads[1], w)
+    softness = opening(1.0, 0.0)  # m/Pa
+    p = max(left, 0.0) / softness
+    inside = side == "inner"  # where the seat presses the ring
+
+    def hoop(tube: _Tube, p: float) -> float:
+        return tube.hoop(p, 0.0, w) if (tube is ring) == inside else tube.hoop(0.0, p, w)
+
     strength = f"{label}: yield_strength [Pa]"
-    for name, s, limit in zip(
-        (ring_name, seat_name), stress, pair(yield_strength, strength, "(ring, seat)"), strict=True
-    ):
-        if limit is not None and abs(s) > require_number(limit, strength, positive=True):
-            raise InputError(
-                f"{label}: the hoop stress of the {name}, {s * MPA:.4g} MPa at a pressure of {p * MPA:.3g} MPa and "
-                f"{w:.4g} rad/s, exceeds its yield strength of {limit * MPA:.4g} MPa; use less interference than "
-                f"{given:.3g} m, a lower speed, a thicker wall or a stronger material"
-            )
-    return Fit(side, left, p, raceway * (ring.strain(0.5 * raceway, *loads[0], w) + ring.warming), stress)
+    limits = pair(yield_strength, strength, "(ring, seat)")
+    for tube, name, limit in zip((ring, mate), (ring_name, seat_name), limits, strict=True):
+        if limit is None or abs(hoop(tube, p)) <= require_number(limit, strength, positive=True):
+            continue
+        cure = "a lower speed"
+        if abs(hoop(tube, 0.0)) < limit:
+            most: Any = brentq(lambda q, tube=tube, limit=limit: abs(hoop(tube, q)) - limit, 0.0, p)
+            cure = f"at most {heat + spin + softness * most:.3g} m of interference"
+        raise InputError(
+            f"{label}: the hoop stress of the {name}, {hoop(tube, p) * MPA:.4g} MPa at a pressure of {p * MPA:.3g} MPa "
+            f"and {w:.4g} rad/s, exceeds its yield strength of {limit * MPA:.4g} MPa; use {cure}, a thicker wall or a "
+            "stronger material"
+        )
+    strain = ring.strain(0.5 * raceway, *((p, 0.0) if inside else (0.0, p)), w) + ring.warming
+    return Fit(side, left, p, raceway * strain, (hoop(ring, p), hoop(mate, p)))
 
 
 @named_arguments
@@ -163,13 +175,9 @@ def operating_clearance(
     of one with a contact angle it is counted from elements that just touch both rings. inner, outer: the fits of the
     rings, None for one that stays as it is. temperature_rise [K] and expansion [1/K]: of the elements. Raises
     `InputError`.
-
-    >>> fitted = wf.bearings.fit(bearing, "inner", interference=15e-6, temperature_rise=30)
-    >>> clearance = wf.bearings.operating_clearance(bearing, fitted, temperature_rise=25)
-    >>> running = dataclasses.replace(bearing, clearance=clearance)
     """
     label = "operating_clearance"
-    _refuse_thrust(geometry, label)
+    _check(geometry, label)
     for given, side in zip((inner, outer), SIDES, strict=True):
         if given is not None and (not isinstance(given, Fit) or given.side != side):
             what = f"the fit of the {given.side} ring" if isinstance(given, Fit) else repr(given)
@@ -186,7 +194,13 @@ def _pair(value: Any, name: str) -> tuple[float, float]:
     return require_number(first, name), require_number(second, name)
 
 
-def _refuse_thrust(geometry: BallGeometry | RollerGeometry, label: str) -> None:
+def _check(geometry: BallGeometry | RollerGeometry, label: str) -> None:
+    """Raises `InputError` for what is no geometry of a radial bearing."""
+    if not isinstance(geometry, (BallGeometry, RollerGeometry)):
+        raise InputError(
+            f"{label}: geometry must be bearings.BallGeometry(...), RollerGeometry(...) or catalogue(...), got "
+            f"{geometry!r}"
+        )
     if abs(geometry.inclination) > WASHERS:
         raise InputError(f"{label}: the washers of a thrust bearing have no diametral clearance; use a radial bearing")
 
