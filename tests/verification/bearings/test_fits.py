@@ -44,7 +44,7 @@ def test_rollers_carry_what_the_clearance_in_operation_makes_them() -> None:
 @pytest.mark.slow
 def test_a_ring_creeps_beyond_the_limit_of_shakedown_and_not_below() -> None:
     """And beyond it in proportion to the excess, so that its rates at two loads lead back to it. Far beyond, the ring
-    moves along with the load, as it does in rigs."""
+    moves along with the load, as published of rings in service."""
     limits = fitted_rings.limits()
     assert limits.slip < 0.9 * limits.shakedown
     still, slips, first, second, far = (
