@@ -439,7 +439,8 @@ def _between_surfaces(product: PathProduct, settings: Settings) -> list[str]:
     if product.matched is not None and product.surfaces:
         notes.append(
             "loads on contact surfaces move the matched faces of this body through the global modes only, and these "
-            "them"
+            "them; where that matters, as for a ring that its fit widens, name parts of the contact surface as "
+            "'average' interfaces (Mesh.select), whose mean motions are among the global modes"
         )
     if product.cross and settings.options.local_dynamics:
         notes.append(

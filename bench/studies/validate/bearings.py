@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from demos import raceway_defect
 from references.closed_forms.ball_bearing import BallBearing
+from references.finite_elements import pressed_tubes
+from scenes import fitted_rings
 from scenes.bearing_kinds import (
     OF_TWO_ROWS,
     barrels,
@@ -20,7 +23,7 @@ from scenes.bearing_kinds import (
 )
 from scenes.published_bearings import P7, P7_CAPACITY, UM, p7, p8, p9, p10
 from studies.validate.case import Row, case
-from warpffrf.model.bearings import BallGeometry
+from warpffrf.model.bearings import BallGeometry, fit
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium, simulate
 
@@ -159,3 +162,63 @@ def defect_frequencies() -> Iterator[Row]:
         for name, orders in wanted.items():
             place, _ = raceway_defect.line(found, orders * shaft)
             yield Row(f"{side} raceway: {name}", place, orders * shaft, 5e-3, "Hz")
+
+
+@case(ROOM, "G. Lamé's thick rings in plane stress, bearings.fit")
+def ring_on_shaft() -> Iterator[Row]:
+    """A ring pressed on a hollow shaft by small-sliding contact, 20 µm of interference, 24 cells around"""
+    ring, radius = fitted_rings.RING, fitted_rings.RING.bottom("inner")
+    for shaft, named in ((fitted_rings.STEEL, "steel"), (fitted_rings.LIGHT, "aluminium")):
+        result = fitted_rings.ring_on_shaft(2e-5, shaft)
+        book = fit(
+            ring,
+            "inner",
+            interference=2e-5,
+            free_diameter=fitted_rings.SHAFT_BORE,
+            material=(fitted_rings.STEEL, shaft),
+        )
+        pressure = float(result.contact(fitted_rings.SEAT).pressure[-1].mean())
+        yield Row(f"pressure, shaft of {named}", 1e-6 * pressure, 1e-6 * book.pressure, 0.01, "MPa")
+        change = 1e6 * float(np.mean(fitted_rings.raceway_change(result, radius)))
+        yield Row(f"raceway, shaft of {named}", change, 1e6 * book.raceway_change, 0.01, "µm")
+
+
+@case(ROOM, "Finite elements along the radius")
+def fits_at_speed_and_warm() -> Iterator[Row]:
+    """bearings.fit: a ring on a shaft of aluminium and in a housing of it, 60 µm of interference, 1500 rad/s, the ring
+    40 K and the seat 25 K warmer"""
+    for side, free in (("inner", 0.02), ("outer", 0.13)):
+        seat, raceway = 0.05 if side == "inner" else 0.09, 2.0 * fitted_rings.RING.bottom(side)
+        found = fit(
+            replace(fitted_rings.RING, outside_diameter=0.09), side, interference=6e-5, free_diameter=free,
+            material=(fitted_rings.STEEL, fitted_rings.LIGHT), speed=1500.0, temperature_rise=(40.0, 25.0),
+            expansion=(12e-6, 23e-6),
+        )  # fmt: skip
+        ring = pressed_tubes.tube(seat, raceway, fitted_rings.STEEL, 12e-6 * 40.0, 1500.0)
+        mate = pressed_tubes.tube(seat, free, fitted_rings.LIGHT, 23e-6 * 25.0, 1500.0)
+        pressure, *u = pressed_tubes.pressed(*((mate, ring) if side == "inner" else (ring, mate)), 6e-5)
+        yield Row(f"pressure, {side} ring", 1e-6 * found.pressure, 1e-6 * pressure, 1e-3, "MPa")
+        change = 2e6 * float(u[1][-1] if side == "inner" else u[0][0])
+        yield Row(f"raceway, {side} ring", 1e6 * found.raceway_change, change, 1e-3, "µm")
+
+
+@case(
+    ROOM,
+    "Limit of frictional shakedown: A. Klarbring, M. Ciavarella, J. R. Barber (2007); N. Antoni, Q. S. Nguyen (2008)",
+)
+def ring_creep() -> Iterator[Row]:
+    """An outer ring with 10 µm of interference in its housing under a load that rotates, creep per revolution"""
+    limit = fitted_rings.limits().shakedown
+    rates = {
+        share: 1e9 * float(fitted_rings.creep(fitted_rings.rotating_load(share * limit, fitted_rings.ROUGH, 4))[-1])
+        for share in (0.95, 1.05, 1.1)
+    }
+    begins = 1.05 - 0.05 * rates[1.05] / (rates[1.1] - rates[1.05])
+    yield Row(
+        "load from which on the ring creeps, from the rates at 1.05 and 1.1 of the limit",
+        begins * limit,
+        limit,
+        0.01,
+        "N",
+    )
+    yield Row("at 0.95 of the limit, over the rate at 1.05", rates[0.95], 0.0, 1e-6, "nm", abs(rates[1.05]))

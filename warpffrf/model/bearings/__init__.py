@@ -11,6 +11,7 @@
     designations.py  geometries by designation: boundary_dimensions.toml, and estimates of the inside
     life.py       lives of ISO 281 and ISO/TS 16281
     modified_life.py  a_ISO, contamination, duty cycles, static safety
+    fits.py       interference fits, operating clearance
     lubrication.py    film thickness, drag, torque of catalogues
 
 A ring or an element is a body of the scene, rigid or flexible, and `parts.contact_of` chooses the contact that its
@@ -25,6 +26,7 @@ from warpffrf.model.bearings.bearing import Bearing
 from warpffrf.model.bearings.build import add_bearing
 from warpffrf.model.bearings.designations import catalogue
 from warpffrf.model.bearings.elements import Cage, PocketCage, PrescribedCage
+from warpffrf.model.bearings.fits import Fit, fit, operating_clearance
 from warpffrf.model.bearings.flanges import Flanges
 from warpffrf.model.bearings.geometry import BallGeometry, RollerGeometry
 from warpffrf.model.bearings.life import BasicLife, ReferenceLife, basic_life
@@ -53,12 +55,12 @@ from warpffrf.model.bearings.parts import AxialPreload, Materials, PreloadForce,
 from warpffrf.model.errors import no_attribute
 
 __all__ = [
-    "AxialPreload", "BallGeometry", "BasicLife", "Bearing", "Cage", "DutyLife", "FilmThickness", "Flanges", "Materials",
-    "ModifiedLife", "PocketCage", "PreloadForce", "PreloadOffset", "PrescribedCage", "ReferenceLife", "RollerGeometry",
-    "RollingContact", "add_bearing", "basic_life", "catalogue", "catalogue_torque",
-    "contamination_factor", "drag_torque", "duty_life", "fatigue_load_limit", "film_of_lines", "film_of_points",
-    "life_factor", "modified_life", "reliability_factor", "starved", "static_safety", "thermal_factor",
-    "viscosity_ratio",
+    "AxialPreload", "BallGeometry", "BasicLife", "Bearing", "Cage", "DutyLife", "FilmThickness", "Fit", "Flanges",
+    "Materials", "ModifiedLife", "PocketCage", "PreloadForce", "PreloadOffset", "PrescribedCage", "ReferenceLife",
+    "RollerGeometry", "RollingContact", "add_bearing", "basic_life", "catalogue",
+    "catalogue_torque", "contamination_factor", "drag_torque", "duty_life", "fatigue_load_limit", "film_of_lines",
+    "film_of_points", "fit", "life_factor", "modified_life", "operating_clearance", "reliability_factor", "starved",
+    "static_safety", "thermal_factor", "viscosity_ratio",
 ]  # fmt: skip
 
 

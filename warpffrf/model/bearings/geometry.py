@@ -65,11 +65,11 @@ BALL_WIDTH, ROLLER_OVERHANG = 1.5, 0.4  # of the diameter of an element
 PLAIN = (int, float, tuple, type(None))  # of the values that results need
 
 
-def pair(value: Any, name: str) -> tuple[Any, Any]:
-    """(inner, outer), of one value for both sides or of two. Raises `InputError` for another number of them."""
+def pair(value: Any, name: str, order: str = "(inner, outer)") -> tuple[Any, Any]:
+    """Two values in this `order`, of one for both or of two. Raises `InputError` for another number of them."""
     both = value if isinstance(value, (tuple, list)) else (value, value)
     if len(both) != 2:
-        raise InputError(f"{name} is one value, or two, (inner, outer), got {len(both)}")
+        raise InputError(f"{name} is one value, or two, {order}, got {len(both)}")
     return both[0], both[1]
 
 

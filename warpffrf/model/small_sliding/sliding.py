@@ -59,10 +59,10 @@ class MatchedCells:
 class SmallSliding:
     """Options of a contact with small sliding: `Contact(a, b, sliding=SmallSliding(interference=2e-6))`.
 
-    interference [m]: initial penetration of the second face into the first, as in a press fit, added to that of the
-    geometry. tangential_stiffness [Pa/m]: that of a layer (`laws.LinearLayer`) along the face, None for its normal
-    stiffness; without a layer the value is tangential only, and None means rigid. Raises `InputError` for numbers that
-    are not admissible.
+    interference [m]: initial penetration of the second face into the first, as in a press fit (half the difference of
+    the diameters), added to that of the geometry. tangential_stiffness [Pa/m]: that of a layer (`laws.LinearLayer`)
+    along the face, None for its normal stiffness; without a layer the value is tangential only, and None means rigid.
+    Raises `InputError` for numbers that are not admissible.
     """
 
     interference: float = 0.0
