@@ -44,7 +44,7 @@ def ball_patches(geometry: BallGeometry, side: str, load: np.ndarray, angle: np.
     loaded = load > 0.0
     curvatures = geometry.curvatures(side, angle[loaded])
     found[:, loaded] = hertz_ellipse(load[loaded], *curvatures, modulus)[:3]
-    return Patches(*found)
+    return Patches(found[0], found[1], found[2])
 
 
 def lamina_pressure(geometry: RollerGeometry, side: str, laminae: np.ndarray, modulus: float) -> np.ndarray:
