@@ -369,8 +369,9 @@ class BearingResult(reprs.Shown):
 
         shares (T,) [-]: of the time, with the sum 1; speed [rad/s] of the rings against each other; kappa [-], the
         viscosity ratio, and contamination [-], e_C; the three one number or (T,). capacity and static_capacity [N],
-        reliability [%] and turning as of `modified_life`. A step without a load does no damage. `wf.static` makes such
-        steps: with loads as signals over the number of the point, from 0 on, and a step of 1. Raises `InputError`.
+        reliability [%] and turning as of `modified_life`. A step without load or speed does no damage. `wf.static`
+        makes such steps: with loads as signals over the number of the point, from 0 on, and a step of 1. Raises
+        `InputError`.
         """
         return duty_life(self, shares, speed, capacity, static_capacity, kappa, contamination, reliability, turning)
 

@@ -24,16 +24,17 @@ def duty_life(
     share, speeds = require_array(shares, f"{label}: shares", (count,)), of_rows(speed, "speed [rad/s]")
     if np.any(share < 0.0):
         raise InputError(f"{label}: shares of the time must not be negative, got {share.min():g}")
-    loaded = np.flatnonzero(np.maximum(bearing.inner_load, bearing.outer_load).max(axis=1, initial=0.0) > 0.0)
+    loads = np.maximum(bearing.inner_load, bearing.outer_load).max(axis=1, initial=0.0)
+    worn = np.flatnonzero((loads > 0.0) & (share * speeds != 0.0))
     life = np.full(count, np.inf)
     if kappa is None and contamination is None:
         a_1 = reliability_factor(reliability)
-        life[loaded] = [a_1 * bearing.reference_life(capacity, i, turning=turning).revolutions for i in loaded]
+        life[worn] = [a_1 * bearing.reference_life(capacity, i, turning=turning).revolutions for i in worn]
     elif kappa is None or contamination is None:
         raise InputError(f"{label}: give kappa and contamination, for the modified life, or neither")
     else:
         ratio, clean = of_rows(kappa, "kappa"), of_rows(contamination, "contamination")
-        life[loaded] = [
+        life[worn] = [
             bearing.modified_life(
                 capacity,
                 static_capacity,
@@ -43,6 +44,6 @@ def duty_life(
                 row=i,
                 turning=turning,
             ).revolutions  # fmt: skip
-            for i in loaded
+            for i in worn
         ]
     return life_of_points(share, speeds, life)
