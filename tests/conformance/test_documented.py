@@ -45,10 +45,8 @@ PHYSICS = [
     "wf.oils.DowsonHigginson", "wf.oils.Roelands", "wf.oils.iso_vg", "wf.oils.vogel", "wf.oils.walther",
     "wf.bases.Balanced", "wf.bases.CraigBampton", "wf.bases.CraigChang", "wf.bases.Krylov", "wf.bases.POD",
     "wf.bases.TrialVectorDerivatives", "wf.damping.Rayleigh", "wf.films.Roughness",
-    "wf.bearings.basic_life", "wf.bearings.catalogue_torque", "wf.bearings.contamination_factor",
-    "wf.bearings.drag_torque", "wf.bearings.duty_life", "wf.bearings.film_of_lines", "wf.bearings.film_of_points",
-    "wf.bearings.fit", "wf.bearings.life_factor", "wf.bearings.starved", "wf.bearings.static_safety",
-    "wf.bearings.thermal_factor",
+    "wf.bearings.catalogue_torque", "wf.bearings.contamination_factor", "wf.bearings.drag_torque",
+    "wf.bearings.duty_life", "wf.bearings.fit",
 ]  # fmt: skip
 
 

@@ -95,10 +95,12 @@ def unit_quaternion(value: Any, name: str) -> np.ndarray:
 
 
 def matrix(q: np.ndarray) -> np.ndarray:
-    """Rotation matrix (3, 3) of a unit quaternion (x, y, z, w)."""
-    x, y, z, w = q
-    V = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + 2.0 * w * V + 2.0 * V @ V
+    """Rotation matrices (..., 3, 3) of unit quaternions (..., 4), (x, y, z, w)."""
+    q = np.asarray(q)
+    V = np.zeros((*q.shape[:-1], 3, 3))
+    for i, (a, b) in enumerate(((2, 1), (0, 2), (1, 0))):
+        V[..., a, b], V[..., b, a] = q[..., i], -q[..., i]
+    return np.eye(3) + 2.0 * q[..., 3, None, None] * V + 2.0 * V @ V
 
 
 def quaternion(A: np.ndarray) -> np.ndarray:

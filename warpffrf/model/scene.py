@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from warpffrf.model.arguments import Matrix, RotationLike, Vector
-from warpffrf.model.bearings import Bearing, add_bearing
+from warpffrf.model.bearings import Bearing
+from warpffrf.model.bearings.build import add_bearing
 from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, PortLike, as_port
 from warpffrf.model.checks.contacts import refuse_double_claims, refuse_double_small_sliding
 from warpffrf.model.checks.plausibility import gravity_doubts, warn

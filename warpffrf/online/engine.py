@@ -255,7 +255,10 @@ class Engine:
 
     def saved(self, world: int = 0) -> SavedRows:
         """All rows saved of a world so far."""
-        return joined(self.chunks[world] or [taken(self.ring.on_host(), world, range(0))])
+        chunks = [dict(rows) for rows in self.chunks[world]] or [taken(self.ring.on_host(), world, range(0))]
+        self.chunks[world] = []
+        self.chunks[world] = [joined(chunks)]
+        return self.chunks[world][0]
 
     def has_turned(self, turned: Sequence[float] | np.ndarray) -> None:
         """Raise the largest angular speeds [rad/s] in the state to at least these values."""

@@ -372,7 +372,7 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
 def fixed_forms() -> dict[str, dict[str, Form]]:
     """Section -> kind -> form of the tables that are not items; kind "" where a section has one form only."""
     from warpffrf.model import mesh
-    from warpffrf.model.bearings import BallGeometry, Materials, RollerGeometry, RollingContact, add_bearing
+    from warpffrf.model.bearings import BallGeometry, Materials, RollerGeometry, RollingContact
     from warpffrf.model.material import Material
     from warpffrf.model.mesh.cut import cut
     from warpffrf.model.reduced.body import ReducedBody
@@ -386,8 +386,8 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     of_program = ("scene", "progress", "overwrite", "resume", "check")
     rings: dict[str, str] = {"inner": "port", "outer": "port", "element_body": "reduced_bodies"}
     options: dict[str, type] = {"contact": RollingContact, "materials": Materials}
-    balls = flat(add_bearing, geometry=listed(BallGeometry), **options)
-    rollers = flat(add_bearing, geometry=listed(RollerGeometry), **options)
+    balls = flat(Scene.add_bearing, geometry=listed(BallGeometry), **options)
+    rollers = flat(Scene.add_bearing, geometry=listed(RollerGeometry), **options)
     found = {
         "materials": {"": form_of("material", Material, {}, ("name",))},
         "meshes": {

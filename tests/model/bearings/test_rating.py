@@ -149,3 +149,15 @@ def test_geometries_have_the_ratings_of_their_dimensions() -> None:
     assert rollers.static_rating == pytest.approx(44.0 * (1.0 - gamma) * 14 * 96.0)
     steep = BallGeometry(elements=16, ball_diameter=0.01, pitch_diameter=0.06, contact_angle=np.radians(60.0))
     assert steep.dynamic_rating == rating.ball_dynamic(16, 0.01, 0.06, np.radians(60.0), (0.52, 0.52))
+
+
+def test_factors_of_equivalent_static_loads() -> None:
+    """ISO 76, tables 2 and 3: angular contact of 15 and 40 degrees, tapered and spherical rollers, thrust bearings."""
+    cases = {
+        (0.0, 1, True): (0.6, 0.5), (0.0, 1, False): (1.0, 0.0), (15.0, 1, True): (0.5, 0.46),
+        (40.0, 1, True): (0.5, 0.26), (30.0, 2, True): (1.0, 0.66), (14.0, 1, False): (0.5, 0.8824),
+        (10.0, 2, False): (1.0, 2.4954), (90.0, 1, True): (0.0, 1.0), (50.0, 1, False): (2.741, 1.0),
+    }  # fmt: skip
+    for (degrees, rows, tabulated), factors in cases.items():
+        found = rating.static_load_factors(np.radians(degrees), rows, tabulated=tabulated)
+        assert found == pytest.approx(factors, rel=TABLE), (degrees, rows)

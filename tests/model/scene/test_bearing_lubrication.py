@@ -8,9 +8,17 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.model.bearings import BallGeometry, FilmThickness, RollerGeometry, life_factor
-from warpffrf.model.bearings.life import BasicLife
-from warpffrf.model.bearings.modified_life import CLEANLINESS
+from warpffrf.model.bearings import BallGeometry, BasicLife, RollerGeometry
+from warpffrf.model.bearings.life import basic_life
+from warpffrf.model.bearings.lubrication import FilmThickness, film_of_lines, film_of_points, starved, thermal_factor
+from warpffrf.model.bearings.modified_life import (
+    CLEANLINESS,
+    fatigue_load_limit,
+    life_factor,
+    modified_life,
+    reliability_factor,
+    static_safety,
+)
 from warpffrf.model.errors import InputError
 
 PUBLISHED = 3e-2  # of published films, which have two or three digits
@@ -29,7 +37,7 @@ def test_film_of_a_209_ball_bearing() -> None:
     D, d, r = 0.0127, 0.5 * (0.052291 + 0.077706), 0.006604
     R = D * (d - D) / (2.0 * d)
     across = r * D / (2.0 * r - D)
-    film = wf.bearings.film_of_points(
+    film = film_of_points(
         OIL, speed=400.0 * (d**2 - D**2) / (4.0 * d), load=5.0 * 8900.0 / 9.0, radius=R,
         ratio=1.0339 * (across / R) ** 0.636, modulus=star(200e9),
     )  # fmt: skip
@@ -40,11 +48,11 @@ def test_film_of_a_roller_by_the_formula_of_points() -> None:
     """The same, example of the cylindrical roller bearing: 4.8 kN on the most loaded roller of 16 mm, races of 64 and
     96 mm, 524 rad/s, 0.01 Pa s, 2.2e-8 1/Pa, the formula of ellipses without its end: 0.32 um on the inner ring."""
     oil, u = wf.oils.Barus(0.01, coefficient=2.2e-8), 524.0 * (0.08**2 - 0.016**2) / (4.0 * 0.08)
-    film = wf.bearings.film_of_points(
+    film = film_of_points(
         oil, speed=u, load=4800.0, radius=0.0064, ratio=np.inf, modulus=star(207.5e9)
     )  # fmt: skip
     assert film.minimum == pytest.approx(0.32 * UM, rel=PUBLISHED)
-    line = wf.bearings.film_of_lines(oil, speed=u, line_load=4800.0 / 0.016, radius=0.0064, modulus=star(207.5e9))
+    line = film_of_lines(oil, speed=u, line_load=4800.0 / 0.016, radius=0.0064, modulus=star(207.5e9))
     assert film.minimum < line.minimum < 1.3 * film.minimum  # the formulas of the time are that far apart
 
 
@@ -56,7 +64,7 @@ def test_film_of_a_ball_that_rolls_down_a_plate(distance: float, published: floa
     d, incline, E = 0.03, np.radians(45.0), star(210e9)
     v = np.sqrt(10.0 / 7.0 * 9.81 * np.sin(incline) * distance)
     load = 7800.0 * np.pi * d**3 / 6.0 * 9.81 * np.cos(incline)
-    film = wf.bearings.film_of_points(
+    film = film_of_points(
         wf.oils.Barus(0.05, coefficient=2.2e-8), speed=0.5 * v, load=load, radius=0.25 * d, ratio=1.0339, modulus=E
     )
     assert film.minimum == pytest.approx(published * UM, rel=1e-2)
@@ -66,7 +74,7 @@ def test_a_line_is_dowsons_formula_of_1968() -> None:
     """H = 2.65 U^0.7 G^0.54/W'^0.13 at U = 1e-11, G = 5000, W' = 1e-4: 1.69e-5, by hand."""
     E, R = 0.5 * 200e9, 0.01
     oil = wf.oils.Barus(1e-11 * 200e9 * R / 2.0, coefficient=5000.0 / 200e9)
-    film = wf.bearings.film_of_lines(oil, speed=2.0, line_load=1e-4 * 200e9 * R, radius=R, modulus=E)
+    film = film_of_lines(oil, speed=2.0, line_load=1e-4 * 200e9 * R, radius=R, modulus=E)
     by_hand = 2.65 * 10 ** (-7.7) * np.exp(0.54 * np.log(5000.0)) * 10**0.52
     assert film.minimum / R == pytest.approx(by_hand, rel=1e-12)
     assert film.minimum / film.central == pytest.approx(0.8, abs=0.1)  # the constriction at the outlet
@@ -77,15 +85,13 @@ def test_heat_and_starvation_only_thin_a_film() -> None:
     film = FilmThickness(np.array([0.5 * UM]), np.array([0.3 * UM]))
     R, b = 0.005, 0.2e-3
     need = 1.0 + 3.06 * ((R / b) ** 2 * 0.5 * UM / R) ** 0.58
-    far = wf.bearings.starved(film, inlet=1.01 * need * b, half_axis=b, radius=R)
+    far = starved(film, inlet=1.01 * need * b, half_axis=b, radius=R)
     assert far.central == pytest.approx(film.central)
-    half = wf.bearings.starved(film, inlet=(1.0 + 0.5 * (need - 1.0)) * b, half_axis=b, radius=R)
+    half = starved(film, inlet=(1.0 + 0.5 * (need - 1.0)) * b, half_axis=b, radius=R)
     assert half.central == pytest.approx(0.5**0.29 * film.central)
 
     def phi(u: float, slip: float) -> float:
-        return float(
-            wf.bearings.thermal_factor(OIL, speed=u, slip=slip, peak_pressure=1e9, modulus=star(200e9), thinning=0.04)
-        )
+        return float(thermal_factor(OIL, speed=u, slip=slip, peak_pressure=1e9, modulus=star(200e9), thinning=0.04))
 
     assert phi(0.0, 0.0) == 1.0 and phi(1e-3, 0.0) == pytest.approx(1.0, abs=2e-3)
     L = 0.04 * 0.04 * 100.0 / 0.14
@@ -136,7 +142,7 @@ def test_reliability_factors_of_iso_281() -> None:
         99.8: 0.12,
         99.95: 0.077,
     }
-    found = [wf.bearings.reliability_factor(S) for S in table]
+    found = [reliability_factor(S) for S in table]
     assert found == pytest.approx(list(table.values()), abs=6e-3)
 
 
@@ -180,14 +186,14 @@ def test_contamination_is_within_the_guide_values() -> None:
 
 
 def test_fatigue_load_limit() -> None:
-    assert wf.bearings.fatigue_load_limit("ball", 22e3, 0.08) == pytest.approx(1e3)
-    assert wf.bearings.fatigue_load_limit("ball", 22e3, 0.4) == pytest.approx(500.0)
-    assert wf.bearings.fatigue_load_limit("roller", 8.2e3, 0.2) == pytest.approx(1e3 * 0.5**0.3)
+    assert fatigue_load_limit("ball", 22e3, 0.08) == pytest.approx(1e3)
+    assert fatigue_load_limit("ball", 22e3, 0.4) == pytest.approx(500.0)
+    assert fatigue_load_limit("roller", 8.2e3, 0.2) == pytest.approx(1e3 * 0.5**0.3)
 
 
 def test_modified_life_has_the_load_of_the_life_that_it_modifies() -> None:
-    basic = wf.bearings.basic_life("ball", 30e3, 3e3)
-    found = wf.bearings.modified_life("ball", basic, 900.0, 1.5, 0.4, reliability=95.0)
+    basic = basic_life("ball", 30e3, 3e3)
+    found = modified_life("ball", basic, 900.0, 1.5, 0.4, reliability=95.0)
     assert found.load == pytest.approx(3e3) and found.reliability_factor == pytest.approx(0.64, abs=5e-3)
     expected = found.reliability_factor * life_factor("ball", 1.5, 0.4 * 900.0 / 3e3) * 1000.0
     assert found.revolutions == pytest.approx(expected)
@@ -206,29 +212,29 @@ def test_duty_cycle() -> None:
 
 def test_static_safety() -> None:
     """P_0 of a deep-groove bearing is 0.6 F_r + 0.5 F_a, at least F_r."""
-    assert wf.bearings.static_safety(11.6e3, 2000.0, 500.0) == pytest.approx(5.8)
-    assert wf.bearings.static_safety(10e3, 1000.0, -2800.0) == pytest.approx(5.0)
+    assert static_safety(11.6e3, 2000.0, 500.0) == pytest.approx(5.8)
+    assert static_safety(10e3, 1000.0, -2800.0) == pytest.approx(5.0)
 
 
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda: wf.bearings.film_of_lines(wf.oils.Newtonian(0.04), speed=1.0, line_load=1.0, radius=1.0, modulus=1e9),
+        (lambda: film_of_lines(wf.oils.Newtonian(0.04), speed=1.0, line_load=1.0, radius=1.0, modulus=1e9),
          r"viscosity rises with pressure is needed, oils.Barus\("),
-        (lambda: wf.bearings.starved(FilmThickness(*np.ones((2, 1))), inlet=1e-4, half_axis=2e-4, radius=0.01),
+        (lambda: starved(FilmThickness(*np.ones((2, 1))), inlet=1e-4, half_axis=2e-4, radius=0.01),
          "beyond its half-axis of 0.0002 m, got 0.0001"),
-        (lambda: wf.bearings.reliability_factor(0.99), "between 90 and 99.95 %"),
+        (lambda: reliability_factor(0.99), "between 90 and 99.95 %"),
         (lambda: wf.bearings.viscosity_ratio(20.0, 100.0, 0.07), "46 mm2/s are 46e-6 m2/s"),
         (lambda: wf.bearings.viscosity_ratio(20e-6, 0.0, 0.07), "at rest has no film"),
         (lambda: wf.bearings.contamination_factor("oil", "-/15/12", 1.0, 0.1), "'bath', 'grease', got 'oil'"),
         (lambda: wf.bearings.contamination_factor("grease", "-/15/12", 1.0, 0.1), "cleanliness of 'grease' must"),
         (lambda: life_factor("ball", 0.05, 0.1), "kappa must be 0.1 at least, got 0.05"),
         (lambda: life_factor("needle", 1.0, 0.1), "kind must be 'ball' or 'roller', got 'needle'"),
-        (lambda: wf.bearings.modified_life("ball", BasicLife(1.0, 1.0, 1.0, 1.0, 0.0), 1.0, 1, 2), "between 0 and 1"),
+        (lambda: modified_life("ball", BasicLife(1.0, 1.0, 1.0, 1.0, 0.0), 1.0, 1, 2), "between 0 and 1"),
         (lambda: wf.bearings.duty_life([(0.5, 100.0, 1.0)]), "add up to 0.5; make their sum 1"),
         (lambda: wf.bearings.duty_life([(1.0, 0.0, 1.0)]), "no point has a speed"),
         (lambda: wf.bearings.duty_life([(1.0, 2.0)]), r"must be \(share, speed"),  # type: ignore[list-item]
-        (lambda: wf.bearings.static_safety(1e3, 0.0), "the safety is unbounded"),
+        (lambda: static_safety(1e3, 0.0), "the safety is unbounded"),
     ],
 )  # fmt: skip
 def test_what_has_no_answer_is_refused(make: Any, said: str) -> None:

@@ -20,8 +20,8 @@ from warpffrf.model.bearings import (
     PrescribedCage,
     RollerGeometry,
     RollingContact,
-    add_bearing,
 )
+from warpffrf.model.bearings.build import add_bearing
 from warpffrf.model.bearings.geometry import from_description
 from warpffrf.model.bearings.life import _of_rollers, edge_factor, reference_life
 from warpffrf.model.errors import InputError

@@ -17,7 +17,7 @@ from warpffrf.scene_file.forms import flat, value_kinds
 MODULES: tuple[Any, ...] = (wf, wf.films, wf.forces, wf.laws, wf.bearings)
 CALLS: tuple[Callable[..., Any], ...] = (
     wf.Contact, wf.Film, flat(wf.Film, mixed=wf.films.MixedLubrication), wf.reduce, wf.ContactGrid,
-    wf.bearings.add_bearing,
+    wf.Scene.add_bearing,
     wf.forces.Pretension, wf.forces.RevoluteFriction, wf.simulate, wf.study.sweep,
 )  # fmt: skip
 WORDS = {

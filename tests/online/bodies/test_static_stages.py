@@ -360,10 +360,11 @@ def test_an_interrupted_static_run_keeps_what_it_has(beam: ReducedBody, monkeypa
 
 
 def test_the_budget_and_the_report_of_a_static_run(beam: ReducedBody) -> None:
+    """Without friction nothing depends on the load steps, and no line refers to them."""
     result = static(cantilever(beam, cycle(1.0)), 5.0, 0.5)
-    (line,) = [line for line in result.error_budget() if line.source == "time step"]
-    assert not line.found and "ends in an equilibrium" in line.basis
-    assert "time step" in result.report()
+    lines = result.error_budget()
+    assert lines and not {line.source for line in lines} & {"time step", "energy ledger"}
+    assert "energy residual" in result.report()
 
 
 def test_films_are_refused() -> None:

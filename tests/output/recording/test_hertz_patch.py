@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from warpffrf.output.contact.hertz import conforms, eccentricity_squared, hertz_line, hertz_point
+from warpffrf.output.contact.hertz import conforms, half_axis_ratio, hertz_ellipse, hertz_line, hertz_point
 
 MODULUS, LOAD = 1.1e11, 250.0
 
@@ -48,7 +48,17 @@ def test_a_sphere() -> None:
 def test_nearly_round_patches_go_over_into_round_ones() -> None:
     inside = [hertz_point(LOAD, np.diag([100.0, 100.0 * (1.0 + e)]), MODULUS).semi_axes[0] for e in (0.9e-6, 1.1e-6)]
     assert inside[0] == pytest.approx(inside[1], rel=1e-6)
-    assert eccentricity_squared(1.0) == 0.0
+    assert half_axis_ratio(1.0) == 1.0
+
+
+def test_many_ellipses_at_once_are_single_ones() -> None:
+    """Whichever of the curvatures is the larger one; without a load all is zero."""
+    small, large, load = np.array([2.0, 80.0, 5.0]), np.array([90.0, 3.0, 5.0]), np.array([100.0, 200.0, 0.0])
+    a, b, peak, approach = hertz_ellipse(load, small, large, MODULUS)
+    for i in range(3):
+        one = hertz_point(float(load[i]), np.diag([small[i], large[i]]), MODULUS)
+        assert (a[i], b[i]) == pytest.approx((one.half_width, one.half_width_along), rel=1e-12)
+        assert (peak[i], approach[i]) == pytest.approx((one.peak_pressure, one.approach), rel=1e-12)
 
 
 def test_a_rotated_ellipse_has_its_extents() -> None:

@@ -11,6 +11,7 @@ import pytest
 import warpffrf as wf
 from warpffrf.model import forces, joints, laws, oils
 from warpffrf.model.bearings import BallGeometry, PocketCage, RollerGeometry, RollingContact
+from warpffrf.model.bearings.lubrication import film_of_lines, film_of_points
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
@@ -57,7 +58,7 @@ def test_entrainment_is_that_of_rolling(inner: float, outer: float) -> None:
             assert films[side].minimum[-1].max() < 1e-3 * UM
             continue
         across, along = found.geometry.curvatures(side, getattr(found, f"{side}_angle")[-1])  # pyright: ignore[reportAttributeAccessIssue]
-        by_hand = wf.bearings.film_of_points(
+        by_hand = film_of_points(
             OIL, speed=u, load=getattr(found, f"{side}_load")[-1], radius=1.0 / along,
             ratio=1.0339 * (along / across) ** 0.636, modulus=0.5 * STEEL.plane_strain_modulus,
         )  # fmt: skip
@@ -121,7 +122,7 @@ def test_film_of_rollers() -> None:
     found = simulate(scene, 1e-6, step=1e-6, start="equilibrium", progress=False).bearing("n")
     film = found.film_thickness(OIL, roughness=0.2 * UM)["outer"]
     u = speed * 64 * MM * (1.0 - (10.0 / 64.0) ** 2) / 4.0
-    by_hand = wf.bearings.film_of_lines(
+    by_hand = film_of_lines(
         OIL, speed=u, line_load=found.outer_load[0, 0] / length, radius=1.0 / (1.0 / (5 * MM) - 1.0 / (37 * MM)),
         modulus=0.5 * STEEL.plane_strain_modulus,
     )  # fmt: skip

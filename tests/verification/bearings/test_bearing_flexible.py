@@ -101,7 +101,7 @@ def test_pockets_take_flexible_rollers_along(roller: wf.ReducedBody) -> None:
 def test_what_is_no_element_is_refused(roller: wf.ReducedBody) -> None:
     def bearing(**changed: object) -> None:
         arguments = {"elements": 3, "roller_diameter": D, "roller_length": LENGTH, "pitch_diameter": PITCH}
-        add = flat(wf.bearings.add_bearing, geometry=wf.bearings.RollerGeometry, materials=wf.bearings.Materials)
+        add = flat(wf.Scene.add_bearing, geometry=wf.bearings.RollerGeometry, materials=wf.bearings.Materials)
         add(wf.Scene(), "r", **{"element_body": roller} | arguments | changed)
 
     bearing()

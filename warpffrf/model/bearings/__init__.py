@@ -23,44 +23,28 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from warpffrf.model.bearings.bearing import Bearing
-from warpffrf.model.bearings.build import add_bearing
 from warpffrf.model.bearings.designations import catalogue
 from warpffrf.model.bearings.elements import Cage, PocketCage, PrescribedCage
 from warpffrf.model.bearings.fits import Fit, fit, operating_clearance
 from warpffrf.model.bearings.flanges import Flanges
 from warpffrf.model.bearings.geometry import BallGeometry, RollerGeometry
-from warpffrf.model.bearings.life import BasicLife, ReferenceLife, basic_life
-from warpffrf.model.bearings.lubrication import (
-    FilmThickness,
-    catalogue_torque,
-    drag_torque,
-    film_of_lines,
-    film_of_points,
-    starved,
-    thermal_factor,
-)
+from warpffrf.model.bearings.life import BasicLife, ReferenceLife
+from warpffrf.model.bearings.lubrication import catalogue_torque, drag_torque
 from warpffrf.model.bearings.modified_life import (
     DutyLife,
     ModifiedLife,
     contamination_factor,
     duty_life,
-    fatigue_load_limit,
-    life_factor,
-    modified_life,
-    reliability_factor,
-    static_safety,
     viscosity_ratio,
 )
 from warpffrf.model.bearings.parts import AxialPreload, Materials, PreloadForce, PreloadOffset, RollingContact
 from warpffrf.model.errors import no_attribute
 
 __all__ = [
-    "AxialPreload", "BallGeometry", "BasicLife", "Bearing", "Cage", "DutyLife", "FilmThickness", "Fit", "Flanges",
-    "Materials", "ModifiedLife", "PocketCage", "PreloadForce", "PreloadOffset", "PrescribedCage", "ReferenceLife",
-    "RollerGeometry", "RollingContact", "add_bearing", "basic_life", "catalogue",
-    "catalogue_torque", "contamination_factor", "drag_torque", "duty_life", "fatigue_load_limit", "film_of_lines",
-    "film_of_points", "fit", "life_factor", "modified_life", "operating_clearance", "reliability_factor", "starved",
-    "static_safety", "thermal_factor", "viscosity_ratio",
+    "AxialPreload", "BallGeometry", "BasicLife", "Bearing", "Cage", "DutyLife", "Fit", "Flanges", "Materials",
+    "ModifiedLife", "PocketCage", "PreloadForce", "PreloadOffset", "PrescribedCage", "ReferenceLife", "RollerGeometry",
+    "RollingContact", "catalogue", "catalogue_torque", "contamination_factor", "drag_torque", "duty_life", "fit",
+    "operating_clearance", "viscosity_ratio",
 ]  # fmt: skip
 
 

@@ -46,7 +46,6 @@ import numpy as np
 
 from warpffrf.model.bearings.geometry import BallGeometry, RollerGeometry
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.messages.named_arguments import named_arguments
 
 EXPONENTS = {"ball": 3.0, "roller": 10.0 / 3.0}
 TURNS, STANDS = 3.0, 10.0 / 3.0  # exponents of equivalent loads
@@ -81,7 +80,6 @@ class ReferenceLife:
     outer_load: float  # Q_ee
 
 
-@named_arguments
 def basic_life(
     kind: str, capacity: float, radial: float, axial: float = 0.0, *, X: float = 1.0, Y: float = 0.0
 ) -> BasicLife:

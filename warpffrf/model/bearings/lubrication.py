@@ -84,7 +84,6 @@ def _groups(oil: Oil, label: str, speed: Any, radius: Any, modulus: float) -> tu
     return oil.viscosity * np.abs(np.asarray(speed, float)) / (E * np.asarray(radius, float)), alpha * E, E
 
 
-@named_arguments
 def film_of_points(oil: Oil, *, speed: Any, load: Any, radius: Any, ratio: Any, modulus: float) -> FilmThickness:
     """Hamrock and Dowson's film (1977) of point contacts: entrainment `speed` [m/s], `load` [N] positive, `radius` [m]
     of relative curvature in the direction of rolling and `ratio` [-] of the half-axes across and along it, numbers or
@@ -96,7 +95,6 @@ def film_of_points(oil: Oil, *, speed: Any, load: Any, radius: Any, ratio: Any, 
     return FilmThickness(central, 3.63 * R * U**0.68 * G**0.49 * W**-0.073 * (1.0 - np.exp(-0.68 * k)))
 
 
-@named_arguments
 def film_of_lines(oil: Oil, *, speed: Any, line_load: Any, radius: Any, modulus: float) -> FilmThickness:
     """Dowson and Higginson's film with the exponents of 1968, at the centre Dowson and Toyoda's (1979), of line
     contacts: entrainment `speed` [m/s], `line_load` [N/m] positive and `radius` [m] of relative curvature, numbers or
@@ -107,7 +105,6 @@ def film_of_lines(oil: Oil, *, speed: Any, line_load: Any, radius: Any, modulus:
     return FilmThickness(3.06 * R * U**0.69 * G**0.56 * W**-0.10, 2.65 * R * U**0.7 * G**0.54 * W**-0.13)
 
 
-@named_arguments
 def thermal_factor(
     oil: Oil, *, speed: Any, slip: Any, peak_pressure: Any, modulus: float, thinning: float,
     conductivity: float = CONDUCTIVITY,
@@ -126,7 +123,6 @@ def thermal_factor(
     return np.where(rest > 0.0, rest, np.nan) / (1.0 + 0.213 * (1.0 + 2.23 * S**0.83) * L**0.64)
 
 
-@named_arguments
 def starved(film: FilmThickness, *, inlet: Any, half_axis: Any, radius: Any) -> FilmThickness:
     """The `film` of point contacts whose oil begins `inlet` [m] ahead of their centre (Hamrock and Dowson 1977):
     half_axis [m] and radius [m] of relative curvature in the direction of rolling, any shape. Raises `InputError` for

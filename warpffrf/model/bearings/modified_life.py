@@ -106,7 +106,6 @@ def _constants(table: dict[str, Any], kind: str) -> Any:
     return table[kind]
 
 
-@named_arguments
 def reliability_factor(reliability: float) -> float:
     """a_1 [-] of ISO 281 for a `reliability` from 90 to 99.95 %. Raises `InputError`."""
     S = require_number(reliability, "reliability_factor: reliability [%]")
@@ -152,7 +151,6 @@ def contamination_factor(lubrication: str, cleanliness: str, kappa: float, pitch
     return float(min(c * ratio**0.68 * d**0.55, 1.0) * max(1.0 - g / np.cbrt(d), 0.0))
 
 
-@named_arguments
 def fatigue_load_limit(kind: str, static_capacity: float, pitch_diameter: float) -> float:
     """C_u [N] of ISO 281 by the simplified method, of a `kind` "ball" or "roller" of the static capacity C_0 [N] and
     the pitch diameter [m]. Raises `InputError`."""
@@ -162,7 +160,6 @@ def fatigue_load_limit(kind: str, static_capacity: float, pitch_diameter: float)
     return float(C / over * min((LARGE_LIMIT / d) ** exponent, 1.0))
 
 
-@named_arguments
 def life_factor(kind: str, kappa: float, load_ratio: float, *, thrust: bool = False) -> float:
     """a_ISO [-] of ISO 281, of a `kind` "ball" or "roller": kappa [-] the viscosity ratio, load_ratio [-] e_C C_u/P,
     thrust: of a thrust bearing. kappa above 4 counts as 4; a_ISO is at most 50. Raises `InputError` for kappa below
@@ -180,7 +177,6 @@ def life_factor(kind: str, kappa: float, load_ratio: float, *, thrust: bool = Fa
     return LARGEST_FACTOR if rest <= 0.0 else float(min(0.1 * rest**-v, LARGEST_FACTOR))
 
 
-@named_arguments
 def modified_life(
     kind: str,
     basic: BasicLife | ReferenceLife,
@@ -212,19 +208,23 @@ def duty_life(points: Sequence[tuple[float, float, float]]) -> DutyLife:
         raise InputError(f"duty_life: points must be (share, speed [rad/s], life [10^6 revolutions]), got {points!r}")
     label = "duty_life: points"
     share = np.array([require_number(row[0], f"{label}: share", non_negative=True) for row in rows])
-    speed = np.abs([require_number(row[1], f"{label}: speed [rad/s]") for row in rows])
+    speed = np.array([require_number(row[1], f"{label}: speed [rad/s]") for row in rows])
     life = np.array([require_number(row[2], f"{label}: life [10^6 revolutions]", positive=True) for row in rows])
+    return life_of_points(share, speed, life)
+
+
+def life_of_points(share: np.ndarray, speed: np.ndarray, life: np.ndarray) -> DutyLife:
+    """`duty_life` of arrays (n,); points without a load have the life infinity."""
     if abs(share.sum() - 1.0) > SHARES:
         raise InputError(f"duty_life: the shares of the time add up to {share.sum():g}; make their sum 1")
-    turns = share * speed / (2.0 * np.pi * 1e6)  # 10^6 revolutions per second
+    turns = share * np.abs(speed) / (2.0 * np.pi * 1e6)  # 10^6 revolutions per second
     damage = turns / life
     if not damage.any():
-        raise InputError("duty_life: no point has a speed, and the life is unbounded")
+        raise InputError("duty_life: no point has a speed and a load, and the life is unbounded")
     time = 1.0 / damage.sum()
     return DutyLife(float(turns.sum() * time), float(time), damage * time)
 
 
-@named_arguments
 def static_safety(
     static_capacity: float, radial: float, axial: float = 0.0, *, X: float = 0.6, Y: float = 0.5
 ) -> float:

@@ -35,6 +35,11 @@ smaller Y up to the limit, too: balls by the table, of self-aligning ones 0.42 c
 beyond e = 1.5 tan(alpha); rollers 0.45 cot(alpha), and 0.67 and 0.67 cot(alpha) beyond. Thrust ball bearings have X =
 1.25 tan(alpha) (1 - (2/3) sin(alpha)), thrust roller bearings X = tan(alpha), both Y = 1; at 90 degrees they carry no
 radial load, X = 0.
+
+**Equivalent static load** P_0 = max(F_r, X_0 F_r + Y_0 F_a) of ISO 76. Deep-groove ball bearings have X_0 = 0.6 and Y_0
+= 0.5, straight rollers 1 and 0. Otherwise one row has X_0 = 0.5 and two have 1; Y_0 of angular contact ball bearings is
+tabulated, of rollers and self-aligning balls 0.22 cot(alpha), of two rows twice that. Thrust bearings have X_0 = 2.3
+tan(alpha) and Y_0 = 1.
 """
 
 from __future__ import annotations
@@ -65,6 +70,7 @@ SHALLOW_Y = (
     *2 * ((2.30, 1.99, 1.71, 1.55, 1.45, 1.31, 1.15, 1.04, 1.00),),
     (1.88, 1.71, 1.52, 1.41, 1.34, 1.23, 1.10, 1.01, 1.00), (1.47, 1.40, 1.30, 1.23, 1.19, 1.12, 1.02, 1.00, 1.00),
 )  # fmt: skip
+STATIC_Y = (0.5, 0.52, 0.5, 0.46, 0.42, 0.38, 0.33, 0.29, 0.26, 0.22)  # ISO 76, at `ANGLES`
 # two rows, from 20 degrees on: Y up to e; X and Y beyond
 DOUBLE_BELOW, DOUBLE_X = (1.09, 0.92, 0.78, 0.66, 0.55, 0.47), (0.70, 0.67, 0.63, 0.60, 0.57, 0.54)
 DOUBLE_Y = (1.63, 1.41, 1.24, 1.07, 0.93, 0.81)
@@ -176,3 +182,14 @@ def roller_load_factors(angle: float, radial: float, axial: float, rows: int = 1
     if rows > 1:
         return (1.0, 0.45 / tangent) if below else (0.67, 0.67 / tangent)
     return (1.0, 0.0) if below else (0.4, 0.4 / tangent)
+
+
+def static_load_factors(angle: float, rows: int, *, tabulated: bool) -> tuple[float, float]:
+    """(X_0, Y_0) of a contact angle [rad]; tabulated: of ball bearings that are not self-aligning."""
+    angle = abs(angle)
+    if is_thrust(angle):
+        return (2.3 * float(np.tan(angle)) if angle < UPRIGHT else 0.0), 1.0
+    if not angle:
+        return (0.6, 0.5) if tabulated else (1.0, 0.0)
+    Y = float(np.interp(angle, ANGLES, STATIC_Y)) if tabulated else 0.22 / float(np.tan(angle))
+    return 0.5 * rows, Y * rows

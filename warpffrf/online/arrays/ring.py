@@ -43,5 +43,15 @@ def taken(ring: SavedRows, world: int, rows: range) -> SavedRows:
 
 
 def joined(chunks: Sequence[SavedRows]) -> SavedRows:
-    """Rows of all chunks (at least one), concatenated."""
-    return {name: np.concatenate([chunk[name] for chunk in chunks]) for name in chunks[0]}
+    """Rows of all chunks (at least one), which lose their arrays: rows may fill the memory, but not twice."""
+    if len(chunks) == 1:
+        return chunks[0]
+    found: SavedRows = {}
+    for name in list(chunks[0]):
+        lengths, of_row = [len(chunk[name]) for chunk in chunks], chunks[0][name]
+        found[name] = np.empty((sum(lengths), *of_row.shape[1:]), of_row.dtype)
+        del of_row
+        for chunk, end in zip(chunks, np.cumsum(lengths), strict=True):
+            part = chunk.pop(name)
+            found[name][end - len(part) : end] = part
+    return found

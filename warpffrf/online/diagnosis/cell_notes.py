@@ -187,8 +187,8 @@ def _travelled(contact: Contact, found: ContactHistory, history: History) -> lis
     if found.cells is None or not ends:
         return []
     own, other = history.bodies[a.body.name], history.bodies[b.body.name]
-    place = other.position + np.einsum("tij,j->ti", _turns(other.rotation), b.surface.shape.axis_point)
-    seen = np.einsum("tji,tj->ti", _turns(own.rotation), place - own.position)
+    place = other.position + np.einsum("tij,j->ti", rot.matrix(other.rotation), b.surface.shape.axis_point)
+    seen = np.einsum("tji,tj->ti", rot.matrix(own.rotation), place - own.position)
     at_start = a.body.to_user(b.body.to_world(b.surface.shape.axis_point))
     way = float(np.abs((seen - at_start) @ a.surface.shape.e_a).max())
     if way <= float(found.cells.length.min()):
@@ -198,11 +198,6 @@ def _travelled(contact: Contact, found: ContactHistory, history: History) -> lis
         "modelled at their initial positions for the cells: pressures near them are inaccurate; let the body with the "
         'relevant ends be the first of the contact, or use grid="body_fixed"'
     ]
-
-
-def _turns(rotation: np.ndarray) -> np.ndarray:
-    """(T, 3, 3) of quaternions (T, 4)."""
-    return np.stack([rot.matrix(q) for q in rotation])
 
 
 def _cut(contact: Contact, found: ContactHistory) -> list[str]:

@@ -37,6 +37,7 @@ from warpffrf.model.checks.contacts import out_of_reach
 from warpffrf.model.checks.scene import reached_from
 from warpffrf.model.contact import Contact
 from warpffrf.model.forces import JointSpringDamper
+from warpffrf.model.friction import rubbing
 from warpffrf.model.placement.gap import facing_gap
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Signal
@@ -105,8 +106,11 @@ def is_static(engine: Engine) -> bool:
 
 
 def load_notes(engine: Engine, energy: dict[str, np.ndarray]) -> list[str]:
-    """A note where the numerical and contact-grid lines together exceed `OFF` of the largest energy."""
-    if not len(energy["kinetic"]):
+    """A note where the numerical and contact-grid lines together exceed `OFF` of the largest energy; none for rigid
+    bodies in lumped contact without friction, such as a bearing, whose equilibria depend on no path."""
+    scene = engine.scene
+    rigid = scene.lumped_contacts and all(body.reduced is None for body in scene.bodies)
+    if not len(energy["kinetic"]) or (rigid and not rubbing(scene)):
         return []
     left_out = ("potential", "numerical", "contact_grid")
     hand = max((float(np.abs(values).max()) for name, values in energy.items() if name not in left_out), default=0.0)

@@ -136,42 +136,41 @@ def without_stiff(engine: Engine, world: int, weight: np.ndarray, motions: np.nd
     """
     if not len(motions):
         return motions
-    K = sum(_stiffness(engine, world, motions / weight), np.zeros((len(motions), len(motions))))
+    K = _stiffness(engine, world, motions / weight)
     values, vectors = np.linalg.eigh(0.5 * (K + K.T))
     mass = weight[::6] ** 2
     soft = SOFT * largest_force(engine, world) / (float(engine.compiled.model.length) * float(mass.mean()))
     return vectors.T[values <= soft] @ motions
 
 
-def _stiffness(engine: Engine, world: int, motions: np.ndarray) -> list[np.ndarray]:
-    """Stiffness of each closed place, (n, n)."""
+def _stiffness(engine: Engine, world: int, motions: np.ndarray) -> np.ndarray:
+    """Stiffness of all closed places (n, n)."""
     m, lumped = engine.compiled.model, engine.compiled.elements.lumped
     loads = engine.scratch.lumped_load.numpy()[world, : lumped.places]
+    closed = np.flatnonzero(loads["force"] > 0.0)
+    touch, F = loads["touch"][closed], loads["force"][closed, None]
+    x, n, H, Y = (np.asarray(touch[name]) for name in ("x", "n", "H", "Y"))
     r, axes = engine.scratch.r1.numpy()[world], engine.scratch.axes.numpy()[world]
-    body, found = m.surfaces.body.numpy(), []
-    for place in np.flatnonzero(loads["force"] > 0.0):
-        touch, F = loads["touch"][place], float(loads["force"][place])
-        x, n, H, Y = (np.asarray(touch[name]) for name in ("x", "n", "H", "Y"))
-        contact = lumped.contact.numpy()[place]
-        moves, turns, displaced, levers = [], [], [], []
-        for surface in (lumped.first.numpy()[contact], lumped.second.numpy()[contact]):
-            b = int(body[surface])
-            part = motions[:, 6 * b : 6 * b + 6] if b >= 0 else np.zeros((len(motions), 6))
-            lever = x - r[b] if b >= 0 else x
-            turn = part[:, 3:] @ axes[b].T if b >= 0 else part[:, 3:]
-            moves.append(part[:, :3])
-            turns.append(turn)
-            levers.append(lever)
-            displaced.append(part[:, :3] + np.cross(turn, lever))
-        (u1, u2), (t1, t2) = displaced, turns
-        dx = u1 + (np.cross(t1 - t2, n) + (u2 - u1) @ H) @ Y + float(touch["between"]) * ((u2 - u1) @ n)[:, None] * n
-        dn = np.cross(t2, n) + (dx - u2) @ H
-        K = np.zeros((len(motions), len(motions)))
-        for sign, move, turn, lever in zip((1.0, -1.0), moves, turns, levers, strict=True):
-            moment = np.cross(dx - move, F * n) + np.cross(lever, F * dn)
-            K -= sign * (F * dn @ move.T + moment @ turn.T)
-        found.append(K)
-    return found
+    contact, of_body = lumped.contact.numpy()[closed], motions.reshape(len(motions), -1, 6)
+    moves, turns, displaced, levers = [], [], [], []  # (n, places, 3), levers (places, 3)
+    for surface in (lumped.first.numpy()[contact], lumped.second.numpy()[contact]):
+        body = m.surfaces.body.numpy()[surface]
+        moving = (body >= 0)[:, None]
+        part = of_body[:, body] * moving
+        levers.append(x - r[body] * moving)
+        moves.append(part[..., :3])
+        turns.append(np.einsum("mpk,pik->mpi", part[..., 3:], axes[body]))
+        displaced.append(moves[-1] + np.cross(turns[-1], levers[-1]))
+    (u1, u2), (t1, t2) = displaced, turns
+    way = np.einsum("mpi,pij->mpj", u2 - u1, H)
+    dx = u1 + np.einsum("mpi,pij->mpj", np.cross(t1 - t2, n) + way, Y)
+    dx += (touch["between"] * np.einsum("mpi,pi->mp", u2 - u1, n))[..., None] * n
+    dn = np.cross(t2, n) + np.einsum("mpi,pij->mpj", dx - u2, H)
+    K = np.zeros((len(motions), len(motions)))
+    for sign, move, turn, lever in zip((1.0, -1.0), moves, turns, levers, strict=True):
+        moment = np.cross(dx - move, F * n) + np.cross(lever, F * dn)
+        K -= sign * (np.tensordot(F * dn, move, ((1, 2), (1, 2))) + np.tensordot(moment, turn, ((1, 2), (1, 2))))
+    return K
 
 
 def lines_of(engine: Engine, world: int, group: list[int]) -> Array:

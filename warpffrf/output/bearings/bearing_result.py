@@ -7,20 +7,37 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.bearings.flanges import ENDS
-from warpffrf.model.bearings.geometry import SIDES, BallGeometry, from_description
+from warpffrf.model.bearings.geometry import SIDES, BallGeometry, RollerGeometry, from_description
 from warpffrf.model.bearings.life import BasicLife, ReferenceLife, basic_life, reference_life
 from warpffrf.model.bearings.lubrication import CONDUCTIVITY
-from warpffrf.model.bearings.modified_life import ModifiedLife, fatigue_load_limit, modified_life, static_safety
+from warpffrf.model.bearings.modified_life import (
+    DutyLife,
+    ModifiedLife,
+    fatigue_load_limit,
+    modified_life,
+    static_safety,
+)
+from warpffrf.model.bearings.rating import static_load_factors
 from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
 from warpffrf.model.oils import Oil
 from warpffrf.online.history.history import BodyHistory, History
+from warpffrf.output.bearings.duty import duty_life
 from warpffrf.output.bearings.films import Films, film_thickness
-from warpffrf.output.bearings.patches import Patches, ShearBelow, ball_patches, cut_off, roller_patches, shear_below
+from warpffrf.output.bearings.patches import (
+    Patches,
+    ShearBelow,
+    ball_patches,
+    cut_off,
+    lamina_pressure,
+    roller_patches,
+    shear_below,
+)
 
 LOADED = 1e-9  # of the largest load: an element below is unloaded, without a direction of force
 GROUND = "ground"
@@ -84,33 +101,33 @@ class BearingResult(reprs.Shown):
     @cached_property
     def inner_load(self) -> np.ndarray:
         """(T, Z) N, normal force between element and inner ring."""
-        return self._loads("inner")
+        return self._loads_of("inner")
 
     @cached_property
     def outer_load(self) -> np.ndarray:
         """(T, Z) N, normal force between element and outer ring."""
-        return self._loads("outer")
+        return self._loads_of("outer")
 
     @cached_property
     def inner_angle(self) -> np.ndarray:
         """(T, Z) rad, contact angle on the inner ring, positive if that ring is pushed back against the axis; nan
         without a load."""
-        return self._angles("inner")
+        return self._angles_of("inner")
 
     @cached_property
     def outer_angle(self) -> np.ndarray:
         """(T, Z) rad, contact angle on the outer ring, with the same sign convention."""
-        return self._angles("outer")
+        return self._angles_of("outer")
 
     @cached_property
     def inner_patches(self) -> Patches:
         """Hertz half-axes and peak pressures (T, Z) on the inner ring; lumped contact only."""
-        return self._patches("inner")
+        return self._patches_of("inner")
 
     @cached_property
     def outer_patches(self) -> Patches:
         """Hertz half-axes and peak pressures (T, Z) on the outer ring; lumped contact only."""
-        return self._patches("outer")
+        return self._patches_of("outer")
 
     @cached_property
     def peak_pressure(self) -> dict[str, np.ndarray]:
@@ -123,6 +140,20 @@ class BearingResult(reprs.Shown):
             else np.stack([pairs[name].pressure.max(axis=(1, 2)) for name in self._names(side)], axis=1)
             for side in SIDES
         }
+
+    @cached_property
+    def lamina_load(self) -> dict[str, np.ndarray]:
+        """ "inner" and "outer" -> (T, Z, n) N, normal force of each lamina of the rollers, in their order along the
+        axis; for sides of roller bearings in lumped contact."""
+        rollers = isinstance(self.geometry, RollerGeometry)
+        return {side: self._of_lumped(side, "lamina_force") for side in SIDES if rollers and self._lumped(side)}
+
+    @cached_property
+    def lamina_pressure(self) -> dict[str, np.ndarray]:
+        """ "inner" and "outer" -> (T, Z, n) Pa, Hertz peak pressure in each lamina, as `lamina_load`: under a tilt
+        largest towards an end of the roller."""
+        geometry: Any = self.geometry
+        return {side: lamina_pressure(geometry, side, Q, self._modulus) for side, Q in self.lamina_load.items()}
 
     @cached_property
     def slip_speed(self) -> dict[str, np.ndarray]:
@@ -315,21 +346,46 @@ class BearingResult(reprs.Shown):
         return reference_life(self.geometry, capacity, inner, outer, turning=turning)
 
     def modified_life(
-        self, capacity: float, static_capacity: float, *, kappa: float, contamination: float,
-        reliability: float = 90.0, row: int = -1, turning: str = "inner",
+        self, capacity: float | None = None, static_capacity: float | None = None, *, kappa: float,
+        contamination: float, reliability: float = 90.0, row: int = -1, turning: str = "inner",
     ) -> ModifiedLife:  # fmt: skip
         """Modified reference life of ISO/TS 16281, a_1 a_ISO L_10r, at the saved step `row`: capacity and
-        static_capacity C_0 [N]; kappa [-]: viscosity ratio, `bearings.viscosity_ratio` or the film parameter to the
-        power 1.3; contamination [-]: e_C, `bearings.contamination_factor`; reliability [%]; turning: the ring that
-        rotates relative to the load. Raises `InputError`."""
+        static_capacity C_0 [N], None for the ratings of the geometry; kappa [-]: viscosity ratio,
+        `bearings.viscosity_ratio` or the film parameter to the power 1.3; contamination [-]: e_C,
+        `bearings.contamination_factor`; reliability [%]; turning: the ring that rotates relative to the load. Raises
+        `InputError`."""
         found = self.reference_life(capacity, row, turning=turning)
+        static_capacity = self.geometry.static_rating if static_capacity is None else static_capacity
         limit = fatigue_load_limit(self.kind, static_capacity, self.geometry.pitch_diameter)
         return modified_life(self.kind, found, limit, kappa, contamination, reliability=reliability)
 
-    def static_safety(self, static_capacity: float, row: int = -1, *, X: float = 0.6, Y: float = 0.5) -> float:
+    def duty_life(
+        self, shares: ArrayLike, speed: ArrayLike, capacity: float | None = None,
+        static_capacity: float | None = None, *, kappa: ArrayLike | None = None,
+        contamination: ArrayLike | None = None, reliability: float = 90.0, turning: str = "inner",
+    ) -> DutyLife:  # fmt: skip
+        """Life under a load spectrum whose points are the saved steps, by the rule of Palmgren and Miner from the
+        reference life at each, or the modified one with `kappa` and `contamination`.
+
+        shares (T,) [-]: of the time, with the sum 1; speed [rad/s] of the rings against each other; kappa [-], the
+        viscosity ratio, and contamination [-], e_C; the three one number or (T,). capacity and static_capacity [N],
+        reliability [%] and turning as of `modified_life`. A step without load or speed does no damage. `wf.static`
+        makes such steps: with loads as signals over the number of the point, from 0 on, and a step of 1. Raises
+        `InputError`.
+        """
+        return duty_life(self, shares, speed, capacity, static_capacity, kappa, contamination, reliability, turning)
+
+    def static_safety(
+        self, static_capacity: float | None = None, row: int = -1, *, X: float | None = None, Y: float | None = None
+    ) -> float:
         """s_0 = C_0/P_0 [-] of ISO 76 at the load of the saved step `row`: static_capacity C_0 [N]; X, Y [-]:
-        factors X_0 and Y_0, those of deep-groove ball bearings if not given. Raises `InputError` without a load."""
-        F = self.force[row]
+        factors X_0 and Y_0; None for those of the geometry (`model.bearings.rating`). Raises `InputError` without a
+        load."""
+        geometry, F = self.geometry, self.force[row]
+        tabulated = isinstance(geometry, BallGeometry) and not geometry.self_aligning
+        own = static_load_factors(geometry.contact_angle, geometry.rows, tabulated=tabulated)
+        X, Y = (known if given is None else given for known, given in zip(own, (X, Y), strict=True))
+        static_capacity = geometry.static_rating if static_capacity is None else static_capacity
         return static_safety(static_capacity, float(np.hypot(F[0], F[1])), float(F[2]), X=X, Y=Y)
 
     # --- lubrication, below the raceways
@@ -416,6 +472,15 @@ class BearingResult(reprs.Shown):
         keys = [[f"flange_{side}_{end}_{i + 1}" for end in ENDS] for i in range(len(self.elements))]
         return [[known[key] for key in each if key in known] for each in keys]
 
+    def _loads(self, side: str) -> np.ndarray:
+        return self.inner_load if side == "inner" else self.outer_load
+
+    def _angles(self, side: str) -> np.ndarray:
+        return self.inner_angle if side == "inner" else self.outer_angle
+
+    def _patches(self, side: str) -> Patches:
+        return self.inner_patches if side == "inner" else self.outer_patches
+
     def _forces(self, side: str) -> list[np.ndarray]:
         """(T, 3) N each, on the elements, world axes."""
         found = []
@@ -434,7 +499,7 @@ class BearingResult(reprs.Shown):
             return contact.force, contact.torque
         return contact.force_second, contact.torque_second
 
-    def _loads(self, side: str) -> np.ndarray:
+    def _loads_of(self, side: str) -> np.ndarray:
         lumped, pairs = self.history.lumped_contacts, self.history.contacts
         loads = [
             lumped[name].normal_force if name in lumped else np.linalg.norm(pairs[name].force, axis=1)
@@ -442,7 +507,7 @@ class BearingResult(reprs.Shown):
         ]
         return np.stack(loads, axis=1)
 
-    def _angles(self, side: str) -> np.ndarray:
+    def _angles_of(self, side: str) -> np.ndarray:
         sign = 1.0 if side == "inner" else -1.0
         F = np.einsum("tki,tzi->tzk", self.axes, np.stack(self._forces(side), axis=1))
         load = self._loads(side)
@@ -450,7 +515,7 @@ class BearingResult(reprs.Shown):
         angle = np.arctan2(sign * F[..., 2], sign * outward)
         return np.where(load > LOADED * load.max(initial=0.0), angle, np.nan)
 
-    def _patches(self, side: str) -> Patches:
+    def _patches_of(self, side: str) -> Patches:
         if not self._lumped(side):
             raise InputError(
                 f"bearing {self.name!r}: patches of distributed contact are those of the pairs, result.contact(name)"
@@ -467,9 +532,9 @@ class BearingResult(reprs.Shown):
 
     def _laminae(self, side: str) -> np.ndarray:
         """(T, Z, n) N, loads of the rollers' laminae."""
-        if not self._lumped(side):
+        if side not in self.lamina_load:
             raise InputError(f"bearing {self.name!r}: rollers in distributed contact have no laminae; take basic_life")
-        return np.stack([self.history.lumped_contacts[name].lamina_force for name in self._names(side)], axis=1)
+        return self.lamina_load[side]
 
     def _of_lumped(self, side: str, what: str, *, norm: bool = False) -> np.ndarray:
         found = np.stack([getattr(self.history.lumped_contacts[name], what) for name in self._names(side)], axis=1)
@@ -483,8 +548,7 @@ class BearingResult(reprs.Shown):
         body = self._body(name)
         if body is None:
             return np.broadcast_to(np.eye(3), (len(self.time), 3, 3))
-        begin = rot.matrix(np.asarray(self.description["poses"][name]["rotation"]))
-        return np.array([rot.matrix(q) @ begin.T for q in body.rotation]).reshape(-1, 3, 3)
+        return rot.matrix(body.rotation) @ rot.matrix(self.description["poses"][name]["rotation"]).T
 
     def _carried_velocity(self, name: str) -> np.ndarray:
         """(T, 3) m/s, velocity of the bearing's centre as fixed to a ring's body."""

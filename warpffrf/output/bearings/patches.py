@@ -19,9 +19,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from warpffrf.model.bearings.geometry import BallGeometry, RollerGeometry
-from warpffrf.output.contact.hertz import HertzLine, HertzPoint, hertz_point, largest_below
+from warpffrf.output.contact.hertz import HertzLine, HertzPoint, Largest, hertz_ellipse, largest_below
+
+SHAPES = 33  # evaluated between the least and the largest ratio of half-axes: errors below those of the search
+SAME = 1e-6  # of ratios of half-axes
 
 
 @dataclass(frozen=True)
@@ -36,23 +40,23 @@ class Patches:
 
 def ball_patches(geometry: BallGeometry, side: str, load: np.ndarray, angle: np.ndarray, modulus: float) -> Patches:
     """Patches for loads [N] and contact angles [rad] (T, Z); modulus E* [Pa]."""
-    across, around, peak = (np.zeros(load.shape) for _ in range(3))
-    for at in np.argwhere(load > 0.0):
-        i = tuple(at)
-        curvatures = geometry.curvatures(side, angle[i])
-        found = hertz_point(float(load[i]), np.diag([float(c) for c in curvatures]), modulus)
-        across[i], around[i] = found.half_width, found.half_width_along
-        peak[i] = found.peak_pressure
-    return Patches(across, around, peak)
+    found = np.zeros((3, *load.shape))
+    loaded = load > 0.0
+    curvatures = geometry.curvatures(side, angle[loaded])
+    found[:, loaded] = hertz_ellipse(load[loaded], *curvatures, modulus)[:3]
+    return Patches(found[0], found[1], found[2])
+
+
+def lamina_pressure(geometry: RollerGeometry, side: str, laminae: np.ndarray, modulus: float) -> np.ndarray:
+    """Peak pressures [Pa] for loads [N] of laminae (T, Z, n); modulus E* [Pa]."""
+    line = laminae / (geometry.roller_length / laminae.shape[-1])
+    return np.sqrt(line * modulus * geometry.curvature(side) / np.pi)
 
 
 def roller_patches(geometry: RollerGeometry, side: str, laminae: np.ndarray, modulus: float) -> Patches:
-    """Patches for loads of laminae (T, Z, m) [N]; modulus E* [Pa]."""
-    line = laminae.max(axis=-1) / (geometry.roller_length / laminae.shape[-1])
-    curvature = geometry.curvature(side)
-    peak = np.sqrt(line * modulus * curvature / np.pi)
-    half = np.sqrt(4.0 * line / (curvature * np.pi * modulus))
-    return Patches(np.full(half.shape, np.nan), half, peak)
+    """Patches of the most loaded laminae, for loads [N] of laminae (T, Z, n); modulus E* [Pa]."""
+    peak = lamina_pressure(geometry, side, laminae, modulus).max(axis=-1)
+    return Patches(np.full(peak.shape, np.nan), 2.0 * peak / (modulus * geometry.curvature(side)), peak)
 
 
 @dataclass(frozen=True)
@@ -64,18 +68,30 @@ class ShearBelow:
 
 
 def shear_below(patches: Patches, poisson_ratio: float) -> ShearBelow:
-    """Of patches that are ellipses, or lines where the half-axis across is nan."""
-    found = np.full((2, *patches.peak_pressure.shape), np.nan)
-    for at in np.argwhere(patches.peak_pressure > 0.0):
-        i = tuple(at)
-        a, b, p = (float(v[i]) for v in (patches.half_axis_across, patches.half_axis_around, patches.peak_pressure))
-        one = (
-            HertzLine(b, p, 0.0, 0.0, 0.0)
-            if np.isnan(a)
-            else HertzPoint((max(a, b), min(a, b)), 0.0, p, 0.0, 0.0, (0.0, 0.0), 0.0)
-        )
-        found[(slice(None), *i)] = largest_below(one, poisson_ratio)[1]
+    """Of patches that are ellipses, or lines where the half-axis across is nan. Stress over pressure and depth over the
+    smaller half-axis are functions of the ratio of the half-axes, interpolated between `SHAPES` values of it."""
+    loaded = patches.peak_pressure > 0.0
+    across, around = patches.half_axis_across[loaded], patches.half_axis_around[loaded]
+    found = np.full((2, *loaded.shape), np.nan)
+    if not loaded.any():
+        return ShearBelow(*found)
+    small = np.fmin(across, around)
+    ratio = np.where(np.isnan(across), 0.0, small / np.fmax(across, around))
+    at = np.linspace(ratio.min(), ratio.max(), SHAPES) if np.ptp(ratio) > SAME else ratio[:1]
+    known = np.array([_largest_shear(float(k), poisson_ratio) for k in at])
+    stress, depth = (CubicSpline(at, known)(ratio) if len(at) > 1 else np.broadcast_to(known, (len(ratio), 2))).T
+    found[:, loaded] = stress * patches.peak_pressure[loaded], depth * small
     return ShearBelow(*found)
+
+
+def _largest_shear(ratio: float, poisson_ratio: float) -> Largest:
+    """Of a patch with a peak pressure and a smaller half-axis of 1; ratio: that over the larger one, 0 of a line."""
+    one = (
+        HertzPoint((1.0 / ratio, 1.0), 0.0, 1.0, 0.0, 0.0, (0.0, 0.0), 0.0)
+        if ratio
+        else HertzLine(1.0, 1.0, 0.0, 0.0, 0.0)
+    )
+    return largest_below(one, poisson_ratio)[1]
 
 
 def cut_off(geometry: BallGeometry, side: str, patches: Patches, angle: np.ndarray, shoulder: float) -> np.ndarray:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.friction import rubbing
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import BudgetLine
 from warpffrf.output.budget.contacts import (
@@ -69,8 +70,10 @@ def error_budget(result: Any, *, progress: bool = False) -> list[BudgetLine]:
 
 
 def at_rest(result: Any) -> bool:
-    """Whether it is a single equilibrium."""
-    return bool(result.history.samples.static and len(result.history.time) == 1)
+    """Whether it is a single equilibrium, or several of a machine without friction, which depend on no path."""
+    history = result.history
+    single = len(history.time) == 1 or not (rubbing(history.scene) or history.scene.small_sliding)
+    return bool(history.samples.static and single)
 
 
 def _of_steps(run: Run) -> list[BudgetLine]:

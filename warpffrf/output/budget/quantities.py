@@ -90,7 +90,7 @@ def _places(body: Any, history: History) -> Array:
     """(T, 12) the origin of a body and its axes with the length of the radius of gyration [m]."""
     motion = history.bodies[body.name]
     gyration = np.sqrt(0.5 * np.trace(body.inertia) / body.mass)
-    axes = np.array([rot.matrix(p) for p in motion.rotation]).reshape(len(motion.rotation), 9)
+    axes = rot.matrix(motion.rotation).reshape(len(motion.rotation), 9)
     return np.concatenate([motion.position, gyration * axes], axis=1)
 
 

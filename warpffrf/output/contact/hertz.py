@@ -10,12 +10,12 @@ K. L. Johnson, Contact Mechanics, 1985, sections 4.1 and 4.2. Line, 1/R the rela
 
     a^2 = 4 P' R / (pi E*),      p0 = 2 P' / (pi a).
 
-Point, with the relative principal curvatures `2A <= 2B`, semi-axes a >= b, m = e^2 = 1 - b^2/a^2, complete elliptic
-integrals K(m), E(m), p = p0 sqrt(1 - x^2/a^2 - y^2/b^2), p0 = 3 P / (2 pi a b) (eq. 4.25 and 4.26):
+Point, with the relative principal curvatures `2A <= 2B`, semi-axes a >= b, k = b/a, Carlson's integrals R_D and R_F,
+p = p0 sqrt(1 - x^2/a^2 - y^2/b^2), p0 = 3 P / (2 pi a b) (eq. 4.25 and 4.26):
 
-    B/A = [E/(1 - m) - K] / [K - E],      a^3 = 3 P (K - E) / (2 pi E* m A),      delta = p0 b K / E*.
+    B/A = R_D(0, 1, k^2)/R_D(0, k^2, 1),      a^3 = P R_D(0, k^2, 1) / (2 pi E* A),      delta = p0 b R_F(0, k^2, 1)/E*.
 
-As m -> 0 (K - E)/m -> pi/4, which gives the sphere, a^3 = 3 P R/(4 E*). Hertz's theory requires a patch much smaller
+A sphere has k = 1, R_D = 3 pi/4 and a^3 = 3 P R/(4 E*). Hertz's theory requires a patch much smaller
 than the radii of both bodies; `conforms` checks this.
 
 Hertz stress. Stress below the centre of a Hertz patch in closed form, and its maximum.
@@ -177,8 +177,8 @@ def flexible_sides(view: PairView) -> list[tuple[Any, Any]]:
 
 
 CONFORMAL = 0.25  # half-width over the smallest radius above which Hertz's half-space does not apply
-ROUND = 1e-6  # B/A - 1 below which the patch is a circle (error of a 2e-7); the formulas lose 1e-16/m of their digits
-LONGEST = 1e-12  # 1 - m of the longest ellipse considered: b/a = 1e-6, far beyond any patch that ends on a surface
+LOG_SLOPE = 2.0 / 3.0  # of ln(a/b) over ln(B/A) of a nearly round patch
+MOST_SECANTS, CONVERGED = 20, 1e-13  # of ln(a/b)
 
 
 class HertzLine(NamedTuple):
@@ -255,38 +255,48 @@ def hertz_point(load: float, curvature: np.ndarray, modulus: float) -> HertzPoin
 
     Both principal curvatures must be positive.
     """
-    from scipy.special import ellipe, ellipkm1
-
     values, axes = np.linalg.eigh(curvature)  # ascending: the larger semi-axis is along the first
-    A, B = 0.5 * float(values[0]), 0.5 * float(values[1])
     angle = float(np.arctan2(axes[1, 0], axes[0, 0]))
     angle -= float(np.pi * np.round(angle / np.pi))  # the direction of an axis has no sign
-    m = eccentricity_squared(B / A)
-    first, second = float(ellipkm1(1.0 - m)), float(ellipe(m))
-    moment = 0.25 * np.pi if m == 0.0 else (first - second) / m
-    a = float(np.cbrt(3.0 * load * moment / (2.0 * np.pi * modulus * A)))
-    b = a * float(np.sqrt(1.0 - m))
-    peak = 3.0 * load / (2.0 * np.pi * a * b) if load > 0.0 else 0.0
-    return HertzPoint((a, b), angle, peak, load, peak * b * first / modulus, (0.5 / A, 0.5 / B), modulus)
+    a, b, peak, approach = (float(x) for x in hertz_ellipse(load, values[0], values[1], modulus))
+    return HertzPoint((a, b), angle, peak, load, approach, (1.0 / float(values[0]), 1.0 / float(values[1])), modulus)
 
 
-def eccentricity_squared(ratio: float) -> float:
-    """m = 1 - b^2/a^2 of the ellipse at the ratio B/A >= 1 of the relative curvatures."""
-    from scipy.optimize import brentq
-    from scipy.special import ellipe, ellipkm1
+def hertz_ellipse(load: Any, small: Any, large: Any, modulus: float) -> tuple[Array, Array, Array, Array]:
+    """Half-axes along and across the direction of the curvature `small` [m], peak pressure [Pa] and approach [m] of
+    point contacts, for loads [N] and relative principal curvatures [1/m] that broadcast, `modulus` E* [Pa]. The first
+    half-axis is the larger one if `small` is the smaller curvature."""
+    from scipy.special import elliprd, elliprf
 
-    if ratio - 1.0 < ROUND:
-        return 0.0
+    k = half_axis_ratio(np.asarray(large) / small)
+    a = np.cbrt(load * elliprd(0.0, k * k, 1.0) / (np.pi * modulus * small))
+    b = k * a
+    area = np.where(a > 0.0, np.pi * a * b, np.inf)
+    peak = 1.5 * load / area
+    return a, b, peak, peak * b * elliprf(0.0, k * k, 1.0) / modulus
 
-    def excess(log_rest: float) -> float:
-        rest = np.exp(log_rest)  # 1 - m
-        first, second = ellipkm1(rest), ellipe(1.0 - rest)
-        return float(np.log((second / rest - first) / (first - second)) - np.log(ratio))
 
-    # 1 - m decreases from 1 with the ratio; for a nearly round patch m = 4/3 (ratio - 1) to first order
-    high = np.log1p(-min(0.5, 0.1 * (ratio - 1.0)))
-    root: Any = brentq(excess, np.log(LONGEST), high, xtol=1e-15, rtol=np.float64(1e-14))
-    return float(-np.expm1(root))
+def half_axis_ratio(ratio: Any) -> Array:
+    """k = b/a of ellipses at ratios B/A of the relative curvatures."""
+    from scipy.special import elliprd
+
+    wanted = np.log(ratio)
+
+    def excess(log_k: Array) -> Array:
+        k2 = np.exp(2.0 * log_k)
+        return np.log(elliprd(0.0, 1.0, k2) / elliprd(0.0, k2, 1.0)) - wanted
+
+    # nearly linear, and odd: secants converge from everywhere
+    before, at = np.zeros_like(wanted), -LOG_SLOPE * wanted
+    f_before, f = -wanted, excess(at)
+    for _ in range(MOST_SECANTS):
+        bend = f - f_before
+        step = np.divide(f * (at - before), bend, out=np.zeros_like(f), where=bend != 0.0)
+        before, at = at, at - step
+        if np.abs(step).max(initial=0.0) < CONVERGED:
+            break
+        f_before, f = f, excess(at)
+    return np.exp(at)
 
 
 def conforms(half_width: float, curvature: float) -> bool:
