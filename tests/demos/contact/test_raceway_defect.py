@@ -18,7 +18,7 @@ SHORT = 0.12  # s: a dozen passages
 
 
 def checks(side: str, result: wf.Result) -> list[Check]:
-    """Each line of the envelope beside the defect frequency by rigid kinematics."""
+    """Each line of the envelope compared with the defect frequency by rigid kinematics."""
     found = envelope(result)
     return [
         Check(f"{side}: {name}", line(found, frequency)[0], frequency, "rolling without slip", FREQUENCY, "Hz")
