@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.model.bearings import BallGeometry, BasicLife, RollerGeometry
-from warpffrf.model.bearings.life import basic_life
+from warpffrf.model.bearings import BallGeometry, RollerGeometry
+from warpffrf.model.bearings.life import BasicLife, basic_life
 from warpffrf.model.bearings.lubrication import FilmThickness, film_of_lines, film_of_points, starved, thermal_factor
 from warpffrf.model.bearings.modified_life import (
     CLEANLINESS,

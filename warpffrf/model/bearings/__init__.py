@@ -28,21 +28,14 @@ from warpffrf.model.bearings.elements import Cage, PocketCage, PrescribedCage
 from warpffrf.model.bearings.fits import Fit, fit, operating_clearance
 from warpffrf.model.bearings.flanges import Flanges
 from warpffrf.model.bearings.geometry import BallGeometry, RollerGeometry
-from warpffrf.model.bearings.life import BasicLife, ReferenceLife
 from warpffrf.model.bearings.lubrication import catalogue_torque, drag_torque
-from warpffrf.model.bearings.modified_life import (
-    DutyLife,
-    ModifiedLife,
-    contamination_factor,
-    duty_life,
-    viscosity_ratio,
-)
+from warpffrf.model.bearings.modified_life import contamination_factor, duty_life, viscosity_ratio
 from warpffrf.model.bearings.parts import AxialPreload, Materials, PreloadForce, PreloadOffset, RollingContact
 from warpffrf.model.errors import no_attribute
 
 __all__ = [
-    "AxialPreload", "BallGeometry", "BasicLife", "Bearing", "Cage", "DutyLife", "Fit", "Flanges", "Materials",
-    "ModifiedLife", "PocketCage", "PreloadForce", "PreloadOffset", "PrescribedCage", "ReferenceLife", "RollerGeometry",
+    "AxialPreload", "BallGeometry", "Bearing", "Cage", "Fit", "Flanges", "Materials",
+    "PocketCage", "PreloadForce", "PreloadOffset", "PrescribedCage", "RollerGeometry",
     "RollingContact", "catalogue", "catalogue_torque", "contamination_factor", "drag_torque", "duty_life", "fit",
     "operating_clearance", "viscosity_ratio",
 ]  # fmt: skip

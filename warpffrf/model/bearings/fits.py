@@ -40,6 +40,7 @@ EXPANSION = 12e-6  # 1/K, of steel
 MPA = 1e-6  # MPa per Pa
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Fit:
     """A ring on its seat in operation: `side` "inner" or "outer"; `interference` I_e [m] that is left for the pressure,
