@@ -211,3 +211,32 @@ def test_reference_life_of_balls_has_the_limit_of_iso_281(angle: float) -> None:
     Q = np.maximum(np.cos(phi), 0.0) ** 1.5
     Q *= C / (np.sum(Q * np.cos(phi)) * np.cos(alpha))
     assert reference_life(geometry, C, Q, Q).revolutions == pytest.approx(1.0, rel=2e-2)
+
+
+def test_rings_are_mounted_on_ports() -> None:
+    """A rigid ring at the bearing's centre, fixed to a point of a body, which `roll` rotates with it."""
+    scene = Scene()
+    shaft = scene.add_rigid_body(1.0, (1e-3,) * 3, name="shaft", position=(0.3, 0.0, 0.0))
+    bearing = ball(scene, position=(0.3, 0.2, 0.0), inner=shaft.at((0.0, 0.19, 0.0)), outer=scene.ground)
+    assert bearing.inner.name == "b inner ring" and not shaft.surfaces
+    joint = bearing.joints["inner_seat"]
+    assert isinstance(joint, wf.joints.Fixed) and joint.a.body is shaft and joint.b.body is bearing.inner
+    bearing.roll(50.0)
+    for body in (shaft, bearing.inner):
+        np.testing.assert_allclose(body.angular_velocity, (0.0, 50.0, 0.0), atol=1e-12)  # pyright: ignore[reportAttributeAccessIssue]
+    with pytest.raises(InputError, match=r"shaft.at\(0, 0.19, 0\) lies 0.19 m from the centre .* give position="):
+        roller(scene, position=(0.3, 0.0, 0.0), inner=shaft.at((0.0, 0.19, 0.0)))
+
+
+@pytest.mark.parametrize(
+    ("bearing", "locating"),
+    [
+        (lambda: ball(), True),
+        (lambda: roller(), False),
+        (lambda: roller(flanges=Flanges(1e-4)), False),
+        (lambda: roller(flanges=Flanges(1e-4, inner="front")), True),
+        (lambda: roller(contact_angle=0.2), True),
+    ],
+)
+def test_which_bearings_locate(bearing: Any, locating: bool) -> None:
+    assert bearing().locating is locating
