@@ -8,9 +8,9 @@ import numpy as np
 from checks import Check, both_sizes, left_behind, missed
 
 from demos import gearbox_shaft as demo
+from gearbox_reference import AXIS, FIRST, compared
 from references.closed_forms.ball_bearing import BallBearing
 from references.finite_elements.shaft_in_housing import balls, rollers
-from scenes.gearbox_shaft import AXIS, FIRST, compared
 
 TOLERANCE = 5e-3  # equations of first order in the tilts, and seats by nodes instead of facets; observed 2e-3
 

@@ -10,8 +10,9 @@ again, the compliances are
 A bearing presses the seats of shaft and housing by +-f(q_shaft - q_housing) of five motions of its inner ring, three
 displacements u and two tilts t, with the angle phi of each element about the axis a and e its direction from there:
 
-- balls (ISO/TS 16281): X = A cos alpha_0 + u.e, Y = u.a + R_i (t x e).a, A = r_i + r_e - D, cos alpha_0 = 1 - s/(2 A),
-  Q = c_P (sqrt(X^2 + Y^2) - A)^1.5 along (X, Y), which acts on the inner ring at R_i e;
+- balls (ISO/TS 16281): X = A cos alpha_0 + v.e, Y = Y_0 + v.a, v = u + t x r, r = R_i e + z a the groove centre of the
+  inner ring, A = r_i + r_e - D, cos alpha_0 = 1 - s/(2 A), Q = c_P (sqrt(X^2 + Y^2) - A)^1.5 along (X, Y), which acts
+  on the inner ring at r; z and Y_0 are 0 of a deep-groove bearing, whose grooves are opposite each other;
 - rollers: laminae at x along a of q = c_L/n (u.e - s/2 + x (t x a).e - 2 P(x))^(10/9), with the profile of the
   standard, which act at x a.
 
@@ -86,16 +87,16 @@ class Elastic:
 Law = Callable[[Array], tuple[Array, Array]]  # motion (6,) of an inner ring -> force and moment on it (6,), loads (n,)
 
 
-def balls(bearing: BallBearing, axis: Array, first: Array) -> Law:
-    """Of a ball bearing without a contact angle."""
+def balls(bearing: BallBearing, axis: Array, first: Array, *, place: float = 0.0, apart: float = 0.0) -> Law:
+    """Of a row of balls; place z, apart Y_0 [m]: of the groove centres along the axis."""
     e = np.cos(bearing.angles)[:, None] * first + np.sin(bearing.angles)[:, None] * np.cross(axis, first)
-    closed = bearing.reach * np.cos(bearing.free_angle)
+    closed, r = bearing.reach * np.cos(bearing.free_angle), bearing.lever * e + place * axis
 
     def law(q: Array) -> tuple[Array, Array]:
-        X = closed + e @ q[:3]
-        Q, alpha = bearing.balls(X, q[:3] @ axis + bearing.lever * np.cross(q[3:], e) @ axis)
+        v = q[:3] + np.cross(q[3:], r)
+        Q, alpha = bearing.balls(closed + np.sum(v * e, axis=1), apart + v @ axis)
         f = -Q[:, None] * (np.cos(alpha)[:, None] * e + np.sin(alpha)[:, None] * axis)
-        return np.concatenate([f.sum(axis=0), np.cross(bearing.lever * e, f).sum(axis=0)]), Q
+        return np.concatenate([f.sum(axis=0), np.cross(r, f).sum(axis=0)]), Q
 
     return law
 
