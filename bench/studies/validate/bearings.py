@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from demos import gearbox_shaft
+from gearbox_reference import compared
 from references.closed_forms.ball_bearing import BallBearing
 from scenes.published_bearings import P7, P7_CAPACITY, UM, p7, p8, p9, p10
 from studies.validate.case import Row, case
@@ -111,3 +113,11 @@ def roller_bearing_209() -> Iterator[Row]:
     Q = [history.lumped_contacts[c.name].normal_force[-1] for c in bearing.contacts_of("outer")]
     for number, theirs in enumerate((1956.0, 1384.0, 0.0)):
         yield Row(f"roller {number}", Q[number], theirs, 0.01, "N", None if theirs else 1956.0)
+
+
+@case(ROOM, "full finite elements of shaft and housing by scikit-fem, rigid rings by ISO/TS 16281")
+def shaft_in_housing() -> Iterator[Row]:
+    """A shaft on a 6208 and an NU 208 in a flexible housing under the forces of a helical gear"""
+    size = gearbox_shaft.QUICK
+    for name, ours, theirs, scale, unit in compared(_rest(gearbox_shaft.build(size, progress=False)), size):
+        yield Row(name, ours, theirs, 5e-3, unit, scale)
