@@ -166,7 +166,7 @@ def ring_surfaces(
             f"{label} must be a rigid body of the scene, scene.ground, an interface of a body, body['seat'], a contact "
             f"surface of a flexible body, body['raceway'], or None for a new rigid ring, got {given!r}"
         )
-    if given.reduced is not None:
+    if isinstance(given, Body) and given.reduced is not None:
         places = ", ".join(f"body[{one!r}]" for one in given._places) or "none"
         raise InputError(
             f"{label}: body {given.name!r} is flexible; give one of its interfaces, on which a rigid ring is mounted, "
