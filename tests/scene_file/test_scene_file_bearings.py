@@ -135,6 +135,56 @@ spacing = 0.01
         loaded(tmp_path, text.replace('"roller"', '"rollers"').replace('kind = "rollers"', 'kind = "roller"') + roller)
 
 
+MOUNTED = """
+[materials.steel]
+youngs_modulus = 210e9
+poisson_ratio = 0.3
+density = 7800
+
+[meshes.arm]
+kind = "box"
+size = [0.02, 0.1, 0.02]
+counts = [1, 2, 1]
+order = 1
+
+[reduced_bodies.arm]
+mesh = "arm"
+material = "steel"
+interfaces = { y_min = "average", y_max = "rigid" }
+
+[bodies.shaft]
+body = "arm"
+
+[bearings.a]
+kind = "ball"
+catalogue = "6208"
+position = [0, -0.05, 0]
+inner = "shaft.y_min"
+outer = "ground"
+
+[forces.load]
+kind = "point_force"
+port = "a inner ring"
+force = [0, 0, -100]
+"""
+
+
+def test_rings_on_interfaces(tmp_path: Path) -> None:
+    scene = loaded(tmp_path, MOUNTED)
+    seat = scene.bearing("a").joints["inner_seat"]
+    assert seat.a.label == "shaft['y_min']" and seat.b.body is scene.bearing("a").inner
+    for old, new, said in (
+        ("shaft.y_min", "shaft.seat", r"interface or contact surface 'seat'"),
+        ("[0, -0.05, 0]", "[0, 0.05, 0]", r"\[bearings.a\]: bearing 'a': inner: shaft\['y_min'\] lies 0.1 m from"),
+        ('"a inner ring"', '"a outer ring"', r"there is no body 'a outer ring'"),
+    ):
+        with pytest.raises(InputError, match=said):
+            loaded(tmp_path, MOUNTED.replace(old, new))
+    whole = MOUNTED.replace("shaft.y_min", "shaft").replace("a inner ring", "a ball 1")
+    with pytest.raises(InputError, match=r"body 'shaft' is flexible; give one of its interfaces, .* body\['y_min'\]"):
+        loaded(tmp_path, whole)
+
+
 def test_the_example_is_read() -> None:
     scene = load_scene(path("ball-bearing") / "ball_bearing.toml").scene
     assert len(scene.bearing("main").elements) == 9

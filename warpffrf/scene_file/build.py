@@ -211,11 +211,14 @@ class Builder:
         return body, value[len(body) + 1 :], None
 
     def _bodies_of_bearings(self) -> Iterator[str]:
-        """Names of the bodies that the tables [bearings] create."""
+        """Names of the bodies that the tables [bearings] create, of rings on a surface too, which cannot be
+        distinguished from interfaces before bodies are made."""
+        whole = ("ground", *self.source.values.get("bodies", {}))
         for name, table in self.source.values.get("bearings", {}).items():
             if not isinstance(table, dict):
                 continue
-            yield from (f"{name} {side} ring" for side in ("inner", "outer") if side not in table)
+            sides = (side for side in ("inner", "outer") if table.get(side) not in whole)
+            yield from (f"{name} {side} ring" for side in sides)
             count, rows = table.get("elements"), table.get("rows", 1)
             number = count * rows if type(count) is int and type(rows) is int else 0
             number = number or estimated_elements(table.get("catalogue"))
@@ -397,7 +400,9 @@ class Builder:
 
     def _port(self, path: Path, value: Any) -> Any:
         name, part, point = self._port_parts(path, value)
-        body = self.scene.ground if name == "ground" else self.made["bodies"][name]
+        body = self.scene.ground if name == "ground" else self.made["bodies"].get(name)
+        if body is None:
+            raise Refused(f"{self.source.place(path)}: {shown(path[:-1])}: there is no body {name!r} here yet")
         try:
             if part is not None:
                 return body[part]

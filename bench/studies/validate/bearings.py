@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from demos import raceway_defect
+from demos import gearbox_shaft, raceway_defect
+from gearbox_reference import compared
 from references.closed_forms.ball_bearing import BallBearing
 from references.finite_elements import pressed_tubes
 from scenes import fitted_rings
@@ -222,3 +223,11 @@ def ring_creep() -> Iterator[Row]:
         "N",
     )
     yield Row("at 0.95 of the limit, over the rate at 1.05", rates[0.95], 0.0, 1e-6, "nm", abs(rates[1.05]))
+
+
+@case(ROOM, "full finite elements of shaft and housing by scikit-fem, rigid rings by ISO/TS 16281")
+def shaft_in_housing() -> Iterator[Row]:
+    """A shaft on a 6208 and an NU 208 in a flexible housing under the forces of a helical gear"""
+    size = gearbox_shaft.QUICK
+    for name, ours, theirs, scale, unit in compared(_rest(gearbox_shaft.build(size, progress=False)), size):
+        yield Row(name, ours, theirs, 5e-3, unit, scale)

@@ -21,9 +21,11 @@ from warpffrf.model.bearings import (
     RollerGeometry,
     RollingContact,
 )
+from warpffrf.model.bearings.bearing import not_guided
 from warpffrf.model.bearings.build import add_bearing
 from warpffrf.model.bearings.geometry import from_description
 from warpffrf.model.bearings.life import _of_rollers, edge_factor, reference_life
+from warpffrf.model.bodies import Body
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints import LineInPlane, PointInPlane
 from warpffrf.model.scene import Scene
@@ -144,7 +146,7 @@ def test_pockets_surround_elements() -> None:
         (lambda: roller(cage=PocketCage(1e-4, guided=False)), "leave guided=True"),
         (lambda: ball(cage="prescribed_cage"), "bearings.PrescribedCage"),
         (lambda: ball(first=(0, 1, 0)), "perpendicular to the axis"),
-        (lambda: ball(inner=3), "scene.ground, a contact surface of a flexible body"),
+        (lambda: ball(inner=3), "scene.ground, an interface of a body, .* a contact surface of a flexible body"),
         (lambda: ball(bore=0.045), "bore 0.045 m leaves no ring under the raceway, which lies above 0.04 m"),
         (lambda: ball(law=3), "laws.HertzPoint"),
         (lambda: ball(shoulders=-1.0), "shoulders"),
@@ -229,3 +231,54 @@ def test_reference_life_of_balls_has_the_limit_of_iso_281(angle: float) -> None:
     Q = np.maximum(np.cos(phi), 0.0) ** 1.5
     Q *= C / (np.sum(Q * np.cos(phi)) * np.cos(alpha))
     assert reference_life(geometry, C, Q, Q).revolutions == pytest.approx(1.0, rel=2e-2)
+
+
+def test_rings_are_mounted_on_ports() -> None:
+    """A rigid ring at the bearing's centre, fixed to a point of a body, which `roll` rotates with it."""
+    scene = Scene()
+    shaft = scene.add_rigid_body(1.0, (1e-3,) * 3, name="shaft", position=(0.3, 0.0, 0.0))
+    bearing = ball(scene, position=(0.3, 0.2, 0.0), inner=shaft.at((0.0, 0.19, 0.0)), outer=scene.ground)
+    assert bearing.inner.name == "b inner ring" and not shaft.surfaces
+    joint = bearing.joints["inner_seat"]
+    assert isinstance(joint, wf.joints.Fixed) and joint.a.body is shaft and joint.b.body is bearing.inner
+    bearing.roll(50.0)
+    for body in (shaft, bearing.inner):
+        np.testing.assert_allclose(body.angular_velocity, (0.0, 50.0, 0.0), atol=1e-12)  # pyright: ignore[reportAttributeAccessIssue]
+    with pytest.raises(InputError, match=r"shaft.at\(0, 0.19, 0\) lies 0.19 m from the centre .* give position="):
+        roller(scene, position=(0.3, 0.0, 0.0), inner=shaft.at((0.0, 0.19, 0.0)))
+
+
+def test_a_shaft_without_a_locating_bearing_is_named() -> None:
+    """By its name, whichever of its rings moves; not where something else may guide it, or one bearing locates."""
+    scene = Scene()
+    shaft = scene.add_rigid_body(1.0, (1e-3,) * 3, name="shaft")
+    first = roller(scene, inner=shaft.at((0, 0, 0)), outer=scene.ground)
+    wheel = scene.add_rigid_body(1.0, (1e-3,) * 3, name="wheel")
+    scene.add(wf.joints.Fixed(wheel, shaft, name="hub"))
+    second = ROLLER_BEARING(
+        scene, "s", **ROLLERS, position=(0, 0.1, 0), inner=shaft.at((0, 0.1, 0)), outer=scene.ground
+    )
+    for body in (shaft, first.inner, second.inner):
+        assert isinstance(body, Body)
+        said = not_guided(scene.bearings, [], body)
+        assert said.startswith(
+            "nothing guides body 'shaft' along the axis, as its bearings are non-locating: 'r', 's';"
+        )
+    assert not_guided(scene.bearings, scene.joints, shaft) == ""  # the wheel, which may be held
+    assert not_guided(scene.bearings, scene.lumped_contacts, shaft) != ""
+    BALL_BEARING(scene, "b", **BALLS, position=(0, 0.2, 0), inner=shaft.at((0, 0.2, 0)), outer=scene.ground)
+    assert not_guided(scene.bearings, [], shaft) == ""
+
+
+@pytest.mark.parametrize(
+    ("bearing", "locating"),
+    [
+        (lambda: ball(), True),
+        (lambda: roller(), False),
+        (lambda: roller(flanges=Flanges(1e-4)), False),
+        (lambda: roller(flanges=Flanges(1e-4, inner="front")), True),
+        (lambda: roller(contact_angle=0.2), True),
+    ],
+)
+def test_which_bearings_locate(bearing: Any, locating: bool) -> None:
+    assert bearing().locating is locating

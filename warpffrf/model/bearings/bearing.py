@@ -31,9 +31,9 @@ class Bearing(reprs.Shown):
 
     kind: "ball" or "roller". elements: bodies, "<name> ball 1" onwards, counter-clockwise about the axis.
     inner, outer: bodies of the rings, or the ground. contacts: by "inner_1", "outer_1", ... and of pockets; joints: by
-    "pocket_1", "cage_axle"; forces: "preload_inner", "preload_outer". name: as given; element_surface: name of the
-    surface of each element. cage: its body, drive: of its speed, None without. geometry: as given; place: its
-    position and axes; materials: of the elements and of the rings.
+    "pocket_1", "cage_axle", "inner_seat" of a ring that is mounted on an interface; forces: "preload_inner",
+    "preload_outer". name: as given; element_surface: name of the surface of each element. cage: its body, drive: of its
+    speed, None without. geometry: as given; place: its position and axes; materials: of the elements and of the rings.
     """
 
     name: str
@@ -67,6 +67,13 @@ class Bearing(reprs.Shown):
         its contacts, in the plane through the bearing's axis."""
         tau = track.sense * self.geometry.inclination
         return float(np.cos(tau)) * self.place.axis - float(np.sin(tau)) * self.place.outward(angle)
+
+    @property
+    def locating(self) -> bool:
+        """Whether it guides its rings along the axis, in one sense at least: cylindrical roller bearings do by ribs on
+        both rings only."""
+        ribs = all(any(key.startswith(f"flange_{side}") for key in self.contacts) for side in SIDES)
+        return ribs or self.geometry.inclination != 0.0 or self.geometry.arc_radius("inner") is not None
 
     def orbit_speed(self, inner: float = 0.0, outer: float = 0.0, *, angle: float | None = None) -> float:
         """Speed [rad/s] of elements and cage about the axis where they roll without slip on rings that rotate with the
@@ -105,10 +112,10 @@ class Bearing(reprs.Shown):
         """Initial state with rings that rotate at `inner` and `outer` [rad/s] about the axis, elements that roll on
         them without slip, and the cage moving with them; returns the speeds of an element.
 
-        Sets `velocity` and `angular_velocity` of the bodies, and the drive of a cage `PrescribedCage`. angle [rad]:
-        contact angle, None for the free one; control: the raceway that balls do not pivot on, "outer" or "inner"
-        (`warpffrf.model.bearings.geometry`). Drives of the rings are the scene's. Raises `InputError` for a speed of
-        the ground.
+        Sets `velocity` and `angular_velocity` of the bodies, of those that rings are mounted on, too, and the drive of
+        a cage `PrescribedCage`. angle [rad]: contact angle, None for the free one; control: the raceway that balls do
+        not pivot on, "outer" or "inner" (`warpffrf.model.bearings.geometry`). Drives of the rings are the scene's.
+        Raises `InputError` for a speed of the ground.
         """
         label = f"bearing {self.name!r}: roll"
         speeds = {"inner": require_number(inner, f"{label}: inner [rad/s]"),
@@ -117,10 +124,12 @@ class Bearing(reprs.Shown):
         found = self._rolling(inner, outer, nominal, control)
         for side, speed in speeds.items():
             ring = getattr(self, side)
-            if isinstance(ring, Body):
-                self._turn(ring, speed)
-            elif speed:
-                raise InputError(f"{label}: the {side} ring is the ground, which is fixed; rotate the other one")
+            seat = self.joints.get(f"{side}_seat")
+            for body in (ring,) if seat is None else (ring, seat.a.body):
+                if isinstance(body, Body):
+                    self._turn(body, speed)
+                elif speed:
+                    raise InputError(f"{label}: the {side} ring is the ground, which is fixed; rotate the other one")
         axis = self.place.axis
         for element, (_, track) in zip(self.elements, self.geometry.places, strict=True):
             of_row = self._rolling(inner, outer, track.sense * nominal, control)
@@ -190,6 +199,26 @@ def without_cage(bearings: list[Bearing]) -> str:
     return (
         f"bearing {', '.join(loose)} has no cage, and loads push its elements out of the load zone; give it "
         "cage=bearings.PrescribedCage(), or constrain the elements by joints"
+    )
+
+
+def not_guided(bearings: list[Bearing], items: list[Any], body: Body) -> str:
+    """Text about a shaft, `body` or what it is mounted on, that only bearings support of which none guides it along the
+    axis; "" where there is none. `items`: what else may guide it."""
+    seats = [joint for bearing in bearings for key, joint in bearing.joints.items() if key.endswith("_seat")]
+    group = {body}
+    for _ in SIDES:  # from a ring to its shaft, and to the other rings
+        group |= {port.body for seat in seats for port in seat.ports if any(p.body in group for p in seat.ports)}
+    on = [bearing for bearing in bearings if bearing.inner in group or bearing.outer in group]
+    within = group.union(*(bearing.elements for bearing in on), (bearing.cage for bearing in on))
+    links = [{port.body for port in item.ports} for item in items]
+    if not on or any(bearing.locating for bearing in on) or any(link & group and link - within for link in links):
+        return ""
+    carrier = next((seat.a.body for seat in seats if seat.b.body is body), body)
+    return (
+        f"nothing guides body {carrier.name!r} along the axis, as its bearings are non-locating: "
+        f"{', '.join(repr(bearing.name) for bearing in on)}; make one a ball bearing, or give it Flanges with ribs on "
+        "both rings"
     )
 
 

@@ -32,7 +32,7 @@ from warpffrf.model.bearings.parts import (
     sense_of,
     solid_ball,
 )
-from warpffrf.model.bodies import Body, Ground, SurfacePort
+from warpffrf.model.bodies import Body, Ground, Port, SurfacePort
 from warpffrf.model.errors import InputError
 from warpffrf.model.laws.lumped import LumpedLaw, as_lumped_law
 from warpffrf.model.material import Material
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
 
 FRICTIONLESS = RollingContact()
-Ring = Body | Ground | SurfacePort | tuple[SurfacePort, SurfacePort] | None
+Ring = Body | Ground | Port | SurfacePort | tuple[SurfacePort, SurfacePort] | None
 
 
 def checked_laws(label: str, law: Any, default: LumpedLaw) -> tuple[LumpedLaw, LumpedLaw]:
@@ -142,9 +142,10 @@ def add_bearing(
     geometry: `bearings.BallGeometry(...)`, `bearings.RollerGeometry(...)`, or one of these by designation,
     `bearings.catalogue("6310")`. position (3,) [m]: the centre, axis (3,), first (3,): direction of the first element
     from the axis, world axes at the initial pose; first None: +x made perpendicular to the axis. inner, outer: a rigid
-    body or `scene.ground`, which get a raceway; a contact surface `body["rim"]` of a flexible body, whose contact is
-    then distributed, two of them of a double-row bearing; None: a rigid ring, free, "<name> inner ring". axial_preload:
-    of a bearing with a contact angle or clearance, `bearings.PreloadForce(newtons)` or
+    body or `scene.ground`, which get a raceway; an interface `shaft["seat"]`, or a point of a rigid body, on which a
+    rigid ring is mounted; a contact surface `body["rim"]` of a flexible body, whose contact is then distributed, two of
+    them of a double-row bearing; None: a rigid ring, free. Rings that are made are called "<name> inner ring".
+    axial_preload: of a bearing with a contact angle or clearance, `bearings.PreloadForce(newtons)` or
     `bearings.PreloadOffset(metres)`, the preload of ISO 5593, compressive and positive. cage:
     `bearings.PrescribedCage()`, stationary elements at equal angles, `bearings.PocketCage(...)` or None. flanges:
     `bearings.Flanges(...)`, ribs that stop rollers along their axes, None for rollers that are free along them.

@@ -33,11 +33,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from warpffrf.model.bearings.geometry import Geometry, Track
-from warpffrf.model.bodies import Body, Ground, SurfacePort
+from warpffrf.model.bodies import Body, Ground, Port, SurfacePort
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number
 from warpffrf.model.forces import PointForce
 from warpffrf.model.friction import FrictionLike
+from warpffrf.model.joints import Fixed
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
@@ -143,8 +144,9 @@ def ring_surfaces(
 ) -> tuple[Body | Ground, list[SurfacePort]]:
     """The body of a ring and its raceways, one of each track; offset [m]: along the axis, in the sense of each track.
 
-    given: None for a rigid ring that is generated, a rigid body or the ground, which get the raceways, or an existing
-    contact surface, `body["rim"]`, of a flexible ring, two of them of a double-row bearing. Raises `InputError`.
+    given: None for a rigid ring that is generated, an interface or a point of a body, `shaft["seat"]`, on which one is
+    mounted, a rigid body or the ground, which get the raceways, or an existing contact surface, `body["rim"]`, of a
+    flexible ring, two of them of a double-row bearing. Raises `InputError`.
     """
     name, place, geometry = bearing.name, bearing.place, bearing.geometry
     form: Form | None = getattr(geometry, f"{side}_form")
@@ -153,19 +155,22 @@ def ring_surfaces(
     tracks = [replace(track, z=track.z + track.sense * offset) for track in geometry.tracks]
     if all(isinstance(port, SurfacePort) for port in flexible):
         return _flexible_ring(label, flexible, side, bearing, tracks)
-    if given is None:
+    if given is None or isinstance(given, Port):
+        seat: Port | None = given
         mass, inertia = ring_mass(geometry, side, bearing.materials[1], place.axis)
         given = scene.add_rigid_body(mass, inertia, name=f"{name} {side} ring", position=place.center)
+        if seat is not None:
+            _mount(scene, label, seat, given, side, bearing)
     if not isinstance(given, (Body, Ground)):
         raise InputError(
-            f"{label} must be a rigid body of the scene, scene.ground, a contact surface of a flexible body, "
-            f"body['raceway'], or None for a new rigid ring, got {given!r}"
+            f"{label} must be a rigid body of the scene, scene.ground, an interface of a body, body['seat'], a contact "
+            f"surface of a flexible body, body['raceway'], or None for a new rigid ring, got {given!r}"
         )
-    if given.reduced is not None:
-        surfaces = ", ".join(f"body[{surface!r}]" for surface in given.reduced.contact_surfaces) or "none"
+    if isinstance(given, Body) and given.reduced is not None:
+        places = ", ".join(f"body[{one!r}]" for one in given._places) or "none"
         raise InputError(
-            f"{label}: body {given.name!r} is flexible, so that its raceway is one of its contact surfaces; give that "
-            f"instead of the body, one of {surfaces}"
+            f"{label}: body {given.name!r} is flexible; give one of its interfaces, on which a rigid ring is mounted, "
+            f"or one of its contact surfaces, which is then the raceway, instead of the body, one of {places}"
         )
     ports = []
     for number, track in enumerate(tracks, start=1):
@@ -176,6 +181,21 @@ def ring_surfaces(
         named = f"{name} {side} raceway" if number == 1 else f"{name} {side} raceway {number}"
         ports.append(given.surface(shape, name=named, form=round_form))
     return given, ports
+
+
+def _mount(scene: Scene, label: str, seat: Port, ring: Body, side: str, bearing: Bearing) -> None:
+    """Fix a rigid ring to the interface or the point that it is mounted on. Raises `InputError` for a seat that lies
+    outside the bearing."""
+    geometry, center = bearing.geometry, bearing.place.center
+    apart = float(np.linalg.norm(seat.world_point() - center))
+    if apart > 0.5 * geometry.pitch_diameter + geometry.row_spacing:
+        raise InputError(
+            f"{label}: {seat.label} lies {apart:.4g} m from the centre of the bearing at "
+            f"({', '.join(f'{x:.6g}' for x in center)}) m; give position= [m] of the seat, "
+            f"({', '.join(f'{x:.6g}' for x in seat.world_point())})"
+        )
+    joint = Fixed(seat, ring, axis=bearing.place.axis, point=center, name=f"{bearing.name} {side} seat")
+    bearing.joints[f"{side}_seat"] = scene.add(joint)
 
 
 def _flexible_ring(

@@ -49,7 +49,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from warpffrf.model.bearings.bearing import loose_ring
+from warpffrf.model.bearings.bearing import loose_ring, not_guided
 from warpffrf.model.bodies import Body
 from warpffrf.model.checks.scene import connecting, floating_groups
 from warpffrf.model.contact import Contact
@@ -320,7 +320,9 @@ class FreeMotions:
         missed = self._missed(body, parts[b][:3]) if clause.startswith(SLIDE) else ""
         missed += "" if self.rubs else _unrubbed(self.engine.scene, body)
         told = f"body {body.name!r} is free to {clause}, and {amount} drive it there{missed}"
-        return loose_ring(self.engine.scene.bearings, connecting(self.engine.scene), body) or told
+        bearings, items = self.engine.scene.bearings, connecting(self.engine.scene)
+        slides = not_guided(bearings, [], body) if clause.startswith(SLIDE) else ""
+        return loose_ring(bearings, items, body) or slides or told
 
     def _missed(self, body: Body, direction: np.ndarray) -> str:
         """The contacts of a body that do not stop it along `direction`: those that it leaves, and those that it

@@ -77,8 +77,8 @@ CAREFUL = 2.0  # ... below one that failed
 # times are those that a length of the scene takes at some speed, as the times of its vibrations grow with its size
 FIRST = 1e-2  # s/m: 1 ms for a scene of 0.1 m, moves a body by F/m * 1e-6 s2 at first
 LEAST = 1e-6  # s/m: the failure of a step of this size does not depend on its size
-# layers with low stiffness at touch, distant pairs that appear to close: a body whose first displacement would be too
-# large starts again with a shorter step
+# layers with low stiffness at touch, distant pairs that appear to close, light rings between lumped contacts: a body
+# whose first displacement would be too large starts again with a shorter step
 RETREATS, RETREAT = 2, 1000.0
 # Surfaces in lumped contact, which may be apart at first, and the bodies between them: a step that moves a body by more
 # than this share of the smallest radius, or rotates it by more rad, may have passed through them, and is repeated
@@ -128,7 +128,8 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
     level = LEVEL[1 if engine.compiled.patches else 0]
     too_long = np.inf
     before = latest = moved = failed_at = np.full(engine.worlds, np.inf)
-    retreats = RETREATS if engine.compiled.elements.layers.count or model.pairs.count > 1 else 0
+    many = model.pairs.count > 1 or len(engine.scene.lumped_contacts) > 1
+    retreats = RETREATS if many or engine.compiled.elements.layers.count else 0
     rubs = any(contact.friction.acts for contact in engine.scene.small_sliding)
     settled = balanced = still = False
     shortened, farthest = SHORTENED, _farthest(engine)

@@ -172,7 +172,7 @@ def _alone(scene: Scene, name: str, history: History, row: int) -> Scene:
         body.position, body.rotation = history.bodies[body.name].position[row], history.bodies[body.name].rotation[row]
         body.velocity, body.angular_velocity = np.zeros(3), np.zeros(3)
     holding = [joint for ring in (bearing.inner, bearing.outer) for joint in _held_by(alone, ring)]
-    alone.joints = [*holding, *(joint for key, joint in bearing.joints.items() if key != "cage_axle")]
+    alone.joints = [*holding, *(joint for key, joint in bearing.joints.items() if key.startswith("pocket"))]
     alone.drives, alone.forces, alone.films, alone.sensors = [], [], [], []
     alone.contacts = [c for c in bearing.contacts.values() if isinstance(c, Contact)]
     for contact in alone.contacts:

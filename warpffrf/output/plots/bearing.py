@@ -16,16 +16,19 @@ MOST_NAMED = 12  # curves in a legend
 
 
 def load_zone(bearing: BearingResult, ax: Any, row: int) -> None:
-    """Loads on the inner and the outer ring at the angular positions of the elements; the first element is at the
-    bottom."""
+    """Loads on the inner and the outer ring at the angular positions of the elements, a line of each row; the first
+    element is at the bottom."""
     if not hasattr(ax, "set_theta_zero_location"):
         raise InputError("plot: 'load_zone' is drawn on polar axes; leave ax out, or make it with projection='polar'")
     angle, inner, outer = bearing.angle[row], bearing.inner_load[row] * 1e-3, bearing.outer_load[row] * 1e-3
-    around = np.append(angle, angle[0])
-    for side, load, color, style in (("outer", outer, OUTER, "o-"), ("inner", inner, INNER, "o--")):
-        ax.plot(around, np.append(load, load[0]), style, color=color, label=f"{side} ring", markersize=4)
+    rows = len(bearing.geometry.tracks)
+    for side, loads, color, style in (("outer", outer, OUTER, "-"), ("inner", inner, INNER, "--")):
+        for i, (load, at) in enumerate(zip(np.split(loads, rows), np.split(angle, rows), strict=True)):
+            label = f"{side} ring" + (f", row {i + 1}" if rows > 1 else "")
+            line = np.append(at, at[0]), np.append(load, load[0])
+            ax.plot(*line, "os"[i] + style, color=color, label=label, markersize=4)
     ax.set_theta_zero_location("S")
-    ax.set_xticks(np.sort(np.mod(np.round(angle, 9), 2.0 * np.pi)))
+    ax.set_xticks(np.unique(np.round(np.mod(np.round(angle, 9), 2.0 * np.pi), 6)))
     ax.set_ylim(0.0, HEADROOM * max(float(outer.max()), float(inner.max())) or 1.0)
     ax.set_rlabel_position(
         np.degrees(angle[np.argmax(outer)] + np.pi * (1.0 + 1.0 / len(angle)))

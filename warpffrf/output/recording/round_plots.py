@@ -62,7 +62,8 @@ class LoadZone:
                                              radii=rr.Radius.ui_points(THIN)))  # fmt: skip
 
     def frame(self, i: int) -> None:
-        """Log a spoke for each element, its length the load on the outer ring, and the line through their ends."""
+        """Log a spoke for each element, its length the load on the outer ring, and the line through their ends, one of
+        each row."""
         rr, bearing = self.recorder.rr, self.bearing
         load = np.nan_to_num(bearing.outer_load[i]) / (self.top or 1.0)
         at = np.stack([self.recorder.result.history.bodies[e].position[i] for e in bearing.elements])
@@ -73,7 +74,10 @@ class LoadZone:
         spokes = np.stack([np.zeros_like(ends), ends], axis=1)
         log = self.recorder.stream.log
         log(self.path("loads"), rr.LineStrips2D(spokes, colors=colors, radii=rr.Radius.ui_points(THICK)))
-        outline = rr.LineStrips2D([[*ends, ends[0]]], colors=[TRACE_COLOR], radii=rr.Radius.ui_points(THIN))
+        rows = np.split(ends, len(bearing.geometry.tracks))
+        outline = rr.LineStrips2D(
+            [[*row, row[0]] for row in rows], colors=[TRACE_COLOR], radii=rr.Radius.ui_points(THIN)
+        )
         log(self.path("zone"), outline)
 
 
