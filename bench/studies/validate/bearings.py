@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from demos import spindle
+from references.closed_forms.angular_contact import AngularContact
 from references.closed_forms.ball_bearing import BallBearing
 from scenes.published_bearings import P7, P7_CAPACITY, UM, p7, p8, p9, p10
 from studies.validate.case import Row, case
@@ -111,3 +113,22 @@ def roller_bearing_209() -> Iterator[Row]:
     Q = [history.lumped_contacts[c.name].normal_force[-1] for c in bearing.contacts_of("outer")]
     for number, theirs in enumerate((1956.0, 1384.0, 0.0)):
         yield Row(f"roller {number}", Q[number], theirs, 0.01, "N", None if theirs else 1956.0)
+
+
+@case(ROOM, "balance of a ball in NumPy: A. B. Jones, J. Basic Eng. 82 (1960) 309")
+def spindle_preload() -> Iterator[Row]:
+    """Angular contact bearings back to back, twelve balls of 8 mm at 15°, at speed: raceways offset by 10 µm, and a
+    spring of 120 N; centrifugal force, gyroscopic moment, outer raceway control"""
+    book = AngularContact(
+        spindle.COUNT, spindle.BALL, spindle.PITCH, spindle.ANGLE, spindle.GROOVE, spindle.GROOVE, gyroscopic=True
+    )
+    speeds = (10e3, 20e3)
+    for mounting, held in (("offset", {"press": spindle.OFFSET}), ("spring", {"force": spindle.SPRING})):
+        found, _ = spindle.sweep(mounting, spindle.Size(speeds=speeds))
+        for rpm, row in zip(speeds, found, strict=True):
+            state = book.state(rpm * spindle.RPM, **held)
+            named = f"{mounting}, {rpm:,.0f} rpm"
+            yield Row(f"preload, {named}", row[0], state.force, 1e-2, "N")
+            yield Row(f"load on the inner ring, {named}", row[1], state.loads[0], 1e-2, "N")
+            for side, ours, theirs in zip(("inner", "outer"), row[3:], state.angles, strict=True):
+                yield Row(f"{side} contact angle, {named}", float(np.degrees(ours)), np.degrees(theirs), 1e-2, "°")

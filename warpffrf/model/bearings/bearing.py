@@ -85,9 +85,7 @@ class Bearing(reprs.Shown):
         """Free contact angle [rad] of the first row, of rollers the inclination of their axes."""
         return self.geometry.free_angle if isinstance(self.geometry, BallGeometry) else self.geometry.inclination
 
-    def roll(
-        self, inner: float = 0.0, outer: float = 0.0, *, angle: Angle = None, control: str = "outer"
-    ) -> Rolling:
+    def roll(self, inner: float = 0.0, outer: float = 0.0, *, angle: Angle = None, control: str = "outer") -> Rolling:
         """Initial state with rings that rotate at `inner` and `outer` [rad/s] about the axis, elements that roll on
         them without slip, and the cage moving with them; returns the speeds of an element.
 

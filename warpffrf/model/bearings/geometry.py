@@ -282,10 +282,11 @@ class BallGeometry(Geometry):
     elements: number of balls; ball_diameter, pitch_diameter [m]. osculation: groove radius over ball diameter, above
     0.5, one number or (inner, outer). contact_angle [rad], at which the balls just touch both rings, positive where
     thrust on the inner ring along the axis presses the bearing together; or clearance [m], diametral, negative for an
-    interference, a radial preload or growth of rings, also with a contact angle. rows, row_spacing [m]: 2 and the distance of the rows of a double-row bearing, of
-    which the first has the contact angle and the second the opposite one. four_point: whether balls of one row touch
-    two arcs on either ring, at the contact angle and at the opposite one. shoulders [m]: height over the bottom of the
-    groove, one or (inner, outer), from which results compute the truncated fraction of a patch.
+    interference, a radial preload or growth of rings, also with a contact angle. rows, row_spacing [m]: 2 and the
+    distance of the rows of a double-row bearing, of which the first has the contact angle and the second the opposite
+    one. four_point: whether balls of one row touch two arcs on either ring, at the contact angle and at the opposite
+    one. shoulders [m]: height over the bottom of the groove, one or (inner, outer), from which results compute the
+    truncated fraction of a patch.
 
     inner_form, outer_form: form deviation of a rigid raceway around its axis, of `warpffrf.films`, positive where
     material is missing, angles from the first ball: films.LobedForm(5e-6, 2) is oval. diameter_deviations (elements,)
