@@ -48,8 +48,8 @@ class State:
 
 @dataclass(frozen=True)
 class AngularContact:
-    """`count` balls of `diameter` on `pitch` [m] that touch at `angle` [rad], groove radii `inner`, `outer` [m], modulus
-    E [Pa], Poisson ratio nu, `density` [kg/m3]; `growth` [m] of the radius of the inner raceway; gyroscopic: whether
+    """`count` balls of `diameter` on `pitch` [m] that touch at `angle` [rad], groove radii `inner`, `outer` [m],
+    modulus E [Pa], Poisson ratio nu, `density` [kg/m3]; `growth` [m] of the radius of the inner raceway; gyroscopic: whether
     friction resists the gyroscopic moment."""
 
     count: int
@@ -111,8 +111,8 @@ class AngularContact:
         return state
 
     def pair(self, offset: float, speed: float, load: float = 0.0) -> tuple[State, State]:
-        """Two of them back to back with raceways offset by `offset` [m] each, under an axial `load` [N] that presses the
-        first."""
+        """Two of them back to back with raceways offset by `offset` [m] each, under an axial `load` [N] that presses
+        the first."""
 
         def lacking(x: float) -> float:
             first, second = (self.state(speed, press=offset + sign * x) for sign in (1.0, -1.0))
