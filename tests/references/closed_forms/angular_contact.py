@@ -49,8 +49,8 @@ class State:
 @dataclass(frozen=True)
 class AngularContact:
     """`count` balls of `diameter` on `pitch` [m] that touch at `angle` [rad], groove radii `inner`, `outer` [m],
-    modulus E [Pa], Poisson ratio nu, `density` [kg/m3]; `growth` [m] of the radius of the inner raceway; gyroscopic: whether
-    friction resists the gyroscopic moment."""
+    modulus E [Pa], Poisson ratio nu, `density` [kg/m3]; `growth` [m] of the radius of the inner raceway; gyroscopic:
+    whether friction resists the gyroscopic moment."""
 
     count: int
     diameter: float
