@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from demos import gearbox_shaft, raceway_defect
+from demos import gearbox_shaft, raceway_defect, spindle
 from gearbox_reference import compared
+from references.closed_forms.angular_contact import AngularContact
 from references.closed_forms.ball_bearing import BallBearing
 from references.finite_elements import pressed_tubes
 from scenes import fitted_rings
@@ -231,3 +232,22 @@ def shaft_in_housing() -> Iterator[Row]:
     size = gearbox_shaft.QUICK
     for name, ours, theirs, scale, unit in compared(_rest(gearbox_shaft.build(size, progress=False)), size):
         yield Row(name, ours, theirs, 5e-3, unit, scale)
+
+
+@case(ROOM, "balance of a ball in NumPy: A. B. Jones, J. Basic Eng. 82 (1960) 309")
+def spindle_preload() -> Iterator[Row]:
+    """Angular contact bearings back to back, twelve balls of 8 mm at 15°, at speed: raceways offset by 10 µm, and a
+    spring of 120 N; centrifugal force, gyroscopic moment, outer raceway control"""
+    book = AngularContact(
+        spindle.COUNT, spindle.BALL, spindle.PITCH, spindle.ANGLE, spindle.GROOVE, spindle.GROOVE, gyroscopic=True
+    )
+    speeds = (10e3, 20e3)
+    for mounting, held in (("offset", {"press": spindle.OFFSET}), ("spring", {"force": spindle.SPRING})):
+        found, _ = spindle.sweep(mounting, spindle.Size(speeds=speeds))
+        for rpm, row in zip(speeds, found, strict=True):
+            state = book.state(rpm * spindle.RPM, **held)
+            named = f"{mounting}, {rpm:,.0f} rpm"
+            yield Row(f"preload, {named}", row[0], state.force, 1e-2, "N")
+            yield Row(f"load on the inner ring, {named}", row[1], state.loads[0], 1e-2, "N")
+            for side, ours, theirs in zip(("inner", "outer"), row[3:], state.angles, strict=True):
+                yield Row(f"{side} contact angle, {named}", float(np.degrees(ours)), np.degrees(theirs), 1e-2, "°")

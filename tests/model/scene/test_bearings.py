@@ -120,6 +120,28 @@ def test_defect_frequencies_are_published_ones() -> None:
         bearing.defect_frequencies("fast")  # pyright: ignore[reportArgumentType]
 
 
+def test_orbit_speed_at_two_contact_angles() -> None:
+    """Jones, of balls that do not pivot on the outer ring; gamma is that of the inner one."""
+    bearing = ball(contact_angle=0.5)
+    gamma = 0.01 * np.cos(0.6) / 0.05
+    assert bearing.orbit_speed(100.0, angle=(0.6, 0.3)) == pytest.approx(100.0 * (1.0 - gamma) / (1.0 + np.cos(0.3)))
+    assert bearing.roll(100.0, angle=(0.6, 0.3)).orbit == pytest.approx(bearing.orbit_speed(100.0, angle=(0.6, 0.3)))
+    with pytest.raises(InputError, match="angle"):
+        bearing.orbit_speed(100.0, angle=(0.6, 0.3, 0.2))  # pyright: ignore[reportArgumentType]
+
+
+def test_rings_grow_towards_each_other() -> None:
+    """An interference moves the groove centres apart by half of it, so that balls touch at a smaller angle."""
+    cold, warm = ball(contact_angle=0.5).geometry, ball(contact_angle=0.5, clearance=-8e-6).geometry
+    apart = [
+        one.arc_centre("inner", one.tracks[0])[0] - one.arc_centre("outer", one.tracks[0])[0] for one in (cold, warm)
+    ]
+    assert apart[1] - apart[0] == pytest.approx(4e-6, rel=1e-6)
+    assert np.cos(warm.free_angle) == pytest.approx(apart[1] / warm.reach)  # pyright: ignore[reportAttributeAccessIssue]
+    assert cold.free_angle == 0.5  # pyright: ignore[reportAttributeAccessIssue]
+    assert ball(contact_angle=-0.5, clearance=-8e-6).geometry.free_angle == pytest.approx(-warm.free_angle)  # pyright: ignore[reportAttributeAccessIssue]
+
+
 def test_pockets_surround_elements() -> None:
     bearing = ball(cage=PocketCage(0.2e-3, friction=0.1))
     for i in (1, 5):

@@ -107,7 +107,12 @@ def test_centrifugal_load_and_speeds_at_10000_rpm(fast: Result) -> None:
     gamma = D * np.cos(mean) / PITCH
     np.testing.assert_allclose(orbit, 0.5 * SPEED * (1.0 - gamma), rtol=KINEMATICS)
     F = bearing.elements[0].mass * R * orbit**2
-    pressed = Q_o * np.cos(a_o) - Q_i * np.cos(a_i)
+    names = [[contact.name for contact in bearing.contacts_of(side)] for side in ("inner", "outer")]
+    contacts = fast.history.lumped_contacts
+    rubs = np.sum([[contacts[n].friction_force[-1] for n in each] for each in names], axis=0)  # gyroscopic moment
+    balls = np.array([fast.body(ball.name).position[-1] for ball in bearing.elements]) * [1.0, 0.0, 1.0]
+    inwards = -np.einsum("zi,zi->z", rubs, balls) / np.linalg.norm(balls, axis=1)
+    pressed = Q_o * np.cos(a_o) - Q_i * np.cos(a_i) + inwards
     assert np.abs(pressed / F - 1.0).max() < CENTRIFUGAL
     ratios, moment = found.spin_to_roll, found.gyroscopic_moment[-1].mean()
     print(

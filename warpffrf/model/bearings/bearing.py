@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.bearings.geometry import SIDES, BallGeometry, RollerGeometry, Track
+from warpffrf.model.bearings.geometry import SIDES, BallGeometry, RollerGeometry, Track, pair
 from warpffrf.model.bearings.kinematics import DefectFrequencies, Rolling, rolling
 from warpffrf.model.bearings.parts import Place
 from warpffrf.model.bodies import Body, Ground
@@ -21,6 +21,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.messages import reprs
 from warpffrf.model.signals import Constant
 
+Angle: TypeAlias = float | tuple[float, float] | None
 ELEMENT_SURFACE = "skin"  # of rigid elements
 
 
@@ -75,13 +76,14 @@ class Bearing(reprs.Shown):
         ribs = all(any(key.startswith(f"flange_{side}") for key in self.contacts) for side in SIDES)
         return ribs or self.geometry.inclination != 0.0 or self.geometry.arc_radius("inner") is not None
 
-    def orbit_speed(self, inner: float = 0.0, outer: float = 0.0, *, angle: float | None = None) -> float:
+    def orbit_speed(self, inner: float = 0.0, outer: float = 0.0, *, angle: Angle = None) -> float:
         """Speed [rad/s] of elements and cage about the axis where they roll without slip on rings that rotate with the
-        speeds `inner` and `outer` [rad/s]; angle [rad]: contact angle, None for the free one, which holds under thrust.
-        Under a purely radial load it is 0; results contain it as `inner_angle` and `outer_angle`.
+        speeds `inner` and `outer` [rad/s]; angle [rad]: contact angle, or (inner, outer), which differ under
+        centrifugal load, None for the free one, which holds under thrust. Under a purely radial load it is 0; results
+        contain it as `inner_angle` and `outer_angle`.
 
-        With gamma = D cos(alpha)/d_pw: (inner (1 - gamma) + outer (1 + gamma))/2. Raises `InputError` for an angle that
-        is no number.
+        With gamma = D cos(alpha)/d_pw: (inner (1 - gamma) + outer (1 + gamma))/2; at two angles balls do not pivot on
+        the outer ring. Raises `InputError` for an angle that is no number.
         """
         return self._rolling(inner, outer, self._contact_angle(angle, "orbit_speed"), "outer").orbit
 
@@ -97,7 +99,7 @@ class Bearing(reprs.Shown):
         alpha = self._contact_angle(angle, "defect_frequencies")
         w_c, Z = self._rolling(w_i, w_o, alpha, "outer").orbit, self.geometry.elements
         ratio = self.geometry.diameter / self.geometry.pitch_diameter
-        spin = 0.5 / ratio * (1.0 - (ratio * np.cos(alpha)) ** 2) * (w_i - w_o)
+        spin = 0.5 / ratio * (1.0 - (ratio * np.cos(alpha[0])) ** 2) * (w_i - w_o)
         found = np.abs([Z * (w_c - w_o), Z * (w_i - w_c), spin, w_c]) / (2.0 * np.pi)
         return DefectFrequencies(*found.tolist())
 
@@ -106,16 +108,14 @@ class Bearing(reprs.Shown):
         """Free contact angle [rad] of the first row, of rollers the inclination of their axes."""
         return self.geometry.free_angle if isinstance(self.geometry, BallGeometry) else self.geometry.inclination
 
-    def roll(
-        self, inner: float = 0.0, outer: float = 0.0, *, angle: float | None = None, control: str = "outer"
-    ) -> Rolling:
+    def roll(self, inner: float = 0.0, outer: float = 0.0, *, angle: Angle = None, control: str = "outer") -> Rolling:
         """Initial state with rings that rotate at `inner` and `outer` [rad/s] about the axis, elements that roll on
         them without slip, and the cage moving with them; returns the speeds of an element.
 
         Sets `velocity` and `angular_velocity` of the bodies, of those that rings are mounted on, too, and the drive of
-        a cage `PrescribedCage`. angle [rad]: contact angle, None for the free one; control: the raceway that balls do
-        not pivot on, "outer" or "inner" (`warpffrf.model.bearings.geometry`). Drives of the rings are the scene's.
-        Raises `InputError` for a speed of the ground.
+        a cage `PrescribedCage`. angle [rad]: as of `orbit_speed`; control: the raceway that balls do not pivot on,
+        "outer" or "inner" (`warpffrf.model.bearings.kinematics`). Drives of the rings are the scene's. Raises
+        `InputError` for a speed of the ground.
         """
         label = f"bearing {self.name!r}: roll"
         speeds = {"inner": require_number(inner, f"{label}: inner [rad/s]"),
@@ -146,14 +146,15 @@ class Bearing(reprs.Shown):
             self.drive.signal = Constant(found.orbit - known.get(id(carrier), 0.0))
         return found
 
-    def _contact_angle(self, angle: float | None, what: str) -> float:
-        """The given one, or the free one [rad]."""
-        return self.angle if angle is None else require_number(angle, f"bearing {self.name!r}: {what}: angle [rad]")
+    def _contact_angle(self, angle: Angle, what: str) -> np.ndarray:
+        """(2,) rad, on the inner and on the outer ring: the given ones, or the free one."""
+        label = f"bearing {self.name!r}: {what}: angle [rad]"
+        return np.array([require_number(each, label) for each in pair(self.angle if angle is None else angle, label)])
 
-    def _rolling(self, inner: float, outer: float, angle: float, control: str) -> Rolling:
+    def _rolling(self, inner: float, outer: float, angles: np.ndarray, control: str) -> Rolling:
         D, pitch = self.geometry.diameter, self.geometry.pitch_diameter
         rollers = isinstance(self.geometry, RollerGeometry)
-        return rolling(D, pitch, inner, outer, (angle, angle), "cage" if rollers else control)
+        return rolling(D, pitch, inner, outer, (angles[0], angles[1]), "cage" if rollers else control)
 
     def _turn(self, body: Body, speed: float) -> None:
         """Set the initial rotation of `body` about the bearing's axis."""

@@ -13,9 +13,10 @@ other, the circles of the groove centres have the radii and axial positions
     R_e = d_pw/2 - (r_e - D/2) cos alpha_0 + s/4,      z_e = -(r_e - D/2) sin alpha_0,
 
 so that the bottoms of the grooves have the radii R_i - r_i and R_e + r_e. Either alpha_0 is given and s is 0, the balls
-then just touch both rings; or alpha_0 is 0 and s is given, negative for an interference. The free contact angle that
-such a bearing takes under thrust is arccos(1 - s/(2 A)). Thrust on the inner ring along the axis presses the bearing
-together where alpha_0 is positive.
+then just touch both rings; or alpha_0 is 0 and s is given, negative for an interference. Both describe rings that have
+grown towards each other, s = -2 u of an inner ring that is warmer or rotates fast and has grown by u in radius. The
+free contact angle under thrust is arccos(cos alpha_0 - s/(2 A)). Thrust on the inner ring along the axis presses the
+bearing together where alpha_0 is positive.
 
 A four-point bearing has two arcs on each ring, those of contact angles +alpha_0 and -alpha_0, which meet in the middle.
 
@@ -281,10 +282,11 @@ class BallGeometry(Geometry):
     elements: number of balls; ball_diameter, pitch_diameter [m]. osculation: groove radius over ball diameter, above
     0.5, one number or (inner, outer). contact_angle [rad], at which the balls just touch both rings, positive where
     thrust on the inner ring along the axis presses the bearing together; or clearance [m], diametral, negative for an
-    interference, a radial preload. rows, row_spacing [m]: 2 and the distance of the rows of a double-row bearing, of
-    which the first has the contact angle and the second the opposite one. four_point: whether balls of one row touch
-    two arcs on either ring, at the contact angle and at the opposite one. shoulders [m]: height over the bottom of the
-    groove, one or (inner, outer), from which results compute the truncated fraction of a patch.
+    interference, a radial preload or growth of rings, also with a contact angle. rows, row_spacing [m]: 2 and the
+    distance of the rows of a double-row bearing, of which the first has the contact angle and the second the opposite
+    one. four_point: whether balls of one row touch two arcs on either ring, at the contact angle and at the opposite
+    one. shoulders [m]: height over the bottom of the groove, one or (inner, outer), from which results compute the
+    truncated fraction of a patch.
 
     inner_form, outer_form: form deviation of a rigid raceway around its axis, of `warpffrf.films`, positive where
     material is missing, angles from the first ball: films.LobedForm(5e-6, 2) is oval. diameter_deviations (elements,)
@@ -293,7 +295,7 @@ class BallGeometry(Geometry):
 
     Raises `InputError` for elements that overlap or that reach to the axis, grooves as narrow as the balls, contact
     angles at which a groove cannot carry, a clearance larger than grooves and balls permit, and where both angle and
-    clearance are given.
+    positive clearance are given.
     """
 
     elements: int
@@ -338,7 +340,7 @@ class BallGeometry(Geometry):
                 f"{self.label}: contact_angle must lie between -{STEEPEST:.3g} and {STEEPEST:.3g} rad, got "
                 f"{self.contact_angle:g}; angles are in radians, np.radians(40) is 0.698"
             )
-        if self.contact_angle and self.clearance:
+        if self.contact_angle and self.clearance > 0.0:
             same = 2.0 * self.reach * (1.0 - np.cos(self.contact_angle))
             raise InputError(
                 f"{self.label}: give the contact angle, at which the balls just touch both rings, or the diametral "
@@ -386,9 +388,10 @@ class BallGeometry(Geometry):
     @property
     def free_angle(self) -> float:
         """Free contact angle [rad]: that of the balls under thrust, before any deformation."""
-        if self.contact_angle or self.clearance <= 0.0:
+        if not self.clearance:
             return self.contact_angle
-        return float(np.arccos(1.0 - self.clearance / (2.0 * self.reach)))
+        cosine = np.cos(self.contact_angle) - self.clearance / (2.0 * self.reach)
+        return float(np.copysign(np.arccos(min(cosine, 1.0)), self.contact_angle))
 
     @property
     def tracks(self) -> tuple[Track, ...]:

@@ -110,8 +110,8 @@ class BearingResult(reprs.Shown):
 
     @cached_property
     def inner_angle(self) -> np.ndarray:
-        """(T, Z) rad, contact angle on the inner ring, positive if that ring is pushed back against the axis; nan
-        without a load."""
+        """(T, Z) rad, contact angle on the inner ring, of the normal force (of distributed contact the whole force),
+        positive if that ring is pushed back against the axis; nan without a load."""
         return self._angles_of("inner")
 
     @cached_property
@@ -509,7 +509,10 @@ class BearingResult(reprs.Shown):
 
     def _angles_of(self, side: str) -> np.ndarray:
         sign = 1.0 if side == "inner" else -1.0
-        F = np.einsum("tki,tzi->tzk", self.axes, np.stack(self._forces(side), axis=1))
+        lumped = self.history.lumped_contacts
+        rubbed = [lumped[name].friction_force if name in lumped else 0.0 for name in self._names(side)]
+        normal = [force - friction for force, friction in zip(self._forces(side), rubbed, strict=True)]
+        F = np.einsum("tki,tzi->tzk", self.axes, np.stack(normal, axis=1))
         load = self._loads(side)
         outward = np.einsum("tzk,tzk->tz", F, self._directions)
         angle = np.arctan2(sign * F[..., 2], sign * outward)
