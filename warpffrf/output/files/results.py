@@ -103,7 +103,7 @@ from warpffrf.output.geometry.scene_view import (
 )
 
 FORMAT = "warpffrf-results"
-SCHEMA_VERSION = 5
+SCHEMA_VERSION = 6
 SUFFIXES = (".h5", ".hdf5")
 COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
 _GROUPS = (

@@ -329,7 +329,7 @@ def _gross_slip(contact: Any) -> list[Figure]:
     if np.isnan(begin := contact.gross_slip_time):
         return []
     row = int(np.searchsorted(contact.time, begin))
-    force, torque = (np.linalg.norm(values[row]) for values in (contact.friction_force, contact.friction_torque))
+    force, torque = (float(np.linalg.norm(values[row])) for values in (contact.friction_force, contact.friction_torque))
     size = float(np.ptp(contact.points, axis=0).max())
     force, torque = without_round_off(force, SHARE * torque / size), without_round_off(torque, SHARE * force * size)
     text = f"slides as a whole from t = {begin:.6g} s, with {force:.5g} N along the faces"
