@@ -127,8 +127,8 @@ def panels(results: dict[str, wf.Result]) -> list[Panel]:
 
 
 def main(out: str | Path = "out/raceway_defect", *, quick: bool = False, progress: bool = True) -> list[wf.Result]:
-    """Write raceway_defect.h5 (outer raceway), .inner.h5, .rrd and .png into the folder `out` and print the figures;
-    quick: shorter, in longer steps."""
+    """Write raceway_defect.h5, .rrd and .png, and the run with the inner raceway, .inner.h5, into the folder `out` and
+    print the figures; quick: shorter, in longer steps."""
     stem, size, results = Path(out) / "raceway_defect", QUICK if quick else FULL, {}
     for side in SIDES:
         options = wf.RunOptions(save_every=size.save_every)
