@@ -83,11 +83,11 @@ def housing(size: Size = FULL) -> wf.mesh.Mesh:
 def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
     """The scene: bodies `shaft` and `housing`, bearings `locating` and `non-locating`, force and torque `gear`."""
     places = dict.fromkeys([*PLACES, "end_high"], "average")
-    turned = wf.reduce(shaft(size), STEEL, interfaces=places, modes=6, progress=progress)
+    rod = wf.reduce(shaft(size), STEEL, interfaces=places, modes=6, progress=progress)
     places = {**dict.fromkeys(BEARINGS, "average"), "feet": "rigid"}
     cast = wf.reduce(housing(size), IRON, interfaces=places, modes=6, progress=progress)
     scene = wf.Scene()
-    axle, box = scene.add_body(turned, name="shaft"), scene.add_body(cast, name="housing")
+    axle, box = scene.add_body(rod, name="shaft"), scene.add_body(cast, name="housing")
     scene.add(wf.joints.Fixed(scene.ground, box["feet"], name="feet"))
     for name, geometry in zip(BEARINGS, (BALL, ROLLER), strict=True):
         rings: Any = {

@@ -9,17 +9,6 @@ Two bearings back to back, twelve balls at 15 degrees each. Three mountings:
 At speed balls press on the outer ring by their centrifugal force and roll at a smaller contact angle there, a larger
 one on the inner ring. Rings that are held then press more, those with a spring do not.
 
-**Balance of one ball.** From the centre of the outer groove, (x, y) outwards and along the axis is the ball's centre,
-(A cos alpha_0 + u, A sin alpha_0 + p) that of the inner groove, A their distance where balls touch, u the growth and p
-the offset. Loads Q are Hertz's at the lengths of the lines between them, whose angles are alpha_o and alpha_i. A ball
-that does not pivot on the outer ring orbits with
-
-    w_c = w (1 - D cos(alpha_i)/d)/(1 + cos(alpha_i - alpha_o)).
-
-Its axis goes around with it, which takes the moment M = (2/5) m r w_c^2 (d/2) sin alpha_o, r = D/2, of friction forces
-mu Q on both rings, mu = M/(r (Q_i + Q_o)). Both forces Q (n + mu t) at n = (cos alpha, sin alpha), t = (-sin alpha, cos
-alpha) balance with m (d/2) w_c^2.
-
 **Runs** begin with rolling at the contact angles of an earlier one, two at each speed; friction, also of pivoting,
 finds orbit and axis of the balls.
 """
@@ -31,10 +20,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.optimize import root
 
 import warpffrf as wf
-from warpffrf.output.contact.hertz import hertz_point
 from warpffrf.output.plots.panels import Panel, save_panels
 
 STEEL = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850, name="steel")
@@ -43,7 +30,6 @@ ANGLE, APART = np.radians(15.0), 60e-3  # rad, m between the bearings
 OFFSET, GROWTH, SPRING, RATE = 10e-6, 3e-6, 120.0, 5e3  # m, m, N, N/m
 MOUNTINGS = ("offset", "warm", "spring")
 RPM = np.pi / 30.0  # rad/s
-MASS = STEEL.density * np.pi * BALL**3 / 6.0  # kg, of a ball
 CONTACT = wf.bearings.RollingContact(
     law=wf.laws.HertzPoint(STEEL, STEEL, damping=1.0), friction=wf.laws.RegularisedCoulomb(0.06, 0.03), spin=True
 )
@@ -88,36 +74,9 @@ def build(speed: float, mounting: str = "offset", angles: tuple[float, float] = 
     return scene
 
 
-def by_hand(speed: float, mounting: str) -> np.ndarray:
-    """Preload [N], loads of a ball [N] and angles of its forces [rad] on the inner and the outer ring: the balance
-    above."""
-    A, r, R = 2.0 * GROOVE - BALL, 0.5 * BALL, 0.5 * PITCH
-    growth = GROWTH if mounting == "warm" else 0.0
-
-    def forces(x: np.ndarray, w: float) -> tuple[np.ndarray, np.ndarray]:
-        ball, centre = x[:2], A * np.array([np.cos(ANGLE), np.sin(ANGLE)]) + [growth, x[2]]
-        Q, a = np.zeros(2), np.zeros(2)
-        for k, line in enumerate((centre - ball, ball)):
-            a[k] = np.arctan2(line[1], line[0])
-            gamma = (1 - 2 * k) * BALL / PITCH * np.cos(a[k])
-            curvature = np.diag([2.0 / BALL / (1.0 - gamma), 2.0 / BALL - 1.0 / GROOVE])
-            unit = hertz_point(1.0, curvature, 0.5 * STEEL.plane_strain_modulus).approach
-            Q[k] = (max(np.hypot(*line) - GROOVE + r, 0.0) / unit) ** 1.5
-        orbit = w * (1.0 - r / R * np.cos(a[0])) / (1.0 + np.cos(a[0] - a[1]))
-        share = 0.4 * MASS * R * orbit**2 * np.sin(a[1]) / Q.sum()
-        F = Q * np.array([np.cos(a) - share * np.sin(a), np.sin(a) + share * np.cos(a)])
-        found = np.array([COUNT * F[1, 0], *Q, *a])
-        held = found[0] - SPRING if mounting == "spring" else 1e7 * (x[2] - OFFSET)
-        return np.array([F[0, 0] - F[0, 1] + MASS * R * orbit**2, F[1, 0] - F[1, 1], held]), found
-
-    x = np.array([0.5 * A * np.cos(ANGLE) + 0.5 * growth, 0.5 * A * np.sin(ANGLE) + 0.5 * OFFSET, OFFSET])
-    for w in np.linspace(0.0, speed, 8):
-        x = root(lambda x, w=w: forces(x, w)[0], x, tol=1e-13).x
-    return forces(x, speed)[1]
-
-
 def found_in(result: wf.Result) -> np.ndarray:
-    """The same of the front bearing at the end of a run, means of its balls."""
+    """Preload [N], loads of a ball [N] and contact angles [rad] on the inner and the outer ring, of the front bearing
+    at the end of a run: means of its balls."""
     front = result.bearing("front")
     columns = (front.inner_load, front.outer_load, front.inner_angle, front.outer_angle)
     return np.array([-front.force[-1, 2], *(column[-1].mean() for column in columns)])
@@ -139,15 +98,13 @@ def sweep(mounting: str, size: Size = FULL, progress: bool = False) -> tuple[np.
     return np.array(rows), result
 
 
-def panels(size: Size, found: dict[str, np.ndarray], balanced: dict[str, np.ndarray]) -> list[Panel]:
-    """Preload, contact angles and loads over the speed; found, balanced: (speeds, 5) by mounting, of the runs and by
-    hand."""
+def panels(size: Size, found: dict[str, np.ndarray]) -> list[Panel]:
+    """Preload, contact angles and loads over the speed; found: (speeds, 5) by mounting."""
     x = np.array(size.speeds) / 1e3
 
     def panel(title: str, unit: str, factor: float, columns: dict[str, tuple[str, int]]) -> Panel:
         curves = {name: (x, factor * found[of][:, k]) for name, (of, k) in columns.items()}
-        points = np.concatenate([factor * balanced[of][:, k] for of, k in columns.values()])
-        return Panel(title, "speed [1000 rpm]", unit, curves, points={"NumPy": (np.tile(x, len(columns)), points)})
+        return Panel(title, "speed [1000 rpm]", unit, curves)
 
     sides = {f"{of}, {side}": (of, k) for of in ("offset", "spring") for k, side in enumerate(("inner", "outer"))}
     return [
@@ -165,18 +122,17 @@ def main(out: str | Path = "out/spindle", *, quick: bool = False, progress: bool
     stem, size = Path(out) / "spindle", QUICK if quick else FULL
     sweeps = {mounting: sweep(mounting, size, progress) for mounting in MOUNTINGS}
     found = {mounting: rows for mounting, (rows, _) in sweeps.items()}
-    balanced = {of: np.array([by_hand(rpm * RPM, of) for rpm in size.speeds]) for of in MOUNTINGS}
     result = sweeps["offset"][1]
     result.save(f"{stem}.h5", overwrite=True)
     wf.record(result, f"{stem}.rrd", overwrite=True)
-    save_panels(panels(size, found, balanced), f"{stem}.png", overwrite=True)
+    save_panels(panels(size, found), f"{stem}.png", overwrite=True)
 
     for of in MOUNTINGS:
-        for row, (rpm, run, hand) in enumerate(zip(size.speeds, found[of], balanced[of], strict=True)):
-            angles = np.degrees([run[3], hand[3], run[4], hand[4]])
+        for row, (rpm, run) in enumerate(zip(size.speeds, found[of], strict=True)):
+            inner, outer = np.degrees(run[3:])
             print(
-                f"{of if row == 0 else '':6s} {rpm:7.0f} rpm: preload {run[0]:7.2f} N, NumPy {hand[0]:7.2f}; inner "
-                f"{angles[0]:6.3f} deg, NumPy {angles[1]:6.3f}; outer {angles[2]:6.3f} deg, NumPy {angles[3]:6.3f}"
+                f"{of if row == 0 else '':6s} {rpm:7.0f} rpm: preload {run[0]:7.2f} N, contact angles {inner:6.3f} deg "
+                f"on the inner ring, {outer:6.3f} deg on the outer ring"
             )
     return [result]
 

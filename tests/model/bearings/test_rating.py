@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+import warpffrf as wf
 from warpffrf.model.bearings import BallGeometry, RollerGeometry, rating
+from warpffrf.model.errors import InputError
 
 D = 1e-3  # m, whose powers are 1 in mm
 TABLE = 2e-3  # of rounded values
@@ -161,3 +163,10 @@ def test_factors_of_equivalent_static_loads() -> None:
     for (degrees, rows, tabulated), factors in cases.items():
         found = rating.static_load_factors(np.radians(degrees), rows, tabulated=tabulated)
         assert found == pytest.approx(factors, rel=TABLE), (degrees, rows)
+
+
+def test_bearings_at_a_right_angle_carry_no_radial_load() -> None:
+    geometry = wf.bearings.catalogue("81110")
+    assert geometry.load_factors(0.0, 1e4) == (0.0, 1.0)
+    with pytest.raises(InputError, match="carries no radial load, and it has 500 N"):
+        geometry.load_factors(500.0, 1e4)

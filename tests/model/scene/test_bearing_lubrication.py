@@ -112,6 +112,9 @@ def test_drag_of_elements_in_oil() -> None:
     fast = wf.bearings.drag_torque(ball, [-200.0, 200.0], density=100.0, viscosity=1e-3)
     assert fast[1] == -fast[0] > 0.0
     assert fast[1] == pytest.approx(9 * arm * 0.5 * 100.0 * 0.42 * 0.25 * np.pi * D**2 * (200.0 * arm) ** 2, rel=0.2)
+    rows = BallGeometry(elements=9, ball_diameter=D, pitch_diameter=0.065, contact_angle=0.5, rows=2, row_spacing=0.015)
+    both = wf.bearings.drag_torque(rows, 200.0, density=100.0, viscosity=1e-3)
+    assert both == pytest.approx(2.0 * fast[1])
     roller = RollerGeometry(elements=9, roller_diameter=D, roller_length=D, pitch_diameter=0.065)
     for Re, c_d in ((100.0, 1.5), (1e4, 1.2)):
         torque = wf.bearings.drag_torque(roller, Re * 1e-3 / (1000.0 * D * arm), density=1000.0, viscosity=1e-3)

@@ -304,3 +304,16 @@ def test_a_shaft_without_a_locating_bearing_is_named() -> None:
 )
 def test_which_bearings_locate(bearing: Any, locating: bool) -> None:
     assert bearing().locating is locating
+
+
+def test_reference_lives_of_thrust_bearings_are_refused() -> None:
+    """Their ratings are axial, and those of the formulas radial."""
+    geometry = wf.bearings.catalogue("29320")
+    with pytest.raises(InputError, match="thrust bearings are not built"):
+        reference_life(geometry, geometry.dynamic_rating, np.ones((21, 30)), np.ones((21, 30)))
+
+
+def test_washers_contain_the_pitch_circle() -> None:
+    geometry = replace(wf.bearings.catalogue("81110"), bore=0.08)
+    with pytest.raises(InputError, match="do not contain the pitch circle"):
+        Scene().add_bearing("b", geometry)

@@ -31,7 +31,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from warpffrf.model.bearings.geometry import SIDES, BallGeometry, RollerGeometry, pair
-from warpffrf.model.bearings.parts import STEEL, WASHERS
+from warpffrf.model.bearings.parts import STEEL
+from warpffrf.model.bearings.rating import is_thrust
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.material import Material
 from warpffrf.model.messages.named_arguments import named_arguments
@@ -202,7 +203,7 @@ def _check(geometry: BallGeometry | RollerGeometry, label: str) -> None:
             f"{label}: geometry must be bearings.BallGeometry(...), RollerGeometry(...) or catalogue(...), got "
             f"{geometry!r}"
         )
-    if abs(geometry.inclination) > WASHERS:
+    if is_thrust(geometry.inclination):
         raise InputError(f"{label}: the washers of a thrust bearing have no diametral clearance; use a radial bearing")
 
 

@@ -45,13 +45,13 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.bearings.geometry import BallGeometry, RollerGeometry
+from warpffrf.model.bearings.rating import is_thrust
 from warpffrf.model.errors import InputError, require_number
 
 EXPONENTS = {"ball": 3.0, "roller": 10.0 / 3.0}
 TURNS, STANDS = 3.0, 10.0 / 3.0  # exponents of equivalent loads
 TURNS_LINE, STANDS_LINE = 4.0, 4.5
 UNIFORM = 0.83  # lambda nu
-FLATTEST = 0.1  # cosine of the contact angle of a radial roller bearing
 FEWEST = 30  # laminae of a roller
 
 
@@ -106,6 +106,8 @@ def reference_life(
     C = require_number(capacity, "reference life: capacity [N]", positive=True)
     if max(float(np.max(Q, initial=0.0)) for Q in (inner, outer)) <= 0.0:
         raise InputError("reference life: no element is loaded, and the life is unbounded")
+    if is_thrust(geometry.contact_angle):
+        raise InputError("reference life: formulas of thrust bearings are not built; take basic_life")
     if isinstance(geometry, BallGeometry):
         return _of_balls(geometry, C, inner, outer, turning)
     if np.shape(inner)[1] < FEWEST:
@@ -146,8 +148,6 @@ def _of_rollers(
     edges: Callable[[int], np.ndarray] = edge_factor,
 ) -> ReferenceLife:  # fmt: skip
     c, rows = float(np.cos(geometry.contact_angle)), geometry.rows
-    if c < FLATTEST:
-        raise InputError("reference life: formulas of thrust roller bearings are not built; take basic_life")
     gamma, Z = geometry.diameter * c / geometry.pitch_diameter, geometry.elements * rows ** (7.0 / 9.0) * c
     h = 1.038 * ((1.0 - gamma) / (1.0 + gamma)) ** (143.0 / 108.0)
     ratings = [

@@ -27,8 +27,9 @@ centre of a point contact, with m less than m*, multiplies
     h_c by ((m - 1)/(m* - 1))^0.29,  m* = 1 + 3.06 ((R/b)^2 h_c/R)^0.58,
     h_0 by ((m - 1)/(m* - 1))^0.25,  m* = 1 + 3.34 ((R/b)^2 h_0/R)^0.56.
 
-**Drag** of Z elements that orbit with w through a mixture of the density rho: Z (d_pw/2) rho c_d A v^2/2, v = w d_pw/2,
-A the area across the path, with Re = rho v D/mu (F. M. White, Viscous Fluid Flow, 1991, section 3-10; Re < 2e5)
+**Drag** of Z elements, of all rows, that orbit with w through a mixture of the density rho: Z (d_pw/2) rho c_d A
+v^2/2, v = w d_pw/2, A the area across the path, with Re = rho v D/mu (F. M. White, Viscous Fluid Flow, 1991, section
+3-10; Re < 2e5)
 
     c_d = 24/Re + 6/(1 + sqrt(Re)) + 0.4 of a sphere,      c_d = 1 + 10 Re^(-2/3) of a cylinder.
 
@@ -154,7 +155,7 @@ def drag_torque(geometry: BallGeometry | RollerGeometry, orbit: Any, *, density:
         area, drag = 0.25 * np.pi * D**2, 24.0 / Re + 6.0 / (1.0 + np.sqrt(Re)) + 0.4
     else:
         area, drag = D * geometry.roller_length, 1.0 + 10.0 * Re ** (-2.0 / 3.0)
-    return np.sign(w) * geometry.elements * arm * 0.5 * rho * drag * area * v**2
+    return np.sign(w) * len(geometry.places) * arm * 0.5 * rho * drag * area * v**2
 
 
 @named_arguments

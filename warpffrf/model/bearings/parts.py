@@ -33,6 +33,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from warpffrf.model.bearings.geometry import Geometry, Track
+from warpffrf.model.bearings.rating import is_thrust
 from warpffrf.model.bodies import Body, Ground, Port, SurfacePort
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number
@@ -55,7 +56,6 @@ if TYPE_CHECKING:
 
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")
 DEEP, SHOULDER = 1.6, 0.4  # of the diameter of an element
-WASHERS = np.radians(45.001)  # inclination beyond which rings are washers of a thrust bearing
 PERPENDICULAR = 1e-6  # cosine of `first` and the axis: six digits typed
 
 
@@ -123,9 +123,14 @@ def ring_mass(geometry: Geometry, side: str, material: Material, axis: np.ndarra
     name, sign = ("bore", -1.0) if side == "inner" else ("outside_diameter", 1.0)
     shoulder, edge, given = pitch + sign * SHOULDER * D, pitch + sign * DEEP * D, getattr(geometry, name)
     width = geometry.default_width if geometry.width is None else geometry.width
-    if abs(geometry.inclination) > WASHERS:  # washers on either side of the elements
-        inside = pitch - DEEP * D if geometry.bore is None else geometry.bore
+    if is_thrust(geometry.inclination):  # washers on either side of the elements
+        inside = max(pitch - DEEP * D, 0.0) if geometry.bore is None else geometry.bore
         outside = pitch + DEEP * D if geometry.outside_diameter is None else geometry.outside_diameter
+        if not inside < pitch < outside:
+            raise InputError(
+                f"{geometry.label}: washers from {inside:g} to {outside:g} m do not contain the pitch circle of "
+                f"{pitch:g} m; correct bore or outside_diameter"
+            )
         return hollow_cylinder(inside, outside, max(0.5 * (width - D), SHOULDER * D), material, axis)
     if given is not None:
         edge = require_number(given, f"{geometry.label}: {name} [m]", positive=True)

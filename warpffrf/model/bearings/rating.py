@@ -52,6 +52,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.laws.lumped.hertz_point import MODULUS, load_at_pressure
 
 BALL_B_M, ROLLER_B_M = 1.3, 1.1  # of balls; of cylindrical and tapered rollers, and needles in machined rings
+NO_RADIAL = 1e-3  # of the axial force: what friction transmits
 UPRIGHT = np.radians(89.9)  # bearings of a larger contact angle carry no radial load
 STEEPEST_RADIAL = np.radians(45.001)
 PEAK = 4200e6  # Pa, of balls
@@ -142,9 +143,8 @@ def roller_static(count: int, diameter: float, length: float, pitch: float, angl
 def ball_load_factors(count: int, diameter: float, angle: float, radial: float, axial: float) -> tuple[float, float]:
     """(X, Y) of a single row of `count` balls, diameter [m], contact angle [rad], forces `radial`, `axial` [N]."""
     radial, axial, angle = abs(radial), abs(axial), abs(angle)
-    if abs(angle) >= UPRIGHT:
-        return 0.0, 1.0
     if is_thrust(angle):
+        _refuse_radial(angle, radial, axial)
         return float(1.25 * np.tan(angle) * (1.0 - 2.0 / 3.0 * np.sin(angle))), 1.0
     relative = axial / (count * (diameter * MM) ** 2)
 
@@ -171,10 +171,20 @@ def double_row_load_factors(angle: float, radial: float, axial: float, self_alig
     return (1.0, below) if ratio <= e * abs(radial) else (X, Y)
 
 
+def _refuse_radial(angle: float, radial: float, axial: float) -> None:
+    """Raises `InputError` for a radial force on a bearing that carries none."""
+    if abs(angle) >= UPRIGHT and abs(radial) > NO_RADIAL * abs(axial):
+        raise InputError(
+            f"load factors: a bearing with a contact angle of 90 degrees carries no radial load, and it has "
+            f"{radial:.4g} N; support the shaft radially by another bearing, or give X and Y"
+        )
+
+
 def roller_load_factors(angle: float, radial: float, axial: float, rows: int = 1) -> tuple[float, float]:
     """(X, Y) of rollers, contact angle [rad], under `radial` and `axial` forces [N]."""
     tangent = float(np.tan(abs(angle)))
     if is_thrust(angle):
+        _refuse_radial(angle, radial, axial)
         return (tangent if abs(angle) < UPRIGHT else 0.0), 1.0
     if not angle:
         return 1.0, 0.0

@@ -32,6 +32,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from warpffrf.model.bearings.geometry import SIDES
 from warpffrf.model.bodies import GROUND_INDEX
 from warpffrf.model.checks.contacts import out_of_reach
 from warpffrf.model.checks.scene import reached_from
@@ -231,9 +232,9 @@ def untouched_notes(scene: Scene, history: History) -> list[str]:
 
 
 def _beyond_load_zones(scene: Scene, gaps: Mapping[str, float]) -> set[str]:
-    """Names of the contacts of bearings of which others closed: those of elements outside the load zone, and ribs."""
-    names = [{c.name for c in bearing.contacts.values()} for bearing in scene.bearings]
-    return {name for of_bearing in names if not of_bearing <= set(gaps) for name in of_bearing}
+    """Names of the contacts of bearings that carry load: those of elements outside the load zone, and ribs."""
+    carry = [b for b in scene.bearings if any(c.name not in gaps for side in SIDES for c in b.contacts_of(side))]
+    return {str(contact.name) for bearing in carry for contact in bearing.contacts.values()}
 
 
 def _saved(scene: Scene, history: History) -> list[Contact]:

@@ -44,8 +44,8 @@ def not_found(engine: Engine) -> tuple[Status, str]:
     if engine.unconverged and not loose:
         moving = f"in its last step body {body.name!r} still moves by {moves.max():.3g} m, {engine.unconverged}"
         return Status.NOT_CONVERGED, f"the iteration did not converge: {moving}{NEARER}"
-    told = loose or f"body {body.name!r} does not come to rest ({moves.max():.3g} m in the last step)"
-    return Status.NO_EQUILIBRIUM, f"{told}: {NO_LOAD_PATH}"
+    reason = loose or f"body {body.name!r} does not come to rest ({moves.max():.3g} m in the last step)"
+    return Status.NO_EQUILIBRIUM, f"{reason}: {NO_LOAD_PATH}"
 
 
 def gross_slip(engine: Engine) -> str:

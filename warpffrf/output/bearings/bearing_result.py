@@ -330,8 +330,9 @@ class BearingResult(reprs.Shown):
         """
         capacity = self.geometry.dynamic_rating if capacity is None else capacity
         radial, axial = float(np.hypot(*self.force[row, :2])), float(self.force[row, 2])
-        own = self.geometry.load_factors(radial, axial)
-        X, Y = (known if given is None else given for known, given in zip(own, (X, Y), strict=True))
+        if X is None or Y is None:
+            own = self.geometry.load_factors(radial, axial)
+            X, Y = (known if given is None else given for known, given in zip(own, (X, Y), strict=True))
         return basic_life(self.kind, capacity, radial, axial, X=X, Y=Y)
 
     def reference_life(self, capacity: float | None = None, row: int = -1, *, turning: str = "inner") -> ReferenceLife:
