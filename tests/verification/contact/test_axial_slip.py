@@ -16,7 +16,7 @@ import pytest
 import warpffrf as wf
 
 RADIUS, WIDTH, FRICTION = 0.05, 0.02, 0.3
-FEW = 7  # iterations of a step: bounds follow the pressures once in each
+FEW = 8  # iterations of a step, 5 to 6 on the average: bounds follow the pressures once in each
 AGREE = 0.01  # of the force, linear against quadratic cells with the same columns
 GIVEN = 1e-5  # of the work: slip that the iteration leaves of cells that stick, which the ledger leaves out
 PUSH, GRAVITY = 0.268, 9.66  # N, m/s2
