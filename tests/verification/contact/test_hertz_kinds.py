@@ -107,7 +107,15 @@ def test_steel_ball_on_a_rigid_plane(steel_ball: ReducedBody) -> None:
     place = (0.0, 0.0, POINT.radius - 0.5 * POINT.approach)
     body = scene.add_body(steel_ball, name="ball", position=place, rotation=QUARTER)
     floor = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0))
-    scene.add(Contact(body["patch"], scene.ground.surface(floor, name="floor"), name=PAIR, overlap=POINT.approach))
+    scene.add(
+        Contact(
+            body["patch"],
+            scene.ground.surface(floor, name="floor"),
+            name=PAIR,
+            overlap=POINT.approach,
+            grid="body_fixed",
+        )
+    )
     result = Result(resting(Engine(scene)))
     found = PatchMoments.of(result, -1)
     assert found.force == pytest.approx(POINT.load, rel=1e-3)
