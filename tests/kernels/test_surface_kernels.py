@@ -232,7 +232,9 @@ def test_a_flat_crown_is_a_cylinder() -> None:
 
 
 TURN = 2.0 * np.pi * np.arange(180) / 180
-LOBE = (0.04 + 0.01 * np.cos(TURN) + 0.002 * np.cos(3.0 * TURN))[:, None] * np.stack([np.cos(TURN), np.sin(TURN)], axis=1)
+LOBE = (0.04 + 0.01 * np.cos(TURN) + 0.002 * np.cos(3.0 * TURN))[:, None] * np.stack(
+    [np.cos(TURN), np.sin(TURN)], axis=1
+)
 CURVES = {
     "closed": Curve.through(LOBE, closed=True),
     "open": Curve.arcs((0.0, 0.0), 0.3, [(0.02, 0.03), (0.01, np.inf), (0.015, -0.02), (0.01, 0.05)]),
@@ -242,7 +244,7 @@ NEWTON = 1e-12  # m: both end their Newton iterations at round-off
 
 @pytest.mark.parametrize("name", list(CURVES))
 def test_the_foot_on_an_extruded_curve_is_that_of_the_host(name: str) -> None:
-    """At 2,000 points near the curve and far from it: chart, distance, and its gradient, the host's normal at the foot."""
+    """At 2,000 points near the curve and far from it: chart, distance, and its gradient, the normal at the foot."""
     curve = CURVES[name]
     s, rng = Numbers(planar=2, curve=curve), np.random.default_rng(3)
     u = rng.uniform(curve.knots[0], curve.knots[-1], 2000)
@@ -260,7 +262,9 @@ def test_the_foot_on_an_extruded_curve_is_that_of_the_host(name: str) -> None:
 def test_places_of_an_extruded_curve_are_those_of_the_host(name: str) -> None:
     curve = CURVES[name]
     u = np.linspace(curve.knots[0], curve.knots[-1], 300, endpoint=False)
-    points, normals, around, profile = np.moveaxis(shown(Numbers(planar=2, curve=curve), np.stack([u, 0.0 * u], 1)), 1, 0)
+    points, normals, around, profile = np.moveaxis(
+        shown(Numbers(planar=2, curve=curve), np.stack([u, 0.0 * u], 1)), 1, 0
+    )
     assert np.allclose(points[:, :2], curve.at(u), rtol=0.0, atol=1e-15)
     assert np.allclose(normals[:, :2], curve.normal(u), rtol=0.0, atol=1e-13)
     assert np.allclose(np.cross(around, [0.0, 0.0, 1.0]), normals, rtol=0.0, atol=1e-13)

@@ -82,6 +82,8 @@ def test_what_is_refused() -> None:
 
 def _lumped() -> None:
     scene = wf.Scene()
-    ball = scene.add_rigid_body(1.0, (1.0,) * 3, surfaces={"ball": wf.surfaces.Sphere(radius=0.01, axis_point=(0, 0, 0))})
+    ball = scene.add_rigid_body(
+        1.0, (1.0,) * 3, surfaces={"ball": wf.surfaces.Sphere(radius=0.01, axis_point=(0, 0, 0))}
+    )
     floor = scene.ground.surface(FLAT, name="floor")
     scene.add(wf.LumpedContact(ball["ball"], floor, wf.laws.PowerLaw(1e9)))

@@ -103,14 +103,10 @@ class Curve:
             u = np.concatenate([[0.0], np.cumsum(lengths)])
         spline = CubicSpline(u, points, bc_type="periodic" if closed else "not-a-knot")
         slope = spline(u, 1)
-        return cls(
-            knots=u, points=points, tangents=slope / np.linalg.norm(slope, axis=1, keepdims=True), closed=closed
-        )
+        return cls(knots=u, points=points, tangents=slope / np.linalg.norm(slope, axis=1, keepdims=True), closed=closed)
 
     @classmethod
-    def arcs(
-        cls, start: Any, heading: float, pieces: Sequence[tuple[float, float]], *, closed: bool = False
-    ) -> Curve:
+    def arcs(cls, start: Any, heading: float, pieces: Sequence[tuple[float, float]], *, closed: bool = False) -> Curve:
         """Arcs and straight lines that continue one another without a kink.
 
         start (2,) [m]; heading [rad], direction of the first tangent from +x; pieces: (length [m], radius [m]) of each,
@@ -122,7 +118,9 @@ class Curve:
             name = f"curve: piece {number}"
             length = require_number(length, f"{name}: length", positive=True)
             if not abs(radius) > 0.0:
-                raise InputError(f"{name}: radius must be a number other than 0, or infinite for a line, got {radius!r}")
+                raise InputError(
+                    f"{name}: radius must be a number other than 0, or infinite for a line, got {radius!r}"
+                )
             kappa = 1.0 / radius
             count = max(int(np.ceil(abs(kappa) * length / ANGLE)), 1)
             for s in length * np.arange(1, count + 1) / count:

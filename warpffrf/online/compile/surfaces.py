@@ -20,9 +20,9 @@ NO_NODES = 2  # columns and rows of a rigid surface's empty grid: the fewest tha
 
 FIELDS = (
     "body", "modal_start", "modal_count", "origin", "frame", "planar", "side", "radius", "tangent", "crown",
-    "table_start", "table_count", "curve_start", "curve_count", "curve_length", "seed_start", "seed_columns", "seed_rows",
-    "seed_corner", "seed_pitch", "rigid", "theta", "pitch", "columns", "periodic", "turn", "rows", "z_start",
-    "mode_start",
+    "table_start", "table_count", "curve_start", "curve_count", "curve_length", "seed_start", "seed_columns",
+    "seed_rows", "seed_corner", "seed_pitch", "rigid", "theta", "pitch", "columns", "periodic", "turn", "rows",
+    "z_start", "mode_start",
 )  # fmt: skip
 
 
@@ -43,7 +43,8 @@ def fill_surfaces(collector: Collector, m: Model) -> np.ndarray:
             "body": body.index, "origin": origin,
             "modal_start": 0 if on_ground else modal_start[body.index],
             "modal_count": modal_count,
-            "planar": int(profile.planar) + int(profile.curve is not None), "side": profile.side, "radius": profile.radius,
+            "planar": int(profile.planar) + int(profile.curve is not None), "side": profile.side,
+            "radius": profile.radius,
             "tangent": profile.tangent, "crown": profile.crown,
             "table_start": sum(map(len, breaks)), "table_count": len(profile.coefficients),
             "rigid": int(not isinstance(surface, ContactSurface)),

@@ -32,7 +32,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.half_space import rectangle
 from warpffrf.model.placement.nearest import curvatures_on, is_ball
 from warpffrf.model.reduced.far_field import WHOLE, FarField
-from warpffrf.online.compile.patches.sides import PARALLEL, Surface, in_world, levers, meridian, middle_of
+from warpffrf.online.compile.patches.sides import PARALLEL, Surface, facing, in_world, levers, meridian, middle_of
 
 Array = np.ndarray
 LINE_ASPECT = 8.0  # of Hertz's ellipse, from which rows are fixed
