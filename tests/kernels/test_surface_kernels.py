@@ -12,6 +12,8 @@ import pytest
 import warp as wp
 from scipy.optimize import minimize_scalar
 
+from warpffrf.model.surfaces import Curve
+from warpffrf.online.compile.surfaces import Curves
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.surfaces import surface
@@ -30,6 +32,7 @@ class Numbers:
     planar: int = 0
     breaks: np.ndarray = field(default_factory=lambda: np.zeros(0))
     coefficients: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
+    curve: Curve | None = None
 
     def at(self, z: Any) -> np.ndarray:
         """R(z) as it is written, not as it is computed."""
@@ -81,6 +84,14 @@ def model_of(s: Numbers) -> Model:
     m.surfaces.table_break = wp.array([*s.breaks, 0.0], dtype=wp.float64, device="cpu")
     rows = np.concatenate([s.coefficients, np.zeros((1, 4))])
     m.surfaces.table_coefficient = wp.array(rows, dtype=wp.float64, device="cpu")
+    curves = Curves()
+    for name, value in curves.add(s.curve).items():
+        of = wp.int32 if isinstance(value, int) else wp.float64
+        setattr(m.surfaces, name, wp.array([value], dtype=of, device="cpu"))
+    if s.curve is not None:
+        m.surfaces.curve_knot = wp.array(curves.knots[0], dtype=wp.float64, device="cpu")
+        m.surfaces.curve_piece = wp.array(curves.pieces[0], dtype=wp.float64, device="cpu")
+        m.surfaces.curve_seed = wp.array(curves.seeds[0], dtype=wp.int32, device="cpu")
     return m
 
 
@@ -218,3 +229,43 @@ def test_a_flat_crown_is_a_cylinder() -> None:
     x = np.array([[0.05 + 1e-6, 0.0, 0.0], [0.05 + 1e-6, 0.0, 0.009]])
     flat = charted(SURFACES["flat crown"], x)[:, 0, 2]
     assert flat - 1e-6 == pytest.approx([0.0, 0.009**2 / 2e6], abs=1e-17)
+
+
+TURN = 2.0 * np.pi * np.arange(180) / 180
+LOBE = (0.04 + 0.01 * np.cos(TURN) + 0.002 * np.cos(3.0 * TURN))[:, None] * np.stack(
+    [np.cos(TURN), np.sin(TURN)], axis=1
+)
+CURVES = {
+    "closed": Curve.through(LOBE, closed=True),
+    "open": Curve.arcs((0.0, 0.0), 0.3, [(0.02, 0.03), (0.01, np.inf), (0.015, -0.02), (0.01, 0.05)]),
+}
+NEWTON = 1e-12  # m: both end their Newton iterations at round-off
+
+
+@pytest.mark.parametrize("name", list(CURVES))
+def test_the_foot_on_an_extruded_curve_is_that_of_the_host(name: str) -> None:
+    """At 2,000 points near the curve and far from it: chart, distance, and its gradient, the normal at the foot."""
+    curve = CURVES[name]
+    s, rng = Numbers(planar=2, curve=curve), np.random.default_rng(3)
+    u = rng.uniform(curve.knots[0], curve.knots[-1], 2000)
+    off = rng.uniform(-1.0, 1.0, 2000) * np.where(np.arange(2000) % 2, 4e-3, 1e-6)
+    x = np.concatenate([curve.at(u) + off[:, None] * curve.normal(u), rng.uniform(-0.01, 0.01, (2000, 1))], axis=1)
+    found = charted(s, x)
+    foot, distance = curve.foot(x[:, :2])
+    assert np.allclose(found[:, 2, 0], distance, rtol=0.0, atol=NEWTON)
+    assert np.allclose(curve.at(found[:, 0, 0]), curve.at(foot), rtol=0.0, atol=1e3 * NEWTON)  # its square is the error
+    assert np.array_equal(found[:, 0, 1], x[:, 2]) and np.array_equal(found[:, 0, 2], found[:, 2, 0])
+    assert np.allclose(found[:, 1, :2], curve.normal(foot), rtol=0.0, atol=1e-7)
+
+
+@pytest.mark.parametrize("name", list(CURVES))
+def test_places_of_an_extruded_curve_are_those_of_the_host(name: str) -> None:
+    curve = CURVES[name]
+    u = np.linspace(curve.knots[0], curve.knots[-1], 300, endpoint=False)
+    points, normals, around, profile = np.moveaxis(
+        shown(Numbers(planar=2, curve=curve), np.stack([u, 0.0 * u], 1)), 1, 0
+    )
+    assert np.allclose(points[:, :2], curve.at(u), rtol=0.0, atol=1e-15)
+    assert np.allclose(normals[:, :2], curve.normal(u), rtol=0.0, atol=1e-13)
+    assert np.allclose(np.cross(around, [0.0, 0.0, 1.0]), normals, rtol=0.0, atol=1e-13)
+    assert np.array_equal(profile[:, :2], np.tile([1.0, 0.0], (len(u), 1)))

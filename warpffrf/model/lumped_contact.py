@@ -169,6 +169,12 @@ class LumpedContact(reprs.Item):
                 )
 
     def _require_shapes(self) -> None:
+        for port in self.ports:
+            if port.surface.shape.profile().curve is not None:
+                raise InputError(
+                    f"{self.label}: {port.label} is extruded, which a lumped contact does not support; use "
+                    "Contact(...) with a flexible body"
+                )
         planar = [port.surface.shape.profile().planar for port in self.ports]
         if all(planar):
             raise InputError(

@@ -290,8 +290,8 @@ def signal_kinds() -> dict[str, Form]:
 
 @cache
 def value_kinds() -> dict[str, Form]:
-    """Kind -> form of every object that may be a value: signals, surfaces, bases, damping, contact and friction laws,
-    rolling resistance, characteristics of springs, oils, feeds and forms of films, matched faces, contacts,
+    """Kind -> form of every object that may be a value: signals, surfaces, bases, damping, curves, contact and friction
+    laws, rolling resistance, characteristics of springs, oils, feeds and forms of films, matched faces, contacts,
     integrators, treatments of local modes, stress points, parts of bearings."""
     from warpffrf.model.damping import DAMPINGS
     from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES
@@ -302,7 +302,7 @@ def value_kinds() -> dict[str, Form]:
     from warpffrf.model.oils import OILS, DowsonHigginson, iso_vg
     from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.small_sliding import SmallSliding
-    from warpffrf.model.surfaces import SHAPES, Matched
+    from warpffrf.model.surfaces import SHAPES, Curve, Matched, cam
     from warpffrf.offline.bases import BASES
 
     online = importlib.import_module("warpffrf.online")
@@ -314,6 +314,9 @@ def value_kinds() -> dict[str, Form]:
         **FORMS, **ROUGHNESSES, **ROLLING_LAWS,
     }  # fmt: skip
     found.update({kind: form_of(kind, cls, {}) for kind, cls in registered.items()})
+    found["extruded"] = form_of("extruded", SHAPES["extruded"], {"curve": "value"})
+    curves = {"through": Curve.through, "arcs": Curve.arcs, "cam": cam}
+    found.update({kind: form_of(kind, call, {"lift": "value"}) for kind, call in curves.items()})
     found.update({snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in others})
     found.update(
         {kind: form_of(kind, cls, item_roles(cls)) for kinds in bearing_parts().values() for kind, cls in kinds}

@@ -255,7 +255,9 @@ class Surfaces:
     modal_count: DeviceArray = integers("surface", note="modes of its body, 0 for a rigid one and the ground")
     origin: DeviceArray = vectors("surface", unit="m", note="axis point")
     frame: DeviceArray = matrices("surface", note="columns e_0, e_1, e_a")
-    planar: DeviceArray = integers("surface", note="1: a plane, theta in metres; 0: a surface of revolution")
+    planar: DeviceArray = integers(
+        "surface", note="0: a surface of revolution; theta in metres: 1 a plane, 2 an extruded curve"
+    )
     side: DeviceArray = reals("surface", note="1 material inside, -1 outside")
     radius: DeviceArray = reals("surface", unit="m", note="1 of a plane")
     tangent: DeviceArray = reals("surface", note="of a cone's slope dR/dz, 0 without")
@@ -268,6 +270,19 @@ class Surfaces:
     table_coefficient: DeviceArray = reals(
         "profile_entry", 4, note="count + 1 a table: powers of z - break; the last is unused"
     )
+    curve_start: DeviceArray = integers("surface", note="into the two tables of curves")
+    curve_count: DeviceArray = integers("surface", note="pieces of the curve, 0 without")
+    curve_length: DeviceArray = reals("surface", unit="m", note="period of a closed curve, 0 of an open one")
+    curve_knot: DeviceArray = reals("curve_entry", unit="m", note="count + 1 a curve")
+    curve_piece: DeviceArray = reals(
+        "curve_entry", 8, note="count + 1 a curve: powers of u - knot of x, then of y; the last is unused"
+    )
+    seed_start: DeviceArray = integers("surface", note="into curve_seed")
+    seed_columns: DeviceArray = integers("surface", note="cells of the lattice along x")
+    seed_rows: DeviceArray = integers("surface", note="along y, the faster index")
+    seed_corner: DeviceArray = reals("surface", 2, unit="m", note="lower corner of the lattice")
+    seed_pitch: DeviceArray = reals("surface", unit="m")
+    curve_seed: DeviceArray = integers("seed_entry", note="piece nearest to the centre of a cell of the lattice")
     rigid: DeviceArray = integers("surface", note="1: no grid of its own, the tables hold two empty columns and rows")
     theta: DeviceArray = reals("surface", unit="rad", note="angle of column 0")
     pitch: DeviceArray = reals("surface", unit="rad", note="between columns")

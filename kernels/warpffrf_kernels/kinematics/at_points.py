@@ -33,7 +33,7 @@ from warpffrf_kernels.kinematics.closest_point import TWO_PI, view_of
 from warpffrf_kernels.kinematics.contact_wrench import Held, point_wrench
 from warpffrf_kernels.kinematics.line_of_centres import row_below, wrap
 from warpffrf_kernels.kinematics.line_of_centres_points import keep_node
-from warpffrf_kernels.surfaces.surface import CENTRE, axes_of, meridian_of
+from warpffrf_kernels.surfaces.surface import CENTRE, EXTRUDED, axes_of, extruded_foot, meridian_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -97,8 +97,14 @@ def sample_points(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.ar
         weight = model.points.weight[start + p]
         y = view.at + view.turn * x
         g = y[0]
+        foot_theta = y[1]
         foot_z = y[2]
         f = vec3(real(1.0), real(0.0), real(0.0))
+        if planar_b == EXTRUDED:
+            near = extruded_foot(model, B, y)
+            g = near.distance
+            foot_theta = near.theta
+            f = near.normal
         if planar_b == 0:
             rho = wp.sqrt(y[0] * y[0] + y[1] * y[1])
             foot = meridian_of(model, B, rho, y[2])
@@ -117,7 +123,7 @@ def sample_points(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.ar
                 column_b = (wp.atan2(y[1], y[0]) - model.surfaces.theta[B]) / model.surfaces.pitch[B]
                 column_b = wrap(column_b, turn_b, middle)
             else:
-                column_b = (y[1] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+                column_b = (foot_theta - model.surfaces.theta[B]) / model.surfaces.pitch[B]
             if model.surfaces.periodic[B] == 0 and (column_b < real(-1.0) or column_b > last):
                 weight = real(0.0)
             if foot_z < low or foot_z > high:

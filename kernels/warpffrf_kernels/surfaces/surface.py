@@ -1,7 +1,11 @@
 """True contact surfaces on the device: points, normals, charts and signed distances.
 
 Coordinates are components along e_0, e_1, e_a of the surface's frame, measured from its origin. A *plane* has the point
-(0, theta, z), theta in metres, and the normal e_0. A *surface of revolution* has the point (R cos theta, R sin theta,
+(0, theta, z), theta in metres, and the normal e_0. An *extruded* surface has the point (x(u), y(u), z), u = theta the
+arc length of a curve in cubic pieces, the material to its left, and the normal (y', -x', 0)/|c'|; beyond its ends an
+open curve continues along its tangents. The foot of a point is the root of f(u) = (p - c).c' by Newton's method from
+the piece that a lattice names; with d the distance and kappa the curvature the normal rotates by kappa/(1 + kappa d)
+along the tangent. A *surface of revolution* has the point (R cos theta, R sin theta,
 z) with the profile
 
     R(z) = R_0 + T z - arc(z) - table(z),        arc(z) = sign(Rc) z^2/(|Rc| + sqrt(Rc^2 - z^2)),
@@ -41,6 +45,8 @@ STEEPEST = wp.constant(wp.float64(1.0e-6))  # of an arc's radius: minimum height
 LEAST_BEND = wp.constant(wp.float64(0.25))  # of 1 + R'^2: lower bound of Newton's slope, also past the evolute
 EVOLUTE = wp.constant(wp.float64(1.0e-12))  # of 1 + kappa d: nearer to the evolute the normal is undefined
 CENTRE = wp.constant(wp.float64(1.0e-14))  # m: nearer to an arc's centre the direction is undefined
+EXTRUDED = wp.constant(2)  # `planar` of an extruded curve
+PIECES = wp.constant(24)  # Newton steps along a curve, each within a piece or to the next
 
 
 @wp.func
@@ -91,6 +97,129 @@ def profile_of(model: Model, s: int, z: real) -> vec3:
     return vec3(value, slope, bend)
 
 
+@wp.struct
+class Foot:
+    """Foot of a point: theta (rad, for a plane m) and z [m], the signed distance [m] and its unit gradient."""
+
+    theta: real
+    z: real
+    distance: real
+    normal: vec3
+
+
+@wp.struct
+class Section:
+    """A place of a curve: u [m], the point [m], tangent (not of unit length) and second derivative there."""
+
+    u: real
+    point: wp.vec2d
+    slope: wp.vec2d
+    bend: wp.vec2d
+
+
+@wp.func
+def on_piece(model: Model, s: int, piece: int, t: real) -> Section:
+    """The place t [m] beyond the start of a piece; beyond the ends of an open curve along the tangent there."""
+    i = model.surfaces.curve_start[s] + piece
+    length = model.surfaces.curve_knot[i + 1] - model.surfaces.curve_knot[i]
+    inside = t
+    if model.surfaces.curve_length[s] == real(0.0):
+        if piece == 0:
+            inside = wp.max(inside, real(0.0))
+        if piece == model.surfaces.curve_count[s] - 1:
+            inside = wp.min(inside, length)
+    found = Section()
+    found.u = model.surfaces.curve_knot[i] + t
+    for axis in range(2):
+        c1 = model.surfaces.curve_piece[i, 4 * axis + 1]
+        c2 = model.surfaces.curve_piece[i, 4 * axis + 2]
+        c3 = model.surfaces.curve_piece[i, 4 * axis + 3]
+        slope = c1 + inside * (real(2.0) * c2 + inside * real(3.0) * c3)
+        found.slope[axis] = slope
+        found.point[axis] = (
+            model.surfaces.curve_piece[i, 4 * axis] + inside * (c1 + inside * (c2 + inside * c3)) + (t - inside) * slope
+        )
+        if inside == t:
+            found.bend[axis] = real(2.0) * c2 + real(6.0) * c3 * inside
+    return found
+
+
+@wp.func
+def section_at(model: Model, s: int, u: real) -> Section:
+    """The place u [m] of a curve."""
+    first = model.surfaces.curve_start[s]
+    count = model.surfaces.curve_count[s]
+    period = model.surfaces.curve_length[s]
+    at = u
+    if period > real(0.0):
+        at = u - period * wp.floor((u - model.surfaces.curve_knot[first]) / period)
+    low = int(0)
+    high = count
+    while high - low > 1:
+        middle = (low + high) / 2
+        if at >= model.surfaces.curve_knot[first + middle]:
+            low = middle
+        else:
+            high = middle
+    return on_piece(model, s, low, at - model.surfaces.curve_knot[first + low])
+
+
+@wp.func
+def section_near(model: Model, s: int, x: real, y: real) -> Section:
+    """The foot of a point of the section on a curve."""
+    first = model.surfaces.curve_start[s]
+    count = model.surfaces.curve_count[s]
+    closed = model.surfaces.curve_length[s] > real(0.0)
+    pitch = model.surfaces.seed_pitch[s]
+    i = wp.clamp(int(wp.floor((x - model.surfaces.seed_corner[s, 0]) / pitch)), 0, model.surfaces.seed_columns[s] - 1)
+    j = wp.clamp(int(wp.floor((y - model.surfaces.seed_corner[s, 1]) / pitch)), 0, model.surfaces.seed_rows[s] - 1)
+    piece = model.surfaces.curve_seed[model.surfaces.seed_start[s] + i * model.surfaces.seed_rows[s] + j]
+    p = wp.vec2d(x, y)
+    length = model.surfaces.curve_knot[first + piece + 1] - model.surfaces.curve_knot[first + piece]
+    t = real(0.5) * length
+    found = on_piece(model, s, piece, t)
+    step = int(0)
+    while step < PIECES:
+        off = p - found.point
+        square = wp.dot(found.slope, found.slope)
+        move = wp.dot(off, found.slope) / wp.max(square - wp.dot(off, found.bend), LEAST_BEND * square)
+        t += move
+        step += 1
+        if t < real(0.0) and (closed or piece > 0):  # on to the end of the piece before
+            piece = (piece + count - 1) % count
+            length = model.surfaces.curve_knot[first + piece + 1] - model.surfaces.curve_knot[first + piece]
+            t = wp.max(length + t, real(0.0))
+        elif t > length and (closed or piece < count - 1):
+            t -= length
+            piece = (piece + 1) % count
+            length = model.surfaces.curve_knot[first + piece + 1] - model.surfaces.curve_knot[first + piece]
+            t = wp.min(t, length)
+        elif wp.abs(move) <= FOOT_TOLERANCE * length:
+            step = PIECES
+        found = on_piece(model, s, piece, t)
+    return found
+
+
+@wp.func
+def extruded_foot(model: Model, s: int, x: vec3) -> Foot:
+    """`foot_of` on an extruded curve."""
+    near = section_near(model, s, x[0], x[1])
+    scale = real(1.0) / wp.length(near.slope)
+    found = Foot()
+    found.theta = near.u
+    found.z = x[2]
+    found.normal = vec3(scale * near.slope[1], -scale * near.slope[0], real(0.0))
+    found.distance = (x[0] - near.point[0]) * found.normal[0] + (x[1] - near.point[1]) * found.normal[1]
+    return found
+
+
+@wp.func
+def curve_tangent(model: Model, s: int, u: real) -> vec3:
+    """Unit tangent of the curve of an extruded surface."""
+    slope = wp.normalize(section_at(model, s, u).slope)
+    return vec3(slope[0], slope[1], real(0.0))
+
+
 @wp.func
 def radius_of(model: Model, s: int, z: real) -> real:
     """R [m] at z [m]; of a plane 1, so that arc length is radius * theta everywhere."""
@@ -110,6 +239,9 @@ def slope_of(model: Model, s: int, z: real) -> real:
 @wp.func
 def local_point(model: Model, s: int, theta: real, z: real) -> vec3:
     """Point of the surface [m] at its chart coordinates."""
+    if model.surfaces.planar[s] == EXTRUDED:
+        point = section_at(model, s, theta).point
+        return vec3(point[0], point[1], z)
     if model.surfaces.planar[s] != 0:
         return vec3(real(0.0), theta, z)
     R = profile_of(model, s, z)[0]
@@ -119,6 +251,9 @@ def local_point(model: Model, s: int, theta: real, z: real) -> vec3:
 @wp.func
 def local_normal(model: Model, s: int, theta: real, z: real) -> vec3:
     """Unit normal away from the material."""
+    if model.surfaces.planar[s] == EXTRUDED:
+        t = curve_tangent(model, s, theta)
+        return vec3(t[1], -t[0], real(0.0))
     if model.surfaces.planar[s] != 0:
         return vec3(real(1.0), real(0.0), real(0.0))
     slope = profile_of(model, s, z)[1]
@@ -129,6 +264,8 @@ def local_normal(model: Model, s: int, theta: real, z: real) -> vec3:
 @wp.func
 def local_around(model: Model, s: int, theta: real) -> vec3:
     """e_theta, the first tangential direction: against increasing theta on an inside surface."""
+    if model.surfaces.planar[s] == EXTRUDED:
+        return curve_tangent(model, s, theta)
     if model.surfaces.planar[s] != 0:
         return vec3(real(0.0), real(1.0), real(0.0))
     side = model.surfaces.side[s]
@@ -187,6 +324,8 @@ def meridian_of(model: Model, s: int, rho: real, zeta: real) -> wp.vec4d:
 @wp.func
 def distance_of(model: Model, s: int, x: vec3) -> real:
     """Signed distance [m] of x from the surface, positive in the free space."""
+    if model.surfaces.planar[s] == EXTRUDED:
+        return extruded_foot(model, s, x).distance
     if model.surfaces.planar[s] != 0:
         return x[0]
     return model.surfaces.side[s] * meridian_of(model, s, wp.sqrt(x[0] * x[0] + x[1] * x[1]), x[2])[1]
@@ -195,6 +334,9 @@ def distance_of(model: Model, s: int, x: vec3) -> real:
 @wp.func
 def chart_of(model: Model, s: int, x: vec3) -> vec3:
     """theta (rad, of a plane m) and z [m] of the foot of x, and the signed distance [m] as `distance_of`."""
+    if model.surfaces.planar[s] == EXTRUDED:
+        near = extruded_foot(model, s, x)
+        return vec3(near.theta, near.z, near.distance)
     if model.surfaces.planar[s] != 0:
         return vec3(x[1], x[2], x[0])
     foot = meridian_of(model, s, wp.sqrt(x[0] * x[0] + x[1] * x[1]), x[2])
@@ -204,6 +346,8 @@ def chart_of(model: Model, s: int, x: vec3) -> vec3:
 @wp.func
 def gradient_of(model: Model, s: int, x: vec3) -> vec3:
     """Unit gradient of the signed distance at x: the normal at its foot. On the axis it has no radial part."""
+    if model.surfaces.planar[s] == EXTRUDED:
+        return extruded_foot(model, s, x).normal
     if model.surfaces.planar[s] != 0:
         return vec3(real(1.0), real(0.0), real(0.0))
     rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
@@ -218,6 +362,9 @@ def gradient_of(model: Model, s: int, x: vec3) -> vec3:
 @wp.func
 def distance_and_gradient(model: Model, s: int, x: vec3) -> wp.vec4d:
     """`distance_of` and `gradient_of` at once."""
+    if model.surfaces.planar[s] == EXTRUDED:
+        near = extruded_foot(model, s, x)
+        return wp.vec4d(near.distance, near.normal[0], near.normal[1], near.normal[2])
     if model.surfaces.planar[s] != 0:
         return wp.vec4d(x[0], real(1.0), real(0.0), real(0.0))
     rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
@@ -229,19 +376,11 @@ def distance_and_gradient(model: Model, s: int, x: vec3) -> wp.vec4d:
     return wp.vec4d(side * foot[1], scale * x[0], scale * x[1], side * foot[3])
 
 
-@wp.struct
-class Foot:
-    """Foot of a point: theta (rad, for a plane m) and z [m], the signed distance [m] and its unit gradient."""
-
-    theta: real
-    z: real
-    distance: real
-    normal: vec3
-
-
 @wp.func
 def foot_of(model: Model, s: int, x: vec3) -> Foot:
     """`chart_of` and `gradient_of` at once."""
+    if model.surfaces.planar[s] == EXTRUDED:
+        return extruded_foot(model, s, x)
     found = Foot()
     if model.surfaces.planar[s] != 0:
         found.theta = x[1]
@@ -265,6 +404,15 @@ def foot_of(model: Model, s: int, x: vec3) -> Foot:
 @wp.func
 def gradient_slope_of(model: Model, s: int, x: vec3) -> mat33:
     """Derivative [1/m] of `gradient_of` by x: symmetric, 0 along the normal; no circumferential part on the axis."""
+    if model.surfaces.planar[s] == EXTRUDED:
+        near = section_near(model, s, x[0], x[1])
+        long = wp.length(near.slope)
+        t = vec3(near.slope[0] / long, near.slope[1] / long, real(0.0))
+        off = (x[0] - near.point[0]) * t[1] - (x[1] - near.point[1]) * t[0]
+        turn = (near.slope[0] * near.bend[1] - near.slope[1] * near.bend[0]) / (long * long * long)
+        grown = real(1.0) + turn * off
+        grown = wp.sign(grown) * wp.max(wp.abs(grown), EVOLUTE)
+        return turn / grown * wp.outer(t, t)
     if model.surfaces.planar[s] != 0:
         return mat33()
     rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])

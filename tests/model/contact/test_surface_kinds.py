@@ -16,6 +16,9 @@ PLACED = {"axis_point": CENTER, "axis_direction": AXIS}
 Z_TABLE = np.array([-0.012, -0.008, -0.003, 0.0, 0.004, 0.009, 0.013])
 DROP = np.array([4e-4, 9e-5, 0.0, 0.0, 0.0, 1.1e-4, 6e-4])
 
+ANGLES = 2.0 * np.pi * np.arange(1200) / 1200
+OVAL = surfaces.Curve.through(np.stack([0.05 * np.cos(ANGLES), 0.04 * np.sin(ANGLES)], axis=1), closed=True)
+
 SHAPES = [
     surfaces.Cylinder(radius=0.05, **PLACED),
     surfaces.CrownedCylinder(radius=0.05, crown_radius=0.4, **PLACED),
@@ -29,14 +32,16 @@ SHAPES = [
     surfaces.Ring(radius=0.05, groove_radius=0.015, **PLACED),
     surfaces.Cup(radius=0.02, **PLACED),
     surfaces.ConicalBore(radius=0.05, half_angle=np.radians(-35.0), **PLACED),
+    surfaces.Extruded(curve=OVAL, x_direction=(1.0, 0.0, 0.0), **PLACED),
 ]
+LENGTHS = ("plane", "extruded")  # kinds whose theta is a length
 every_shape = pytest.mark.parametrize("shape", SHAPES, ids=lambda s: s.kind)
 
 
 def sample(shape, count: int = 40, seed: int = 3) -> tuple[np.ndarray, np.ndarray]:
     rng = np.random.default_rng(seed)
-    width = 0.1 if shape.kind == "plane" else 3.1
-    return rng.uniform(-width, width, count), rng.uniform(-0.01, 0.01, count)
+    low, high = {"plane": (-0.1, 0.1), "extruded": (0.01, 0.2)}.get(shape.kind, (-3.1, 3.1))
+    return rng.uniform(low, high, count), rng.uniform(-0.01, 0.01, count)
 
 
 def test_every_kind_is_here() -> None:
@@ -85,6 +90,8 @@ def test_normal_points_away_from_the_material(shape) -> None:
     away = np.linalg.norm((x - CENTER) - np.outer((x - CENTER) @ shape.e_a, shape.e_a), axis=1)
     if shape.kind == "plane":
         np.testing.assert_allclose((x - CENTER) @ AXIS, 1e-3)
+    elif shape.kind == "extruded":
+        assert np.all(np.linalg.norm((x - CENTER) @ shape.frame[:2].T / (0.05, 0.04), axis=1) > 1.0)
     elif shape.kind in ("bore", "ring", "cup", "conical_bore"):
         assert np.all(away < shape.radius_at(z))
     else:
@@ -98,7 +105,7 @@ def test_distance_is_that_of_the_nearest_point(shape) -> None:
     off = rng.uniform(-2e-3, 4e-3, 6)
     x = shape.point(theta, 0.8 * z) + off[:, None] * rng.normal(size=(6, 3)) / 1.7
     found = shape.chart(x)
-    span = 0.01 if shape.kind == "plane" else 0.4
+    span = 0.01 if shape.kind in LENGTHS else 0.4
     for k in range(6):
         nearest = np.inf
         for dt in (-0.3, 0.0, 0.3):  # several starts: the search is local
@@ -147,7 +154,15 @@ def test_description_goes_both_ways(shape) -> None:
     np.testing.assert_array_equal(again.chart(x)[2], shape.chart(x)[2])
 
 
-@every_shape
+def test_nodes_off_a_curve_are_noticed() -> None:
+    shape = SHAPES[-1]
+    points = shape.point(*sample(shape)) + np.array([[1e-4], *[[0.0]] * 39]) * shape.normal(0.05, 0.0)
+    assert 1e-6 < replace(shape, fit_tolerance=2e-4).fitted(points).deviation < 1.01e-4
+    with pytest.raises(InputError, match="the facets do not fit the shape"):
+        shape.fitted(points)
+
+
+@pytest.mark.parametrize("shape", SHAPES[:-1], ids=lambda s: s.kind)  # a curve is not fitted
 @pytest.mark.parametrize("arc", [0.4, 3.14])
 def test_nodes_are_recovered(shape, arc) -> None:
     theta, z = np.meshgrid(np.linspace(-arc, arc, 17)[:-1], np.linspace(-0.009, 0.011, 7), indexing="ij")
@@ -243,7 +258,7 @@ def test_profile_numbers_are_the_shape() -> None:
     z = np.linspace(-0.009, 0.009, 9)
     for shape in SHAPES:
         p = shape.profile()
-        assert p.planar == (shape.kind == "plane") and p.side == shape.side
+        assert p.planar == (shape.kind in LENGTHS) and p.flat == (shape.kind == "plane") and p.side == shape.side
         R = p.radius + p.tangent * z
         if p.crown:
             R = R - (p.crown - np.sign(p.crown) * np.sqrt(p.crown**2 - z**2))

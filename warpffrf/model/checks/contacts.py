@@ -247,8 +247,10 @@ def _in_itself(port: SurfacePort, length: float) -> np.ndarray:
     center = body.to_world(shape.axis_point) - body.position
     profile = shape.profile()
     turns, slides = [axes[2]], []
-    if profile.planar:  # its normal is e_0
+    if profile.flat:  # its normal is e_0
         turns, slides = [axes[0]], axes[1:]
+    elif profile.planar:
+        turns, slides = [], axes[2:]
     elif profile.spherical:
         turns = axes
     motions = [np.concatenate([-np.cross(turn, center), length * turn]) for turn in turns]

@@ -367,7 +367,7 @@ def _extent(port: SurfacePort) -> float:
     shape, grid = surface.shape, surface.grid
     planar = shape.profile().planar
     if grid is None:
-        return 0.0 if planar else float(shape.radius)
+        return shape.size if planar else float(shape.radius)
     z = float(np.max(np.abs(grid.z)))
     across = float(np.max(np.abs(grid.theta))) if planar else float(np.max(shape.radius_at(grid.z)))
     return float(np.hypot(across, z))
@@ -378,7 +378,7 @@ def _abreast(port: SurfacePort, point: np.ndarray) -> np.ndarray:
     centre."""
     shape = port.surface.shape
     c, user = shape.axis_point, port.body.to_user(point)
-    if shape.profile().planar:
+    if shape.profile().flat:
         return port.body.to_world(user - ((user - c) @ shape.e_0) * shape.e_0)
     if shape.profile().crown:  # it has a middle
         return port.body.to_world(c)

@@ -2,6 +2,7 @@
 
     outside   Cylinder  CrownedCylinder  ProfiledCylinder  Groove  Sphere  Cone  Plane
     inside    Bore      Ring (grooved)                             Cup     ConicalBore
+    either    Extruded (along an axis, its section a `Curve`)
 
 Their common base is in `base` (frame, fit), `revolution` (chart) and `profile` (the meridian's numbers). `SHAPES` lists
 them by kind. A user-defined surface is a subclass of `RevolutionShape` with a `profile`, or of one of these. `Matched`
@@ -15,6 +16,9 @@ from typing import Any
 
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.surfaces.base import DEFAULT_FIT_FRACTION, Shape
+from warpffrf.model.surfaces.cams import cam
+from warpffrf.model.surfaces.curve import Curve
+from warpffrf.model.surfaces.extruded import Extruded
 from warpffrf.model.surfaces.matched import Matched
 from warpffrf.model.surfaces.plane import Plane
 from warpffrf.model.surfaces.profile import SurfaceProfile
@@ -29,7 +33,9 @@ __all__ = [
     "ConicalBore",
     "CrownedCylinder",
     "Cup",
+    "Curve",
     "Cylinder",
+    "Extruded",
     "Groove",
     "Matched",
     "Plane",
@@ -39,6 +45,7 @@ __all__ = [
     "Shape",
     "Sphere",
     "SurfaceProfile",
+    "cam",
     "from_description",
 ]
 
@@ -48,7 +55,7 @@ def __dir__() -> list[str]:
 
 
 _KINDS = (
-    Cylinder, CrownedCylinder, ProfiledCylinder, Groove, Sphere, Cone, Plane, Bore, Ring, Cup, ConicalBore,
+    Cylinder, CrownedCylinder, ProfiledCylinder, Groove, Sphere, Cone, Plane, Bore, Ring, Cup, ConicalBore, Extruded,
 )  # fmt: skip
 SHAPES: dict[str, type[Any]] = {shape.kind: shape for shape in _KINDS}
 

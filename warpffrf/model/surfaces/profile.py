@@ -26,6 +26,7 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.surfaces.curve import Curve
 from warpffrf.model.surfaces.fit import crown_drop
 
 SMALLEST_COSINE = 1e-150  # slope of an arc at its very end: large, and its square is still a number
@@ -37,7 +38,8 @@ FLATTEST = 0.1  # of 1 + R'^2, least derivative of F: beyond a centre of curvatu
 
 @dataclass(frozen=True, eq=False)
 class SurfaceProfile:
-    """A meridian by its numbers (module docstring), as the device holds them; `planar`: that of a plane.
+    """A meridian by its numbers (module docstring), as the device holds them; `planar`: theta is a length, as of a
+    plane and, with a `curve`, of an extruded surface.
 
     side +1 or -1; radius R_0 [m] (1.0 of a plane); tangent t [-]; crown Rc [m], signed, 0.0 for none; table: `breaks`
     (n+1,) [m] and `coefficients` (n, 4) of the drop [m] in ascending powers of z - break; empty without one.
@@ -51,6 +53,12 @@ class SurfaceProfile:
     crown: float = 0.0
     breaks: np.ndarray = field(default_factory=lambda: np.zeros(0))
     coefficients: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
+    curve: Curve | None = None
+
+    @property
+    def flat(self) -> bool:
+        """True of a plane."""
+        return self.planar and self.curve is None
 
     @property
     def curvature(self) -> float:

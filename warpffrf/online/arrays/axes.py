@@ -169,6 +169,8 @@ NAMES = {
             "held_entry",
             "piece_entry",
             "profile_entry",
+            "curve_entry",
+            "seed_entry",
             "z_entry",
             "response_entry",
             "trace_entry",

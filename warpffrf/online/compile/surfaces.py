@@ -10,6 +10,7 @@ import numpy as np
 from warpffrf.model.bodies import Ground
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
+from warpffrf.model.surfaces.curve import Curve
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.compliance_tables import columns_of_turn, modal_moments
 from warpffrf.online.compile.patches.sides import PatchSide
@@ -19,8 +20,9 @@ NO_NODES = 2  # columns and rows of a rigid surface's empty grid: the fewest tha
 
 FIELDS = (
     "body", "modal_start", "modal_count", "origin", "frame", "planar", "side", "radius", "tangent", "crown",
-    "table_start", "table_count", "rigid", "theta", "pitch", "columns", "periodic", "turn", "rows", "z_start",
-    "mode_start",
+    "table_start", "table_count", "curve_start", "curve_count", "curve_length", "seed_start", "seed_columns",
+    "seed_rows", "seed_corner", "seed_pitch", "rigid", "theta", "pitch", "columns", "periodic", "turn", "rows",
+    "z_start", "mode_start",
 )  # fmt: skip
 
 
@@ -28,6 +30,7 @@ def fill_surfaces(collector: Collector, m: Model) -> np.ndarray:
     """Geometry, grids and traces of modes of the surfaces in contact. Returns the first row of each in `z`."""
     lists: dict[str, list] = {name: [] for name in FIELDS}
     breaks, coefficients, z = [], [], []
+    curves = Curves()
     modes, moments = [], []
     modal_start = np.cumsum([0, *collector.mode_counts])
     for body, _, surface in collector.surfaces:
@@ -40,12 +43,14 @@ def fill_surfaces(collector: Collector, m: Model) -> np.ndarray:
             "body": body.index, "origin": origin,
             "modal_start": 0 if on_ground else modal_start[body.index],
             "modal_count": modal_count,
-            "planar": int(profile.planar), "side": profile.side, "radius": profile.radius,
+            "planar": int(profile.planar) + int(profile.curve is not None), "side": profile.side,
+            "radius": profile.radius,
             "tangent": profile.tangent, "crown": profile.crown,
             "table_start": sum(map(len, breaks)), "table_count": len(profile.coefficients),
             "rigid": int(not isinstance(surface, ContactSurface)),
             "z_start": sum(map(len, z)), "mode_start": sum(map(len, modes)),
         }  # fmt: skip
+        values |= curves.add(profile.curve)
         if len(profile.coefficients):
             breaks.append(np.asarray(profile.breaks, float))
             coefficients.append(np.concatenate([profile.coefficients, np.zeros((1, 4))]))
@@ -80,8 +85,39 @@ def fill_surfaces(collector: Collector, m: Model) -> np.ndarray:
         m.surfaces, **lists, table_break=np.concatenate(none + breaks),
         table_coefficient=np.concatenate([np.zeros((0, 4)), *coefficients]), z=np.concatenate(none + z),
         mode_normal=np.concatenate(none + modes), mode_moment=np.concatenate(none + moments),
+        curve_knot=np.concatenate(none + curves.knots),
+        curve_piece=np.concatenate([np.zeros((0, 8)), *curves.pieces]),
+        curve_seed=np.concatenate([np.zeros(0, dtype=np.int32), *curves.seeds]),
     )  # fmt: skip
     return np.asarray(lists["z_start"], dtype=int)
+
+
+class Curves:
+    """The curves of extruded surfaces, one behind the other."""
+
+    def __init__(self) -> None:
+        self.knots: list[np.ndarray] = []
+        self.pieces: list[np.ndarray] = []
+        self.seeds: list[np.ndarray] = []
+
+    def add(self, curve: Curve | None) -> dict[str, object]:
+        """The fields of a surface with this curve, None without one."""
+        start, seed_start = sum(map(len, self.knots)), sum(map(len, self.seeds))
+        if curve is None:
+            return {
+                "curve_start": start, "curve_count": 0, "curve_length": 0.0, "seed_start": seed_start,
+                "seed_columns": 0, "seed_rows": 0, "seed_corner": np.zeros(2), "seed_pitch": 1.0,
+            }  # fmt: skip
+        corner, pitch, seeds = curve.seeds()
+        pieces = curve.coefficients.reshape(-1, 8)
+        self.knots.append(curve.knots)
+        self.pieces.append(np.concatenate([pieces, np.zeros((1, 8))]))
+        self.seeds.append(seeds.astype(np.int32).ravel())
+        return {
+            "curve_start": start, "curve_count": len(pieces), "curve_length": curve.length if curve.closed else 0.0,
+            "seed_start": seed_start, "seed_columns": seeds.shape[0], "seed_rows": seeds.shape[1],
+            "seed_corner": corner, "seed_pitch": pitch,
+        }  # fmt: skip
 
 
 def _frame(surface: ContactSurface | RigidSurface) -> np.ndarray:

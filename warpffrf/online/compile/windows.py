@@ -49,6 +49,8 @@ class Extent:
         profile = surface.shape.profile()
         at = float(surface.shape.radius_at(axial))
         curvature = 0.0 if profile.planar else profile.side / at
+        if profile.curve is not None:  # where it is sharpest: windows are then wide enough everywhere
+            curvature = float(np.max(profile.curve.curvature(profile.curve.knots)))
         sphere = profile.spherical
         if surface.grid is None:
             return cls(curvature, at, np.inf, np.inf, np.inf, sphere)

@@ -4,6 +4,7 @@ A rigid body has mass, inertia and surfaces, but no shape. Its surfaces are thos
 
     ball               the whole ball
     plane              a plate below the places that are touched
+    extruded           the prism of a closed curve, a wall below an open one, along the places that are touched
     outside form       (cylinder, crowned, profiled, groove, cone) the solid of revolution along its partners
     inside form        (bore, ring, cup) a wall around it, up to an outside form of the body about the same axis
     bearing            rings with lands and bore or outside diameter of the geometry, ribs; rollers of their length with
@@ -28,7 +29,7 @@ from warpffrf.model.bearings.geometry import SIDES, BallGeometry, Track, from_de
 from warpffrf.model.bearings.parts import DEEP, SHOULDER
 from warpffrf.output.geometry.places import Pose, grid_theta_offset
 from warpffrf.output.geometry.scene_view import GROUND, BodyView, SceneView
-from warpffrf.output.geometry.solids import Piece, TriangleMesh, ball, plate, revolved, rod
+from warpffrf.output.geometry.solids import Piece, TriangleMesh, ball, plate, prism, revolved, rod
 
 ROWS = 60  # saved rows at which touched places are evaluated, at most
 ALONG = 33  # points of a meridian
@@ -37,6 +38,7 @@ BESIDE = 0.3  # of the scene's size that a plane extends beyond the places that 
 THICK = 0.04  # of the scene's size, of the plate of a plane
 WALL = 0.2  # of the radius, of a wall around an inside form
 HOLLOW = 0.7  # of the radius of an arc that an inside form or a groove extends from its middle
+FACETS = 240  # along the curve of an extruded surface
 POLE = 1.0 - 1e-6  # of the radius of an arc: where it ends
 COAXIAL = 1e-6  # of the radius, and of a unit vector: surfaces about the same axis
 SOLID, THIN = 0.25, 1.05  # inertia about the axis over mass and radius squared, of a cylinder
@@ -119,7 +121,8 @@ class _Scene:
         extents += [np.ptp(b.reduced.surface.points, axis=0).max() for b in view.bodies.values() if b.reduced]
         size = size or max([float(e) for e in extents], default=0.0) or self._spread() or PLAIN_SIZE
         for name, surface, shape in flat:
-            parts.setdefault(name, []).append(_plate(shape, self.touched.get((name, surface), []), size))
+            below = _plate if shape.profile().flat else _extruded
+            parts.setdefault(name, []).append(below(shape, self.touched.get((name, surface), []), size))
         meshes, within = {}, {n for b in view.bearings.values() for n in (*b["elements"], b["cage"])}
         for body in self.bodies.values():
             center, marker = body.center_of_mass, body.name not in parts
@@ -285,6 +288,20 @@ def _plate(shape: Any, places: list[np.ndarray], size: float) -> TriangleMesh:
     middle = shape.point(0.5 * (theta.min() + theta.max()), 0.5 * (z.min() + z.max())) - thick * shape.e_0
     half = np.array([thick, 0.5 * np.ptp(theta) + BESIDE * size, 0.5 * np.ptp(z) + BESIDE * size])
     return plate(middle, np.stack([shape.e_0, shape.e_1, shape.e_a]), half)
+
+
+def _extruded(shape: Any, places: list[np.ndarray], size: float) -> TriangleMesh:
+    """The prism of a closed curve, or the material below an open one, `BEYOND` of the touched width beyond it."""
+    z = np.concatenate([np.asarray(shape.chart(points)[1]) for points in places] or [np.zeros(1)])
+    half = (0.5 + BEYOND) * np.ptp(z) or BESIDE * size
+    low, high = 0.5 * (z.min() + z.max()) + half * np.array([-1.0, 1.0])
+    curve = shape.curve
+    u = np.linspace(curve.knots[0], curve.knots[-1], FACETS + 1)
+    if curve.closed:
+        return prism(curve.at(u[:-1]), shape.axis_point, shape.frame, low, high)
+    upper, lower = curve.at(u), curve.at(u) - THICK * size * curve.normal(u)
+    walls = [np.array([lower[i], upper[i], upper[i + 1], lower[i + 1]]) for i in range(FACETS)]
+    return TriangleMesh.of([prism(wall, shape.axis_point, shape.frame, low, high) for wall in walls])
 
 
 # --- bearings

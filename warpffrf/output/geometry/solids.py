@@ -88,6 +88,24 @@ def plate(center: Any, frame: Any, half: Any) -> TriangleMesh:
     return TriangleMesh(points[SIDES.ravel()], (first + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3))
 
 
+def prism(section: Any, origin: Any, frame: Any, low: float, high: float, center: Any = None) -> TriangleMesh:
+    """The body between `low` and `high` [m] along the third row of `frame` (3, 3), of a `section` (n, 2) [m]: a polygon
+    counter-clockwise about `center` (2,), its mean where None, from which all of it is seen."""
+    section = np.asarray(section, dtype=float)
+    middle = section.mean(axis=0) if center is None else np.asarray(center)
+    n = len(section)
+    i = np.arange(n)
+    after = (i + 1) % n
+    plane = origin + np.concatenate([section, middle[None]]) @ np.asarray(frame)[:2]
+    ends = [plane + z * np.asarray(frame)[2] for z in (low, high)]
+    side = np.concatenate([ends[0][:n], ends[1][:n]])
+    lateral = np.concatenate([np.stack([i, after, n + after], axis=1), np.stack([i, n + after, n + i], axis=1)])
+    fan = np.stack([np.full(n, n), i, after], axis=1)
+    return TriangleMesh.of(
+        [TriangleMesh(side, lateral), TriangleMesh(ends[0], fan[:, ::-1]), TriangleMesh(ends[1], fan)]
+    )
+
+
 def rod(start: Any, end: Any, radius: float, around: int = 24) -> TriangleMesh:
     """A round rod between two points (3,) [m] that are apart."""
     axis = np.asarray(end, dtype=float) - start

@@ -32,7 +32,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.half_space import rectangle
 from warpffrf.model.placement.nearest import curvatures_on, is_ball
 from warpffrf.model.reduced.far_field import WHOLE, FarField
-from warpffrf.online.compile.patches.sides import PARALLEL, Surface, in_world, levers, meridian, middle_of
+from warpffrf.online.compile.patches.sides import PARALLEL, Surface, facing, in_world, levers, meridian, middle_of
 
 Array = np.ndarray
 LINE_ASPECT = 8.0  # of Hertz's ellipse, from which rows are fixed
@@ -264,10 +264,10 @@ def end_places(contact: Contact) -> list[float]:
 
 def relative_curvatures(contact: Contact) -> tuple[float, float]:
     """Curvatures of the first surface relative to the second [1/m], across and along the meridian of the first, where
-    they face each other at the start: a ball at its nearest point, other surfaces in their middles.
+    they face each other at the start: balls and extruded curves at their nearest points, others in their middles.
     """
     a, b = contact.a, contact.b
-    if is_ball(a) or is_ball(b):
+    if is_ball(a) or is_ball(b) or any(port.surface.shape.profile().curve is not None for port in (a, b)):
         return curvatures_on(a, b)
     z_a = middle_of(a.surface)
     first = [float(k) for k in a.surface.shape.curvatures(0.0, z_a)]
@@ -356,7 +356,7 @@ def _nearest_tilted(contact: Contact, low: float, high: float) -> float:
     radius = np.zeros(len(z)) if shape.profile().planar else shape.radius_at(z)
     away = b.body.to_user(axis + np.outer(radius / shape.radius_at(middle_of(a.surface)), lever)) - other.axis_point
     if other.profile().planar:
-        return float(z[np.argmin(away @ other.outward)])
+        return float(z[np.argmin(away @ facing(b, a))])
     along = away @ other.e_a
     apart = np.linalg.norm(away - np.outer(along, other.e_a), axis=1)
     return float(z[np.argmax(other.side * (other.radius_at(along) - apart))])

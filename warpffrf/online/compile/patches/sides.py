@@ -59,12 +59,23 @@ def levers(contact: Any) -> Any:
     for i, way in enumerate((places[1] - places[0], places[0] - places[1])):
         if planar[i]:
             continue
-        towards = -in_world(ports[1 - i], shapes[1 - i].outward) if planar[1 - i] else shapes[1 - i].side * way
+        if planar[1 - i]:
+            towards = -in_world(ports[1 - i], facing(ports[1 - i], ports[i]))
+        else:
+            towards = shapes[1 - i].side * way
         across = towards - (towards @ axes[i]) * axes[i]
         length = float(np.linalg.norm(across))
         if length > 0.0:
             found[i] = float(shapes[i].radius_at(middles[i])) / length * across
     return found
+
+
+def facing(port: Any, other: Any) -> np.ndarray:
+    """Normal (3,), user frame, of the plane or extruded surface `port` where it is nearest to the middle of another."""
+    shape, round_ = port.surface.shape, other.surface.shape
+    middle = other.body.to_world(round_.axis_point + middle_of(other.surface) * round_.e_a)
+    theta, z, _ = shape.chart(port.body.to_user(middle))
+    return shape.normal(theta, z)
 
 
 def in_world(port: Any, vector: Any) -> Any:
