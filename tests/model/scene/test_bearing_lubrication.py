@@ -176,7 +176,8 @@ def test_contamination_is_within_the_guide_values() -> None:
             found = [wf.bearings.contamination_factor(lubrication, name, 1.0, d) for name in classes]
             assert np.all(np.diff(found) <= 0.0) and 0.0 <= found[-1] < found[0] <= 1.0
     guide = {
-        ("filtered", "-/13/10"): (0.8, 0.91), ("filtered", "-/15/12"): (0.6, 0.85), ("filtered", "-/17/14"): (0.35, 0.7),
+        ("filtered", "-/13/10"): (0.8, 0.91), ("filtered", "-/15/12"): (0.6, 0.85),
+        ("filtered", "-/17/14"): (0.35, 0.7),
         ("bath", "-/13/10"): (0.8, 0.9), ("bath", "-/15/12"): (0.4, 0.8), ("grease", "high"): (0.8, 0.9),
         ("grease", "normal"): (0.6, 0.8), ("grease", "slight"): (0.2, 0.6), ("grease", "severe"): (0.0, 0.2),
         ("grease", "very severe"): (0.0, 0.1),

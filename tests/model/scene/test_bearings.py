@@ -306,11 +306,28 @@ def test_which_bearings_locate(bearing: Any, locating: bool) -> None:
     assert bearing().locating is locating
 
 
-def test_reference_lives_of_thrust_bearings_are_refused() -> None:
-    """Their ratings are axial, and those of the formulas radial."""
-    geometry = wf.bearings.catalogue("29320")
-    with pytest.raises(InputError, match="thrust bearings are not built"):
-        reference_life(geometry, geometry.dynamic_rating, np.ones((21, 30)), np.ones((21, 30)))
+@pytest.mark.parametrize("designation", ["81110", "29320"])
+def test_reference_life_of_thrust_rollers_has_the_limit_of_iso_281(designation: str) -> None:
+    """A life of one under C_a/0.73 on equally loaded laminae, exactly, whatever the contact angle; the edges reduce it
+    as those of radial rollers do."""
+    geometry = wf.bearings.catalogue(designation)
+    C, Z = geometry.dynamic_rating, geometry.elements
+    q = np.full((Z, 30), C / (0.73 * Z * np.sin(geometry.contact_angle)) / 30)
+    for turning in ("inner", "outer"):
+        assert _of_rollers(geometry, C, q, q, turning, edges=np.ones).revolutions == pytest.approx(1.0)
+        found = reference_life(geometry, C, q, q, turning=turning).revolutions
+        assert found == pytest.approx(np.mean(edge_factor(30) ** 4.5) ** (-8.0 / 9.0))
+
+
+def test_reference_life_of_steep_balls_has_the_limit_of_iso_281() -> None:
+    """(C_a/F_a)^3 of equally loaded balls; a row without load of a bearing for both senses does no damage."""
+    geometry = BallGeometry(elements=16, ball_diameter=0.01, pitch_diameter=0.06, contact_angle=np.radians(60.0))
+    C = geometry.dynamic_rating
+    Q = np.full(16, 0.5 * C / (16 * np.sin(geometry.contact_angle)))
+    assert reference_life(geometry, C, Q, Q).revolutions == pytest.approx(8.0)
+    both = replace(geometry, rows=2, row_spacing=0.02)
+    idle = np.concatenate([Q, np.zeros(16)])
+    assert reference_life(both, C, idle, idle).revolutions == pytest.approx(8.0)
 
 
 def test_washers_contain_the_pitch_circle() -> None:
