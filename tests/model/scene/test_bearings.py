@@ -21,11 +21,12 @@ from warpffrf.model.bearings import (
     RollerGeometry,
     RollingContact,
 )
-from warpffrf.model.bearings.bearing import not_guided
+from warpffrf.model.bearings.bearing import not_guided, refuse_unguided_thrust
 from warpffrf.model.bearings.build import add_bearing
 from warpffrf.model.bearings.geometry import from_description
 from warpffrf.model.bearings.life import _of_rollers, edge_factor, reference_life
 from warpffrf.model.bodies import Body
+from warpffrf.model.checks.scene import connecting
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints import LineInPlane, PointInPlane
 from warpffrf.model.scene import Scene
@@ -290,6 +291,32 @@ def test_a_shaft_without_a_locating_bearing_is_named() -> None:
     assert not_guided(scene.bearings, scene.lumped_contacts, shaft) != ""
     BALL_BEARING(scene, "b", **BALLS, position=(0, 0.2, 0), inner=shaft.at((0, 0.2, 0)), outer=scene.ground)
     assert not_guided(scene.bearings, [], shaft) == ""
+
+
+def shaft_on_rollers(axial: float, **others: Any) -> Scene:
+    """A shaft on two cylindrical roller bearings under a radial load and thrust along its axis y [N]."""
+    scene = Scene(gravity=(0.0, 0.0, -9.81))
+    shaft = scene.add_rigid_body(1.0, (1e-3,) * 3, name="shaft")
+    for name, y in (("left", -0.1), ("right", 0.1)):
+        ROLLER_BEARING(
+            scene, name, **ROLLERS, position=(0, y, 0), inner=shaft.at((0, y, 0)), outer=scene.ground, **others
+        )
+    scene.add(wf.forces.PointForce(shaft, (0.0, axial, -500.0)))
+    return scene
+
+
+def test_thrust_on_a_shaft_without_a_locating_bearing_is_refused() -> None:
+    """Before the run, with its amount and sense; not a radial load, nor where friction may hold."""
+    said = "5 N of thrust have no load path: nothing guides body 'shaft' along the axis, as its bearings are non-loc"
+    for axial in (5.0, -5.0):
+        with pytest.raises(InputError, match=said):
+            wf.equilibrium(shaft_on_rollers(axial))
+    for scene in (shaft_on_rollers(0.0), shaft_on_rollers(5.0, friction=0.1)):
+        refuse_unguided_thrust(scene.bearings, connecting(scene), scene.forces, scene.gravity)
+    upright, gravity = shaft_on_rollers(0.0), np.array([0.0, -9.81, 0.0])
+    weight = 9.81 * sum(upright.body(name).mass for name in ("shaft", "left inner ring", "right inner ring"))
+    with pytest.raises(InputError, match=f"{weight:.3g} N of thrust"):
+        refuse_unguided_thrust(upright.bearings, connecting(upright), upright.forces, gravity)
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,7 @@ from warpffrf.model.signals import Constant
 
 Angle: TypeAlias = float | tuple[float, float] | None
 ELEMENT_SURFACE = "skin"  # of rigid elements
+UNRESISTED = 1e-8  # of all loads on a shaft, along its axis: round-off
 
 
 @dataclass(eq=False, repr=False)
@@ -206,11 +207,7 @@ def without_cage(bearings: list[Bearing]) -> str:
 def not_guided(bearings: list[Bearing], items: list[Any], body: Body) -> str:
     """Text about a shaft, `body` or what it is mounted on, that only bearings support of which none guides it along the
     axis; "" where there is none. `items`: what else may guide it."""
-    seats = [joint for bearing in bearings for key, joint in bearing.joints.items() if key.endswith("_seat")]
-    group = {body}
-    for _ in SIDES:  # from a ring to its shaft, and to the other rings
-        group |= {port.body for seat in seats for port in seat.ports if any(p.body in group for p in seat.ports)}
-    on = [bearing for bearing in bearings if bearing.inner in group or bearing.outer in group]
+    seats, group, on = _shaft(bearings, body)
     within = group.union(*(bearing.elements for bearing in on), (bearing.cage for bearing in on))
     links = [{port.body for port in item.ports} for item in items]
     if not on or any(bearing.locating for bearing in on) or any(link & group and link - within for link in links):
@@ -221,6 +218,33 @@ def not_guided(bearings: list[Bearing], items: list[Any], body: Body) -> str:
         f"{', '.join(repr(bearing.name) for bearing in on)}; make one a ball bearing, or give it Flanges with ribs on "
         "both rings"
     )
+
+
+def _shaft(bearings: list[Bearing], body: Body) -> tuple[list[Joint], set[Any], list[Bearing]]:
+    """Seats of all rings; the rigid parts of the shaft that `body` belongs to; the bearings on it."""
+    seats = [joint for bearing in bearings for key, joint in bearing.joints.items() if key.endswith("_seat")]
+    group = {body}
+    for _ in SIDES:  # from a ring to its shaft, and to the other rings
+        group |= {port.body for seat in seats for port in seat.ports if any(p.body in group for p in seat.ports)}
+    return seats, group, [bearing for bearing in bearings if bearing.inner in group or bearing.outer in group]
+
+
+def refuse_unguided_thrust(bearings: list[Bearing], items: list[Any], forces: list[Any], gravity: np.ndarray) -> None:
+    """Raises `InputError` for a shaft that only non-locating bearings without friction support, `items` as of
+    `not_guided`, and that `forces` and `gravity` [m/s2] drive along its axis at time 0."""
+    for body in [side for bearing in bearings for side in (bearing.inner, bearing.outer) if isinstance(side, Body)]:
+        said = not_guided(bearings, items, body)
+        _, group, on = _shaft(bearings, body)
+        if not said or any(contact.friction.acts for bearing in on for contact in bearing.contacts.values()):
+            continue
+        loads = [each.mass * np.asarray(gravity) for each in group if isinstance(each, Body)]
+        for force in forces:
+            if isinstance(force, PointForce) and force.port.body in group:
+                given = np.array([signal(0.0) for signal in force.components])
+                loads.append(rot.matrix(force.port.body.rotation) @ given if force.frame == "body" else given)
+        thrust = float(np.abs(on[0].place.axis @ np.sum(loads, axis=0)))
+        if thrust > UNRESISTED * float(np.linalg.norm(loads, axis=1).sum()):
+            raise InputError(f"equilibrium: {thrust:.3g} N of thrust have no load path: {said}")
 
 
 def loose_ring(bearings: list[Bearing], items: list[Any], body: Body) -> str:
