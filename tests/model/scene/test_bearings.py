@@ -319,6 +319,26 @@ def test_thrust_on_a_shaft_without_a_locating_bearing_is_refused() -> None:
         refuse_unguided_thrust(upright.bearings, connecting(upright), upright.forces, gravity)
 
 
+def test_a_free_ring_of_a_self_aligning_bearing_swivels_under_combined_load() -> None:
+    """Refused with its name, except where a second bearing or joints keep its axis, and under radial load or thrust
+    alone."""
+
+    def scene(force: tuple[float, float, float]) -> Scene:
+        made = Scene()
+        bearing = made.add_bearing("22208", wf.bearings.catalogue("22208"), outer=made.ground)
+        made.add(wf.forces.PointForce(bearing.inner, force))
+        return made
+
+    with pytest.raises(InputError, match=r"1e\+03 N of thrust and 5e\+03 N across: bearing '22208' is self-aligning"):
+        wf.equilibrium(scene((0.0, 1e3, 5e3)))
+    guided = scene((0.0, 1e3, 5e3))
+    slide = guided.add_rigid_body(1.0, np.eye(3), name="slide")
+    guided.add(wf.joints.Prismatic(guided.ground, slide, axis=(0, 0, 1)))
+    guided.add(wf.joints.Prismatic(slide, guided.bearing("22208").inner, axis=(0, 1, 0)))
+    for made in (guided, scene((0.0, 1e3, 0.0)), scene((0.0, 0.0, 5e3)), scene((0.0, 1.0, 5e3))):
+        refuse_unguided_thrust(made.bearings, connecting(made), made.forces, made.gravity)
+
+
 @pytest.mark.parametrize(
     ("bearing", "locating"),
     [
