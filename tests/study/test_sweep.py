@@ -397,6 +397,18 @@ def test_a_sweep_goes_on_with_a_row_that_lacks_what_others_had(tmp_path: Path, m
     assert "body_position_z[bob]" in again["message"][1]
 
 
+def test_outputs_of_two_arguments_have_the_parameters_of_their_row(tmp_path: Path) -> None:
+    """Alone and as worlds; a second argument with a default is not asked for."""
+    outputs = {
+        "twice": lambda result, row: [2.0 * row["stiffness"], result.time[-1]],
+        "own": lambda result, times=3.0: times * result.time[-1],
+    }
+    for worlds in (1, 2):
+        found = run(tmp_path / f"{worlds}.sweep", {"stiffness": [1e3, 2e3]}, outputs, worlds=worlds)
+        np.testing.assert_allclose(found["twice"], [[2e3, TIMES["duration"]], [4e3, TIMES["duration"]]])
+        np.testing.assert_allclose(found["own"], 3.0 * TIMES["duration"])
+
+
 def renamed(function: Any, name: str) -> Any:
     """A copy that is called otherwise."""
     import types

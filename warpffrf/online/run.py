@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.bearings.bearing import without_cage
+from warpffrf.model.bearings.bearing import refuse_unguided_thrust, without_cage
 from warpffrf.model.checks.contacts import excessive_wedge, find_wedge, refuse_overlap
 from warpffrf.model.checks.redundancy import refuse_positions, refuse_singular_mass, refuse_velocities
-from warpffrf.model.checks.scene import refuse_short_signals
+from warpffrf.model.checks.scene import connecting, refuse_short_signals
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.forces import Pretension
@@ -558,10 +558,11 @@ def _check_velocity(drive: Drive, began: float, end: float) -> None:
 
 
 def check_load_paths(scene: Scene) -> list[str]:
-    """Refuse small-sliding contacts that push bodies apart and pretensions without a load path; notes on contacts that
-    wedge deeply or will hardly touch."""
+    """Refuse small-sliding contacts that push bodies apart, pretensions and thrust without a load path; notes on
+    contacts that wedge deeply or will hardly touch."""
     check = scene.check()
     refuse_pushed_apart(scene)
+    refuse_unguided_thrust(scene.bearings, connecting(scene), scene.forces, scene.gravity)
     for force in scene.forces:
         if isinstance(force, Pretension) and force.name in check.loose_preloads:
             raise InputError(f"equilibrium: {check.loose_preloads[str(force.name)]}")

@@ -172,9 +172,9 @@ class Result(reprs.Shown):
 
     def bearing_stiffness(self, name: str, row: int = -1) -> BearingStiffness:
         """Stiffness (6, 6) [N/m, N/rad, N m/rad] of the bearing called `name` about the saved step `row`, by central
-        differences of twelve equilibria (`warpffrf.output.bearings.stiffness`). `.left_out` names the friction and the
-        loads of elements that are not included. NaN, with `.reason`, for a bearing without load. Raises InputError for
-        unconstrained flexible rings and for a result that was read from a file."""
+        differences of twelve equilibria under the centrifugal forces and other loads of the step
+        (`warpffrf.output.bearings.stiffness`). `.left_out` names what is not included. NaN, with `.reason`, for a
+        bearing without load. Raises InputError for loose flexible rings and for a result from a file."""
         from warpffrf.output.bearings.stiffness import bearing_stiffness
 
         return bearing_stiffness(self.scene, name, self.history, row)

@@ -49,6 +49,26 @@ def test_preload_at_three_speeds(mounting: str) -> None:
     np.testing.assert_allclose(found, exact, rtol=PROMISED)
 
 
+def test_axial_stiffness_at_speed() -> None:
+    """The slope of equilibria of a ball with its centrifugal force and gyroscopic moment, by differences, within 2 %:
+    friction keeps its forces, and the orbit its speed. At rest the stiffness is a third larger."""
+    speed, angles, h = 20e3 * RPM, (ANGLE, ANGLE), 1e-8
+    for _ in range(2):
+        result = wf.simulate(
+            demo.build(speed, angles=angles), 3e-3, step=1e-5, start="equilibrium", progress=False,
+            options=wf.RunOptions(save_every=10),
+        )  # fmt: skip
+        angles = tuple(demo.found_in(result)[3:])
+    at_speed, at_rest = (
+        (NUMPY.state(w, press=OFFSET + h).force - NUMPY.state(w, press=OFFSET - h).force) / (2.0 * h)
+        for w in (speed, 0.0)
+    )
+    found = result.bearing_stiffness("front")
+    print(f"axial stiffness {found.matrix[2, 2] / 1e6:.2f}, balance {at_speed / 1e6:.2f}, {at_rest / 1e6:.2f} N/um")
+    assert found.left_out == ("friction",) and found.asymmetry < 1e-6
+    assert found.matrix[2, 2] == pytest.approx(at_speed, rel=2e-2) and at_rest > 1.3 * at_speed
+
+
 @pytest.mark.slow
 def test_pair_under_thrust_at_speed() -> None:
     """One bearing of the pair is loaded, the other relieved; each begins at the contact angles of its own balls."""

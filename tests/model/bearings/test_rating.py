@@ -153,6 +153,26 @@ def test_geometries_have_the_ratings_of_their_dimensions() -> None:
     assert steep.dynamic_rating == rating.ball_dynamic(16, 0.01, 0.06, np.radians(60.0), (0.52, 0.52))
 
 
+@pytest.mark.parametrize(
+    ("degrees", "e", "below", "beyond"),
+    [(20, 0.57, 1.09, (0.70, 1.63)), (25, 0.68, 0.92, (0.67, 1.41)), (30, 0.80, 0.78, (0.63, 1.24)),
+     (35, 0.95, 0.66, (0.60, 1.07)), (40, 1.14, 0.55, (0.57, 0.93)), (45, 1.34, 0.47, (0.54, 0.81))],
+)  # fmt: skip
+def test_load_factors_of_pairs(degrees: float, e: float, below: float, beyond: tuple[float, float]) -> None:
+    """Table 3 of two rows; makers' catalogues state 25 and 40 degrees."""
+    angle = np.radians(degrees)
+    assert rating.double_row_load_factors(angle, 1e3, 0.99e3 * e, False) == pytest.approx((1.0, below))
+    assert rating.double_row_load_factors(angle, 1e3, -1.01e3 * e, False) == pytest.approx(beyond)
+
+
+@pytest.mark.parametrize("rows", [1, 2])
+def test_factors_of_static_loads_of_angular_contact(rows: int) -> None:
+    """ISO 76, table 2: Y_0 from 5 to 45 degrees, twice as much of two rows."""
+    for degrees, Y in zip(range(5, 50, 5), (0.52, 0.50, 0.46, 0.42, 0.38, 0.33, 0.29, 0.26, 0.22), strict=True):
+        found = rating.static_load_factors(np.radians(degrees), rows, tabulated=True)
+        assert found == pytest.approx((0.5 * rows, Y * rows))
+
+
 def test_factors_of_equivalent_static_loads() -> None:
     """ISO 76, tables 2 and 3: angular contact of 15 and 40 degrees, tapered and spherical rollers, thrust bearings."""
     cases = {

@@ -21,11 +21,12 @@ from warpffrf.model.bearings import (
     RollerGeometry,
     RollingContact,
 )
-from warpffrf.model.bearings.bearing import not_guided
+from warpffrf.model.bearings.bearing import not_guided, refuse_unguided_thrust
 from warpffrf.model.bearings.build import add_bearing
 from warpffrf.model.bearings.geometry import from_description
 from warpffrf.model.bearings.life import _of_rollers, edge_factor, reference_life
 from warpffrf.model.bodies import Body
+from warpffrf.model.checks.scene import connecting
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints import LineInPlane, PointInPlane
 from warpffrf.model.scene import Scene
@@ -292,6 +293,52 @@ def test_a_shaft_without_a_locating_bearing_is_named() -> None:
     assert not_guided(scene.bearings, [], shaft) == ""
 
 
+def shaft_on_rollers(axial: float, **others: Any) -> Scene:
+    """A shaft on two cylindrical roller bearings under a radial load and thrust along its axis y [N]."""
+    scene = Scene(gravity=(0.0, 0.0, -9.81))
+    shaft = scene.add_rigid_body(1.0, (1e-3,) * 3, name="shaft")
+    for name, y in (("left", -0.1), ("right", 0.1)):
+        ROLLER_BEARING(
+            scene, name, **ROLLERS, position=(0, y, 0), inner=shaft.at((0, y, 0)), outer=scene.ground, **others
+        )
+    scene.add(wf.forces.PointForce(shaft, (0.0, axial, -500.0)))
+    return scene
+
+
+def test_thrust_on_a_shaft_without_a_locating_bearing_is_refused() -> None:
+    """Before the run, with its amount and sense; not a radial load, nor where friction may hold."""
+    said = "5 N of thrust have no load path: nothing guides body 'shaft' along the axis, as its bearings are non-loc"
+    for axial in (5.0, -5.0):
+        with pytest.raises(InputError, match=said):
+            wf.equilibrium(shaft_on_rollers(axial))
+    for scene in (shaft_on_rollers(0.0), shaft_on_rollers(5.0, friction=0.1)):
+        refuse_unguided_thrust(scene.bearings, connecting(scene), scene.forces, scene.gravity)
+    upright, gravity = shaft_on_rollers(0.0), np.array([0.0, -9.81, 0.0])
+    weight = 9.81 * sum(upright.body(name).mass for name in ("shaft", "left inner ring", "right inner ring"))
+    with pytest.raises(InputError, match=f"{weight:.3g} N of thrust"):
+        refuse_unguided_thrust(upright.bearings, connecting(upright), upright.forces, gravity)
+
+
+def test_a_free_ring_of_a_self_aligning_bearing_swivels_under_combined_load() -> None:
+    """Refused with its name, except where a second bearing or joints keep its axis, and under radial load or thrust
+    alone."""
+
+    def scene(force: tuple[float, float, float]) -> Scene:
+        made = Scene()
+        bearing = made.add_bearing("22208", wf.bearings.catalogue("22208"), outer=made.ground)
+        made.add(wf.forces.PointForce(bearing.inner, force))
+        return made
+
+    with pytest.raises(InputError, match=r"1e\+03 N of thrust and 5e\+03 N across: bearing '22208' is self-aligning"):
+        wf.equilibrium(scene((0.0, 1e3, 5e3)))
+    guided = scene((0.0, 1e3, 5e3))
+    slide = guided.add_rigid_body(1.0, np.eye(3), name="slide")
+    guided.add(wf.joints.Prismatic(guided.ground, slide, axis=(0, 0, 1)))
+    guided.add(wf.joints.Prismatic(slide, guided.bearing("22208").inner, axis=(0, 1, 0)))
+    for made in (guided, scene((0.0, 1e3, 0.0)), scene((0.0, 0.0, 5e3)), scene((0.0, 1.0, 5e3))):
+        refuse_unguided_thrust(made.bearings, connecting(made), made.forces, made.gravity)
+
+
 @pytest.mark.parametrize(
     ("bearing", "locating"),
     [
@@ -306,11 +353,28 @@ def test_which_bearings_locate(bearing: Any, locating: bool) -> None:
     assert bearing().locating is locating
 
 
-def test_reference_lives_of_thrust_bearings_are_refused() -> None:
-    """Their ratings are axial, and those of the formulas radial."""
-    geometry = wf.bearings.catalogue("29320")
-    with pytest.raises(InputError, match="thrust bearings are not built"):
-        reference_life(geometry, geometry.dynamic_rating, np.ones((21, 30)), np.ones((21, 30)))
+@pytest.mark.parametrize("designation", ["81110", "29320"])
+def test_reference_life_of_thrust_rollers_has_the_limit_of_iso_281(designation: str) -> None:
+    """A life of one under C_a/0.73 on equally loaded laminae, exactly, whatever the contact angle; the edges reduce it
+    as those of radial rollers do."""
+    geometry = wf.bearings.catalogue(designation)
+    C, Z = geometry.dynamic_rating, geometry.elements
+    q = np.full((Z, 30), C / (0.73 * Z * np.sin(geometry.contact_angle)) / 30)
+    for turning in ("inner", "outer"):
+        assert _of_rollers(geometry, C, q, q, turning, edges=np.ones).revolutions == pytest.approx(1.0)
+        found = reference_life(geometry, C, q, q, turning=turning).revolutions
+        assert found == pytest.approx(np.mean(edge_factor(30) ** 4.5) ** (-8.0 / 9.0))
+
+
+def test_reference_life_of_steep_balls_has_the_limit_of_iso_281() -> None:
+    """(C_a/F_a)^3 of equally loaded balls; a row without load of a bearing for both senses does no damage."""
+    geometry = BallGeometry(elements=16, ball_diameter=0.01, pitch_diameter=0.06, contact_angle=np.radians(60.0))
+    C = geometry.dynamic_rating
+    Q = np.full(16, 0.5 * C / (16 * np.sin(geometry.contact_angle)))
+    assert reference_life(geometry, C, Q, Q).revolutions == pytest.approx(8.0)
+    both = replace(geometry, rows=2, row_spacing=0.02)
+    idle = np.concatenate([Q, np.zeros(16)])
+    assert reference_life(both, C, idle, idle).revolutions == pytest.approx(8.0)
 
 
 def test_washers_contain_the_pitch_circle() -> None:

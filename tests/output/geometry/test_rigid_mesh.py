@@ -117,6 +117,37 @@ def test_the_cage_is_a_band_of_exact_volume(balls: wf.Result) -> None:
     assert rigid_meshes(balls)["b cage"].volume == pytest.approx(POLYGON * exact, rel=1e-9)
 
 
+def drawn(geometry: Any) -> dict[str, TriangleMesh]:
+    scene = wf.Scene()
+    bearing = scene.add_bearing("b", geometry, outer=scene.ground)
+    scene.add(wf.joints.Fixed(scene.ground, bearing.inner, axis=(0, 1, 0)))
+    return rigid_meshes(run(scene))
+
+
+@pytest.mark.parametrize("designation", ["32008", "22208", "C 2210", "3208", "QJ 208", "81110", "29320"])
+def test_every_kind_is_watertight_and_looks_outwards(designation: str) -> None:
+    for name, mesh in drawn(wf.bearings.catalogue(designation)).items():
+        assert is_watertight(mesh) and mesh.volume > 0.0 and not mesh.marker, name
+
+
+def test_the_outer_ring_of_self_aligning_balls_is_hollowed_once() -> None:
+    """By the sphere of both rows: the rings of the outline, whose radii are those of the vertices over z."""
+    alpha, diameter, pitch = np.radians(14.0), 0.01, 0.05
+    meshes = drawn(wf.bearings.BallGeometry(
+        elements=12, ball_diameter=diameter, pitch_diameter=pitch, contact_angle=-alpha, rows=2,
+        osculation=(0.52, 0.5 + 0.5 * pitch / np.cos(alpha) / diameter), row_spacing=pitch * np.tan(alpha),
+    ))  # fmt: skip
+    mesh = meshes["ground"]
+    z, r = np.round(mesh.points[:, 1], 9), across(mesh.points)
+    levels = np.unique(z)
+    bore = np.array([r[z == level].min() for level in levels])
+    hollow = np.sum(np.diff(levels) * (bore[1:] ** 2 + bore[1:] * bore[:-1] + bore[:-1] ** 2)) / 3.0
+    assert is_watertight(mesh)
+    exact = POLYGON * np.pi * (r.max() ** 2 * np.ptp(levels) - hollow)
+    assert mesh.volume == pytest.approx(exact, rel=1e-6)
+    assert bore.max() == pytest.approx(0.5 * (pitch / np.cos(alpha) + diameter), rel=1e-3)
+
+
 def test_a_cylinder_has_the_length_of_its_inertia() -> None:
     """A solid cylinder of radius R, length L on a plane: I = m R^2/2 about its axis, m (3 R^2 + L^2)/12 across it."""
     R, L, m = 0.02, 0.07, 3.0

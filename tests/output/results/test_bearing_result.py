@@ -141,10 +141,7 @@ def test_stiffness_is_the_slope_of_equilibria(skew: Result) -> None:
     found = skew.bearing_stiffness("bearing")
     assert found.asymmetry < 1e-6
     scene = skew.scene
-    assert found.left_out == (("gravity",) if np.any(scene.gravity) else ())
-    scene.add(forces.PointForce(scene.bearing("bearing").elements[0].at((0, 0, 0)), (0.0, 0.0, 1e-3), name="small"))
-    assert "forces on elements" in skew.bearing_stiffness("bearing").left_out
-    scene.forces.pop()
+    assert found.left_out == ()
     more = forces.PointForce(scene.bearing("bearing").inner.at((0, 0, 0)), (0.0, 0.0, 1.0), name="more")  # pyright: ignore[reportAttributeAccessIssue]
     scene.forces.append(more)
     moved = equilibrium(scene, progress=False).bearing("bearing")

@@ -30,6 +30,8 @@ from scenes.bearing_kinds import (
     two_rows_of_balls,
 )
 from warpffrf.model.bearings import BallGeometry, RollerGeometry
+from warpffrf.model.bearings.life import edge_factor
+from warpffrf.model.bearings.modified_life import modified_life
 
 ROUND_OFF = 1e-9
 LOADS = 1e-2  # of the largest load: promised
@@ -172,6 +174,14 @@ def test_thrust_rollers() -> None:
     row = Rows(12, (0.5 * np.pi,), 0.0, lamina_force(LENGTH, iso_profiles(LENGTH, D)))
     approach: Any = brentq(lambda d: float(row.loads(0.0, d).sum()) - 10e3, 0.0, 1e-4, xtol=1e-14)
     assert found.displacement[-1][2] == pytest.approx(approach, rel=1e-4)
+    q, C = found.lamina_load["inner"][-1][0], geometry.dynamic_rating
+    rating = C / (0.73 * 12) * 2.0 ** (2.0 / 9.0) * len(q) ** (-7.0 / 9.0)  # both washers are alike
+    life = (2.0 * np.sum((edge_factor(len(q)) * q / rating) ** 4.5)) ** (-8.0 / 9.0)
+    assert found.reference_life().revolutions == pytest.approx(life, rel=1e-4)
+    assert found.basic_life().revolutions == pytest.approx((C / 10e3) ** (10.0 / 3.0), rel=1e-6)
+    modified = found.modified_life(kappa=1.0, contamination=0.5)
+    as_radial = modified_life("roller", modified.basic, modified.fatigue_limit, 1.0, 0.5)
+    assert modified.revolutions < as_radial.revolutions
 
 
 @pytest.mark.parametrize("angle", [14.0, -14.0, 0.0, 90.0])

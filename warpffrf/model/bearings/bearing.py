@@ -23,6 +23,8 @@ from warpffrf.model.signals import Constant
 
 Angle: TypeAlias = float | tuple[float, float] | None
 ELEMENT_SURFACE = "skin"  # of rigid elements
+UNRESISTED = 1e-8  # of all loads on a shaft, along its axis: round-off
+SWIVELS = 1e-3  # of the larger one of thrust and radial load: below, equilibria are found
 
 
 @dataclass(eq=False, repr=False)
@@ -203,24 +205,78 @@ def without_cage(bearings: list[Bearing]) -> str:
     )
 
 
-def not_guided(bearings: list[Bearing], items: list[Any], body: Body) -> str:
-    """Text about a shaft, `body` or what it is mounted on, that only bearings support of which none guides it along the
-    axis; "" where there is none. `items`: what else may guide it."""
-    seats = [joint for bearing in bearings for key, joint in bearing.joints.items() if key.endswith("_seat")]
+def _seats(bearings: list[Bearing]) -> list[Joint]:
+    return [joint for bearing in bearings for key, joint in bearing.joints.items() if key.endswith("_seat")]
+
+
+def _shaft(bearings: list[Bearing], items: list[Any], body: Body) -> tuple[set[Any], list[Bearing], bool]:
+    """Rigid parts of the shaft that `body` belongs to, the bearings on it, and whether one of `items` connects it with
+    anything else."""
     group = {body}
     for _ in SIDES:  # from a ring to its shaft, and to the other rings
-        group |= {port.body for seat in seats for port in seat.ports if any(p.body in group for p in seat.ports)}
+        group |= {p.body for seat in _seats(bearings) for p in seat.ports if any(q.body in group for q in seat.ports)}
     on = [bearing for bearing in bearings if bearing.inner in group or bearing.outer in group]
     within = group.union(*(bearing.elements for bearing in on), (bearing.cage for bearing in on))
     links = [{port.body for port in item.ports} for item in items]
-    if not on or any(bearing.locating for bearing in on) or any(link & group and link - within for link in links):
+    return group, on, any(link & group and link - within for link in links)
+
+
+def not_guided(bearings: list[Bearing], items: list[Any], body: Body) -> str:
+    """Text about a shaft, `body` or what it is mounted on, that only bearings support of which none guides it along the
+    axis; "" where there is none. `items`: what else may guide it."""
+    _, on, held = _shaft(bearings, items, body)
+    if not on or held or any(bearing.locating for bearing in on):
         return ""
-    carrier = next((seat.a.body for seat in seats if seat.b.body is body), body)
+    carrier = next((seat.a.body for seat in _seats(bearings) if seat.b.body is body), body)
     return (
         f"nothing guides body {carrier.name!r} along the axis, as its bearings are non-locating: "
         f"{', '.join(repr(bearing.name) for bearing in on)}; make one a ball bearing, or give it Flanges with ribs on "
         "both rings"
     )
+
+
+def swivelling(bearings: list[Bearing], items: list[Any], body: Body) -> str:
+    """Text about the inner ring of a self-aligning bearing, `body` or an element of it, whose axis nothing else keeps;
+    "" where there is none. `items`: what else may keep it."""
+    for bearing in bearings:
+        if not bearing.geometry.self_aligning or not isinstance(bearing.inner, Body):
+            continue
+        group, on, held = _shaft(bearings, items, bearing.inner)
+        if len(on) == 1 and not held and body in group.union(bearing.elements):
+            return (
+                f"bearing {bearing.name!r} is self-aligning, and nothing else keeps the axis of its inner ring, which "
+                "swivels about the centre of the bearing until the load is radial; support the shaft by another "
+                "bearing, or keep its direction by two joints.Prismatic in series, along and across it"
+            )
+    return ""
+
+
+def refuse_unguided_thrust(bearings: list[Bearing], items: list[Any], forces: list[Any], gravity: np.ndarray) -> None:
+    """Raises `InputError` for a shaft that only bearings without friction support, `items` as of `not_guided`, where
+    `forces` and `gravity` [m/s2] at time 0 drive it along the axis of non-locating ones, or let it swivel in a
+    self-aligning one."""
+    for body in [side for bearing in bearings for side in (bearing.inner, bearing.outer) if isinstance(side, Body)]:
+        slides, swivels = not_guided(bearings, items, body), swivelling(bearings, items, body)
+        group, on, _ = _shaft(bearings, items, body)
+        rubs = any(contact.friction.acts for bearing in on for contact in bearing.contacts.values())
+        if rubs or not (slides or swivels):
+            continue
+        loads = [each.mass * np.asarray(gravity) for each in group if isinstance(each, Body)]
+        for force in forces:
+            if isinstance(force, PointForce) and force.port.body in group:
+                given = np.array([signal(0.0) for signal in force.components])
+                loads.append(rot.matrix(force.port.body.rotation) @ given if force.frame == "body" else given)
+        thrust, radial = _split(np.sum(loads, axis=0), on[0].place.axis)
+        if slides and thrust > UNRESISTED * float(np.linalg.norm(loads, axis=1).sum()):
+            raise InputError(f"equilibrium: {thrust:.3g} N of thrust have no load path: {slides}")
+        if swivels and min(thrust, radial) > SWIVELS * max(thrust, radial):
+            raise InputError(f"equilibrium, under {thrust:.3g} N of thrust and {radial:.3g} N across: {swivels}")
+
+
+def _split(load: np.ndarray, axis: np.ndarray) -> tuple[float, float]:
+    """Sizes of the parts of a load (3,) along and across an axis."""
+    along = float(load @ axis)
+    return abs(along), float(np.linalg.norm(load - along * axis))
 
 
 def loose_ring(bearings: list[Bearing], items: list[Any], body: Body) -> str:

@@ -34,6 +34,14 @@ w = 4 for a raceway that rotates relative to the load and 9/2 for a stationary o
 
 f is 1 in the middle and 2.3 at the ends: that of rollers with a usual profile. Without it, and with equally loaded
 laminae, Lundberg and Palmgren's distribution under F_r = C_r/(lambda nu) has a life of one, as ISO 281's has under C_r.
+
+**Thrust bearings** (the same sections; beyond a contact angle of 45 degrees) have the axial rating C_a of one row, each
+row its own, and h without its leading number,
+
+    Q_ci = C_a/(Z sin(alpha)) (1 + h^(10/3))^(3/10),                  Q_ce with h^(-10/3), of balls,
+    Q_ci = C_a/(lambda nu Z sin(alpha)) (1 + h^(9/2))^(2/9),          Q_ce with h^(-9/2), lambda nu = 0.73, of rollers,
+
+so that equally loaded balls have a life of one under F_a = C_a, and rollers without f under C_a/(lambda nu).
 """
 
 from __future__ import annotations
@@ -51,7 +59,9 @@ from warpffrf.model.errors import InputError, require_number
 EXPONENTS = {"ball": 3.0, "roller": 10.0 / 3.0}
 TURNS, STANDS = 3.0, 10.0 / 3.0  # exponents of equivalent loads
 TURNS_LINE, STANDS_LINE = 4.0, 4.5
-UNIFORM = 0.83  # lambda nu
+UNIFORM, UNIFORM_THRUST = 0.83, 0.73  # lambda nu of radial and of thrust bearings
+# leading number of h, and of a load on all elements over the largest one times Z, inner and outer
+BALLS, ROLLERS, THRUST = (1.044, 0.407, 0.389), (1.038, 0.378, 0.364), (1.0, 1.0, 1.0)
 FEWEST = 30  # laminae of a roller
 
 
@@ -106,8 +116,6 @@ def reference_life(
     C = require_number(capacity, "reference life: capacity [N]", positive=True)
     if max(float(np.max(Q, initial=0.0)) for Q in (inner, outer)) <= 0.0:
         raise InputError("reference life: no element is loaded, and the life is unbounded")
-    if is_thrust(geometry.contact_angle):
-        raise InputError("reference life: formulas of thrust bearings are not built; take basic_life")
     if isinstance(geometry, BallGeometry):
         return _of_balls(geometry, C, inner, outer, turning)
     if np.shape(inner)[1] < FEWEST:
@@ -119,11 +127,12 @@ def reference_life(
 
 
 def _of_balls(geometry: BallGeometry, C: float, inner: np.ndarray, outer: np.ndarray, turning: str) -> ReferenceLife:
-    D, Z, c = geometry.diameter, geometry.rows**0.7 * geometry.elements, float(np.cos(geometry.contact_angle))
-    gamma, r_i, r_e = D * c / geometry.pitch_diameter, geometry.groove("inner"), geometry.groove("outer")
-    h = 1.044 * ((1.0 - gamma) / (1.0 + gamma)) ** 1.72 * (r_i / r_e * (2.0 * r_e - D) / (2.0 * r_i - D)) ** 0.41
+    D, r_i, r_e = geometry.diameter, geometry.groove("inner"), geometry.groove("outer")
+    lead, *factors = THRUST if is_thrust(geometry.contact_angle) else BALLS
+    gamma, share = _share(geometry, 0.7)
+    h = lead * ((1.0 - gamma) / (1.0 + gamma)) ** 1.72 * (r_i / r_e * (2.0 * r_e - D) / (2.0 * r_i - D)) ** 0.41
     ratings = [
-        C / (factor * Z * c) * (1.0 + h ** (sign * 10.0 / 3.0)) ** 0.3 for factor, sign in ((0.407, 1.0), (0.389, -1.0))
+        C / (factor * share) * (1.0 + h**power) ** 0.3 for factor, power in zip(factors, (10 / 3, -10 / 3), strict=True)
     ]
     powers = (TURNS, STANDS) if turning == "inner" else (STANDS, TURNS)
     harm, worst = 0.0, []
@@ -133,6 +142,14 @@ def _of_balls(geometry: BallGeometry, C: float, inner: np.ndarray, outer: np.nda
         harm += float(np.sum((loads / rating) ** (10.0 / 3.0)))
         worst.append(float(loads.max()))
     return ReferenceLife(harm**-0.9, C, *ratings, *worst)
+
+
+def _share(geometry: BallGeometry | RollerGeometry, power: float) -> tuple[float, float]:
+    """gamma, and Z times the part of an element's load along that of the bearing: Z i^power cos(alpha), or Z sin(alpha)
+    of a thrust bearing."""
+    alpha, Z = abs(geometry.contact_angle), geometry.elements
+    along = np.sin(alpha) if is_thrust(alpha) else geometry.rows**power * np.cos(alpha)
+    return float(geometry.diameter * np.cos(alpha) / geometry.pitch_diameter), float(Z * along)
 
 
 def edge_factor(count: int) -> np.ndarray:
@@ -147,12 +164,13 @@ def _of_rollers(
     geometry: RollerGeometry, C: float, inner: np.ndarray, outer: np.ndarray, turning: str,
     edges: Callable[[int], np.ndarray] = edge_factor,
 ) -> ReferenceLife:  # fmt: skip
-    c, rows = float(np.cos(geometry.contact_angle)), geometry.rows
-    gamma, Z = geometry.diameter * c / geometry.pitch_diameter, geometry.elements * rows ** (7.0 / 9.0) * c
-    h = 1.038 * ((1.0 - gamma) / (1.0 + gamma)) ** (143.0 / 108.0)
+    thrust = is_thrust(geometry.contact_angle)
+    (lead, *factors), uniform = (THRUST, UNIFORM_THRUST) if thrust else (ROLLERS, UNIFORM)
+    gamma, share = _share(geometry, 7.0 / 9.0)
+    h = lead * ((1.0 - gamma) / (1.0 + gamma)) ** (143.0 / 108.0)
     ratings = [
-        C / (UNIFORM * factor * Z) * (1.0 + h ** (sign * 4.5)) ** (2.0 / 9.0)
-        for factor, sign in ((0.378, 1.0), (0.364, -1.0))
+        C / (uniform * factor * share) * (1.0 + h**power) ** (2.0 / 9.0)
+        for factor, power in zip(factors, (4.5, -4.5), strict=True)
     ]
     powers = (TURNS_LINE, STANDS_LINE) if turning == "inner" else (STANDS_LINE, TURNS_LINE)
     harm, worst = 0.0, []

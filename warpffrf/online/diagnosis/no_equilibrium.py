@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.bearings.bearing import loose_ring, not_guided
+from warpffrf.model.bearings.bearing import loose_ring, not_guided, swivelling
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.checks.scene import connecting
 from warpffrf.model.contact import Contact
@@ -40,7 +40,7 @@ def not_found(engine: Engine) -> tuple[Status, str]:
         return Status.NO_EQUILIBRIUM, f"no body moves any more, and yet the forces do not balance{STATIC_CURE}"
     body = engine.scene.bodies[int(np.argmax(moves))]
     parts = engine.scene.bearings, connecting(engine.scene), body
-    loose = loose_ring(*parts) or not_guided(*parts)
+    loose = loose_ring(*parts) or not_guided(*parts) or swivelling(*parts)
     if engine.unconverged and not loose:
         moving = f"in its last step body {body.name!r} still moves by {moves.max():.3g} m, {engine.unconverged}"
         return Status.NOT_CONVERGED, f"the iteration did not converge: {moving}{NEARER}"

@@ -22,7 +22,7 @@ from warpffrf.model.bearings.modified_life import (
     modified_life,
     static_safety,
 )
-from warpffrf.model.bearings.rating import static_load_factors
+from warpffrf.model.bearings.rating import is_thrust, static_load_factors
 from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
 from warpffrf.model.oils import Oil
@@ -337,9 +337,8 @@ class BearingResult(reprs.Shown):
 
     def reference_life(self, capacity: float | None = None, row: int = -1, *, turning: str = "inner") -> ReferenceLife:
         """Reference rating life of ISO/TS 16281 from the loads of the balls, or of the rollers' laminae, at the saved
-        step `row` (`model.bearings.bearing`); capacity [N], None for `dynamic_rating` of the geometry; turning: the
-        ring that rotates relative to the load. Raises `InputError` for rollers in distributed contact, which have no
-        laminae."""
+        step `row`; capacity [N], None for `dynamic_rating` of the geometry; turning: the ring that rotates relative to
+        the load. Raises `InputError` for rollers in distributed contact, which have no laminae."""
         capacity = self.geometry.dynamic_rating if capacity is None else capacity
         if isinstance(self.geometry, BallGeometry):
             return reference_life(self.geometry, capacity, self.inner_load[row], self.outer_load[row], turning=turning)
@@ -358,7 +357,8 @@ class BearingResult(reprs.Shown):
         found = self.reference_life(capacity, row, turning=turning)
         static_capacity = self.geometry.static_rating if static_capacity is None else static_capacity
         limit = fatigue_load_limit(self.kind, static_capacity, self.geometry.pitch_diameter)
-        return modified_life(self.kind, found, limit, kappa, contamination, reliability=reliability)
+        thrust = is_thrust(self.geometry.contact_angle)
+        return modified_life(self.kind, found, limit, kappa, contamination, reliability=reliability, thrust=thrust)
 
     def duty_life(
         self, shares: ArrayLike, speed: ArrayLike, capacity: float | None = None,

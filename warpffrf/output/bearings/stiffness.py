@@ -11,9 +11,18 @@ the inner ring,
 central differences of equilibria, of second order in h. Torques are about the centre that moves with the ring. K is
 symmetric, because forces have a potential, except for rotations, which do not commute: an existing torque M leaves
 entries of its size there. `asymmetry` measures the deviation as a check. Contact laws are those of the machine: the
-Hertz stiffness is not updated at the displaced pose. Elements are in equilibrium under contact forces alone: friction,
-rolling resistance, gravity, other loads on them and centrifugal forces are neglected, and `left_out` names those that
-are present.
+Hertz stiffness is not updated at the displaced pose.
+
+**At speed.** With the normal forces N_c of the saved step in lumped contact, at x_c, an element has the force and
+torque
+
+    F = -sum N_c,      M = -sum (x_c - x) x N_c,
+
+which are its inertia, centrifugal and gyroscopic, the friction of rings and pockets that provides the gyroscopic
+moment, gravity and other loads. They keep their values while the ring is displaced. Their change is neglected: of the
+centrifugal force it is m w_c^2, a millionth of the stiffness of contacts, and what the contact angle changes of w_c, a
+thousandth; `left_out` names friction and rolling resistance where they act. Elements in distributed contact are in
+equilibrium under contact forces alone, and `left_out` names what else acts on them.
 """
 
 from __future__ import annotations
@@ -29,6 +38,7 @@ from warpffrf.model.bearings import Bearing
 from warpffrf.model.bodies import GROUND_INDEX, Body, Ground
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
+from warpffrf.model.forces import PointForce, PointTorque
 from warpffrf.model.joints import Fixed
 from warpffrf.model.laws.lumped import HertzPoint, PowerForce
 from warpffrf.model.lumped_contact import LumpedContact
@@ -39,6 +49,7 @@ MOVE = 1e-3  # of the largest approach under load: far above the equilibrium tol
 LEAST = 1e-9  # m
 SOFTEST = 0.1  # smallest root of a diagonal entry for scaling, of the largest of its kind: zero about the axis
 SIDES = ("inner", "outer")
+BALANCED = 1e-6  # of the largest contact force, and times a diameter: what equilibria leave unbalanced is no load
 
 
 @dataclass(frozen=True)
@@ -46,8 +57,8 @@ class BearingStiffness:
     """`matrix` (6, 6) N/m, N/rad, N m/m, N m/rad: derivative of the force and of the torque about the bearing's centre
     that displace the inner ring, with respect to its displacement and rotation against the outer ring, in the bearing's
     frame; symmetric part. `asymmetry`: largest difference of a pair of entries, scaled by the roots of the diagonal.
-    `left_out`: effects on the elements in that state that are not in the stiffness, as text. `reason`: why both are
-    NaN, if they are."""
+    `left_out`: effects on the elements in that state whose change is not in the stiffness, as text. `reason`: why both
+    are NaN, if they are."""
 
     matrix: np.ndarray
     asymmetry: float
@@ -86,15 +97,18 @@ def _unknown(why: str) -> BearingStiffness:
 
 
 def _left_out(scene: Scene, bearing: Bearing, history: History, row: int) -> tuple[str, ...]:
-    """Effects on the elements at a saved step other than contact forces."""
+    """Effects on the elements at a saved step that the stiffness neglects."""
     loads = [port.body for load in scene.forces for port in load.ports]
     present = {
         "friction": any(contact.friction.acts for contact in bearing.contacts.values()),
         "rolling resistance": any(getattr(c, "rolling_resistance", None) for c in bearing.contacts.values()),
-        "gravity": bool(np.any(scene.gravity)),
-        "forces on elements": any(body is element for body in loads for element in bearing.elements),
-        "centrifugal forces": any(np.any(history.bodies[e.name].velocity[row]) for e in bearing.elements),
     }
+    if any(isinstance(contact, Contact) for contact in bearing.contacts.values()):
+        present |= {
+            "gravity": bool(np.any(scene.gravity)),
+            "forces on elements": any(body is element for body in loads for element in bearing.elements),
+            "centrifugal forces": any(np.any(history.bodies[e.name].velocity[row]) for e in bearing.elements),
+        }
     return tuple(what for what, acts in present.items() if acts)
 
 
@@ -183,4 +197,25 @@ def _alone(scene: Scene, name: str, history: History, row: int) -> Scene:
         if isinstance(contact.law, HertzPoint):
             law = laws[contact.name]
             contact.law = PowerForce(law.stiffness, law.exponent, shear=law.shear)
+    if not alone.contacts:
+        _add_loads(alone, bearing, history, row)
     return alone
+
+
+def _add_loads(alone: Scene, bearing: Bearing, history: History, row: int) -> None:
+    """Add to the elements what balances their normal forces at the saved step."""
+    known = {contact.name: history.lumped_contacts[contact.name] for contact in alone.lumped_contacts}
+    least = BALANCED * max(float(each.normal_force[row]) for each in known.values())
+    for element in bearing.elements:
+        force, torque = np.zeros(3), np.zeros(3)
+        for contact in alone.lumped_contacts:
+            if element not in (contact.a.body, contact.b.body):
+                continue
+            one = known[contact.name]
+            normal = (one.friction_force[row] - one.force[row]) * (1.0 if contact.a.body is element else -1.0)
+            force += normal
+            torque += np.cross(one.place[row] - element.position, normal)
+        if np.linalg.norm(force) > least:
+            alone.add(PointForce(element, force, name=f"inertia and loads of {element.name}"))
+        if np.linalg.norm(torque) > least * bearing.geometry.diameter:
+            alone.add(PointTorque(element, torque, name=f"moments of {element.name}"))

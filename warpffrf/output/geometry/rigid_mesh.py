@@ -368,6 +368,9 @@ def _ring(description: dict[str, Any], geometry: Any, side: str, body: BodyView)
     line: Lines = []
     at = low
     for shape, begin, stop in _raceways(description, geometry, side, body, center, (low, high)):
+        begin = max(begin, at)  # two rows in one sphere overlap
+        if stop <= begin:
+            continue
         off = float((center - shape.axis_point) @ shape.e_a)
         r, z = _line(shape, begin + off, stop + off)
         land = _land(geometry, sign, float(r[0]) if begin > at else float(r[-1]))

@@ -13,11 +13,14 @@ from warpffrf.output.plots.colors import HEADROOM, from_zero, instant
 
 INNER, OUTER = "#d1495b", "#1b6ca8"
 MOST_NAMED = 12  # curves in a legend
+RADII, BELOW_RIM = 4, 0.85  # circles, whose labels stand along one radius; of the rim, where the angles are
 
 
 def load_zone(bearing: BearingResult, ax: Any, row: int) -> None:
     """Loads on the inner and the outer ring at the angular positions of the elements, a line of each row; the first
     element is at the bottom."""
+    from matplotlib.ticker import MaxNLocator
+
     if not hasattr(ax, "set_theta_zero_location"):
         raise InputError("plot: 'load_zone' is drawn on polar axes; leave ax out, or make it with projection='polar'")
     angle, inner, outer = bearing.angle[row], bearing.inner_load[row] * 1e-3, bearing.outer_load[row] * 1e-3
@@ -29,7 +32,10 @@ def load_zone(bearing: BearingResult, ax: Any, row: int) -> None:
             ax.plot(*line, "os"[i] + style, color=color, label=label, markersize=4)
     ax.set_theta_zero_location("S")
     ax.set_xticks(np.unique(np.round(np.mod(np.round(angle, 9), 2.0 * np.pi), 6)))
-    ax.set_ylim(0.0, HEADROOM * max(float(outer.max()), float(inner.max())) or 1.0)
+    top = HEADROOM * max(float(outer.max()), float(inner.max())) or 1.0
+    ax.set_ylim(0.0, top)
+    circles = np.asarray(MaxNLocator(RADII).tick_values(0.0, top))
+    ax.set_yticks(circles[(circles > 0.0) & (circles < BELOW_RIM * top)])
     ax.set_rlabel_position(
         np.degrees(angle[np.argmax(outer)] + np.pi * (1.0 + 1.0 / len(angle)))
     )  # away from the loads

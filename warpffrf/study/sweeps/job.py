@@ -24,6 +24,7 @@ NaN.
 
 from __future__ import annotations
 
+import inspect
 import logging
 import platform
 import re
@@ -149,7 +150,7 @@ class Job:
 
     def answer(self, number: int, row: Row, device: str | None) -> Answer:
         """Run one row."""
-        return self._answer(number, lambda: self._run(row, device))
+        return self._answer(number, row, lambda: self._run(row, device))
 
     def _run(self, row: Row, device: str | None) -> Ran:
         """A row: its result, the seconds of its set-up, and the device."""
@@ -181,15 +182,15 @@ class Job:
         share = (time.perf_counter() - begin) / len(rows)
         seconds = (seconds + float(results[0].history.counters.get("build_seconds", 0.0))) / len(rows)
         found = []
-        for (number, _), result in zip(rows, results, strict=True):
-            answer = self._answer(number, partial(tuple, (result, seconds, device)))
+        for (number, row), result in zip(rows, results, strict=True):
+            answer = self._answer(number, row, partial(tuple, (result, seconds, device)))
             answer.wall_seconds += share
             answer.worlds = len(rows)
             found.append(answer)
         return found
 
-    def _answer(self, number: int, run: Callable[[], Ran]) -> Answer:
-        """Answer from the result of `run`."""
+    def _answer(self, number: int, row: Row, run: Callable[[], Ran]) -> Answer:
+        """Answer for a row from the result of `run`."""
         begin = time.perf_counter()
         answer = Answer(number, "", host=socket.gethostname())
         answer.versions = ", ".join(f"{name} {version}" for name, version in versions().items())
@@ -198,7 +199,7 @@ class Job:
             if result.status == Status.INTERRUPTED:
                 raise KeyboardInterrupt
             answer.device = chosen_device(device)
-            self._read(answer, result)
+            self._read(answer, row, result)
             answer.status, answer.message = str(result.status), result.message
         except NoQuantity as error:
             answer.status, answer.message = NO_QUANTITY, str(error)
@@ -210,8 +211,8 @@ class Job:
         answer.wall_seconds = time.perf_counter() - begin
         return answer
 
-    def _read(self, answer: Answer, result: Result) -> None:
-        found = {name: output.of(name, result) for name, output in self.outputs.items()}
+    def _read(self, answer: Answer, row: Row, result: Result) -> None:
+        found = {name: output.of(name, row, result) for name, output in self.outputs.items()}
         if any(TIME in value.dims for value in found.values()):
             answer.time = np.asarray(result.time, dtype=float)
         if self.error_budget:
@@ -299,8 +300,8 @@ class Named:
     quantity: str
     reduction: str
 
-    def of(self, name: str, result: Any) -> Value:
-        """The value in a run. Raises `NoQuantity` if the run does not have it."""
+    def of(self, name: str, row: Row, result: Any) -> Value:
+        """The value in the run of a row. Raises `NoQuantity` if the run does not have it."""
         found = quantity(result, self.quantity)
         if not self.reduction:
             return Value(found.values, (TIME, *found.dims), found.units, found.frame)
@@ -312,24 +313,35 @@ class Named:
 
 @dataclass(frozen=True)
 class Asked:
-    """Value of a user function, called `title`, of a result: a number or an array."""
+    """Value of a user function, called `title`, of a result, or of a result and the parameters of its row: a number or
+    an array."""
 
     title: str
-    function: Callable[[Any], Any]
+    function: Callable[..., Any]
 
     @property
     def text(self) -> str:
         """The name with a hash of the function, which identifies it when a sweep is resumed."""
         return f"{self.title}, code {word_of(self.function)}"
 
-    def of(self, name: str, result: Any) -> Value:
-        """The value in a run. Raises `InputError` if the function returns neither a number nor an array of numbers."""
-        given = self.function(result)
+    def of(self, name: str, row: Row, result: Any) -> Value:
+        """The value in the run of a row. Raises `InputError` if the function returns neither a number nor an array of
+        numbers."""
+        given = self.function(result, dict(row)) if required_arguments(self.function) > 1 else self.function(result)
         try:
             array = np.asarray(given, dtype=float)
         except (TypeError, ValueError):
             raise InputError(f"output {name!r}: {self.title} must give a number or an array, got {given!r}") from None
         return Value(array, axes_of_function(name, array.ndim))
+
+
+def required_arguments(function: Callable[..., Any]) -> int:
+    """The number of positional arguments without defaults; 1 of functions that Python cannot inspect."""
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return 1
+    return sum(p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) and p.default is p.empty for p in parameters)
 
 
 def axes_of_function(name: str, count: int) -> tuple[str, ...]:

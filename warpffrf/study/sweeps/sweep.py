@@ -73,11 +73,11 @@ def sweep(
     "log:1e-3:1:4", a distribution as "normal(0.1, 0.02)" or one of scipy.stats. All combinations are run, or a `sample`
     "latin:64", "sobol:64", "random:64" or "saltelli:64", with another seed than 0 "latin:64:SEED"; or rows as they
     are, [{name: value}, ...] or a table of pandas. outputs: {name: what} or a list of texts; what is
-    "max(contact_peak_pressure[a-b])", a history by its name in `Result.to_dataframe`, or a function of a Result that
-    gives a number or an array (`warpffrf.study.sweeps.job`); "error_budget" is the error budget of each run. store: the
-    folder of the sweep, NAME.sweep. settings: "name=value" as of `--set`, for all rows. run: `wf.simulate`, `wf.static`
-    or `wf.equilibrium`, or functools.partial of one of them with arguments, which prevail over those that come with the
-    scene; None: what comes with the scene.
+    "max(contact_peak_pressure[a-b])", a history by its name in `Result.to_dataframe`, or a function of a Result, or of
+    a Result and the row's parameters {name: value}, that gives a number or an array (`warpffrf.study.sweeps.job`);
+    "error_budget" is the error budget of each run. store: the folder of the sweep, NAME.sweep. settings: "name=value"
+    as of `--set`, for all rows. run: `wf.simulate`, `wf.static` or `wf.equilibrium`, or functools.partial of one of
+    them with arguments, which prevail over those that come with the scene; None: what comes with the scene.
 
     workers: number of processes of this machine; or the device of each, ["cuda:0", "cuda:1"]; or a
     `distributed.Client`, the address of its scheduler "tcp://HOST:8786", or another executor with the `submit` of
