@@ -35,6 +35,7 @@ class Bearing(reprs.Shown):
     "pocket_1", "cage_axle", "inner_seat" of a ring that is mounted on an interface; forces: "preload_inner",
     "preload_outer". name: as given; element_surface: name of the surface of each element. cage: its body, drive: of its
     speed, None without. geometry: as given; place: its position and axes; materials: of the elements and of the rings.
+    distributed: numbers, from 1, of the flexible elements where others are rigid, else None.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Bearing(reprs.Shown):
     joints: dict[str, Joint] = field(default_factory=dict)
     forces: dict[str, PointForce] = field(default_factory=dict)
     element_surface: str = ELEMENT_SURFACE
+    distributed: tuple[int, ...] | None = None
 
     def _facts(self) -> dict[str, Any]:
         return {
