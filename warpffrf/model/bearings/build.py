@@ -176,7 +176,7 @@ def add_bearing(
         bearing, kind = Bearing(name, "roller", geometry, place, of.both), _rollers(geometry, of, (inner, outer))
     rigid = RigidElements(ELEMENT_SURFACE, kind.element)
     elements, law = checked_elements(label, of.element_body, rigid, geometry, kind.surfaces), contact.law
-    if contact.distributed != "all":
+    if contact.distributed != "all" or contact.load is not None:
         elements, law = mixed(label, elements, bearing, contact, (inner, outer), cage)
     assemble(
         scene, bearing, rings={"inner": inner, "outer": outer}, offset=sense * pressed.offset(label),

@@ -76,12 +76,14 @@ def mixed(
             f"{name}: the elements are rigid; give the body of those with distributed contact, "
             "materials=Materials(element_body=...)"
         )
-    moduli = [_modulus(ring) for ring in rings]
+    moduli = [_modulus(ring, bearing.materials[1]) for ring in rings]
     if all(np.isfinite(moduli)):
         raise InputError(
             f"{name}: both rings are flexible, where all contacts are distributed and rigid elements would be too "
             'stiff; make one ring rigid, or leave distributed="all"'
         )
+    if contact.load is not None and contact.distributed != "auto":
+        raise InputError(f'{label}: RollingContact: load is of distributed="auto"; leave it out')
     law, tables = contact.law, None
     if law is None or contact.distributed == "auto":
         tables = _tables(label, elements, bearing, moduli)
@@ -93,7 +95,7 @@ def mixed(
                 "those whose pressure is wanted, distributed=(1,)"
             )
         assert tables is not None
-        chosen = _most_loaded(name, bearing, contact.load, tables)
+        chosen, bearing.load = _most_loaded(name, bearing, contact.load, tables)
     else:
         chosen = _named(name, contact.distributed, len(bearing.geometry.places))
     bearing.distributed = chosen
@@ -114,11 +116,10 @@ def _named(name: str, given: Any, count: int) -> tuple[int, ...]:
     return tuple(sorted(set(numbers)))
 
 
-def _modulus(ring: Any) -> float:
+def _modulus(ring: Any, material: Material) -> float:
     """E/(1 - nu^2) [Pa] of a ring, infinite of a rigid one."""
     port = ring[0] if isinstance(ring, (tuple, list)) else ring
-    far = getattr(port.surface, "far", None) if isinstance(port, SurfacePort) else None
-    return np.inf if far is None else _plane_strain(far)
+    return material.plane_strain_modulus if isinstance(port, SurfacePort) and not port.rigid else np.inf
 
 
 def _plane_strain(far: FarField) -> float:
@@ -205,12 +206,14 @@ def _at_ends(far: Any, length: float) -> float:
 
 def _most_loaded(
     name: str, bearing: Bearing, load: Any, tables: tuple[TabulatedForce, TabulatedForce]
-) -> tuple[int, ...]:
-    """Numbers, from 1, of the elements that carry `SHARE` of the largest load or more. Raises `InputError`."""
+) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    """Numbers, from 1, of the elements that carry `SHARE` of the largest load or more, and the load [N]. Raises
+    `InputError`."""
     geometry = bearing.geometry
     if load is None:
         raise InputError(f'{name}="auto" requires load=, the force (3,) [N] on the inner ring, world axes')
-    force = bearing.place.axes @ require_array(load, f"{name}: load [N]", (3,))
+    given = require_array(load, f"{name}: load [N]", (3,))
+    force = bearing.place.axes @ given
     balls = isinstance(geometry, BallGeometry)
     angle, rows = geometry.contact_angle, [geometry.tracks[row] for _, row in geometry.contacts]
     around = np.array([geometry.places[i][0] for i, _ in geometry.contacts])
@@ -251,4 +254,4 @@ def _most_loaded(
         )
     loads = np.zeros(len(geometry.places))
     np.maximum.at(loads, [i for i, _ in geometry.contacts], np.maximum(compressed(found.x)[0], 0.0) ** power)
-    return tuple((np.flatnonzero(loads >= SHARE * loads.max()) + 1).tolist())
+    return tuple((np.flatnonzero(loads >= SHARE * loads.max()) + 1).tolist()), tuple(given.tolist())

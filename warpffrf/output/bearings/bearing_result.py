@@ -131,15 +131,27 @@ class BearingResult(reprs.Shown):
 
     @cached_property
     def peak_pressure(self) -> dict[str, np.ndarray]:
-        """ "inner" and "outer" -> (T, Z) Pa: Hertz peak pressure at the load for lumped contact, the largest computed
-        pressure for distributed contact."""
-        pairs = self.history.contacts
-        return {
-            side: self._patches(side).peak_pressure
-            if self._lumped(side)
-            else np.stack([pairs[name].pressure.max(axis=(1, 2)) for name in self._names(side)], axis=1)
-            for side in SIDES
-        }
+        """ "inner" and "outer" -> (T, Z) Pa: Hertz peak pressure at the load for lumped contact, and for rigid elements
+        among flexible ones, the largest computed pressure for distributed contact."""
+        return {side: self._patches(side).peak_pressure if self._lumped(side) else self._peaks(side) for side in SIDES}
+
+    def _peaks(self, side: str) -> np.ndarray:
+        """`peak_pressure` of distributed contact; of rigid elements among flexible ones Hertz's at their load, which is
+        that of a flexible one, rollers as wide as long."""
+        pairs, rigid = self.history.contacts, self.description.get("rigid_elements")
+        found = np.zeros(self._loads(side).shape)
+        for i, name in enumerate(self._names(side)):
+            if name in pairs:
+                found[:, i] = pairs[name].pressure.max(axis=(1, 2))
+        if rigid is not None:
+            at = rigid["columns"]
+            load, modulus = self._loads(side)[:, at], float(rigid["moduli"][side])
+            if isinstance(self.geometry, BallGeometry):
+                angle = np.nan_to_num(self._angles(side)[:, at])
+                found[:, at] = ball_patches(self.geometry, side, load, angle, modulus).peak_pressure
+            else:
+                found[:, at] = lamina_pressure(self.geometry, side, load[..., None], modulus)[..., 0]
+        return found
 
     @cached_property
     def lamina_load(self) -> dict[str, np.ndarray]:
