@@ -77,6 +77,7 @@ def compute(*cases: str) -> list[list[str]]:
     for name in cases:
         if name not in CASES:
             raise wf.InputError(f"there is no case {name!r}; choose from {', '.join(CASES)}")
+    wf.equilibrium(p8(False)[0], progress=False)  # loads the kernels
     meshes = (True, False)
     return [row for name in cases or CASES for coarse in meshes for row in rows_of(name, coarse=coarse)]
 
@@ -85,13 +86,12 @@ def page(rows: list[list[str]]) -> str:
     """The study."""
     return f"""# Bearings of flexible and rigid elements
 
-Made by `python -m studies mixed_bearings`; do not edit.
-
-Bearings of the study of [flexible bearings](flexible_bearings.md) with some elements flexible, in distributed contact, and
-the others rigid, in lumped contact of the same stiffness: those that `RollingContact(distributed="auto", load=...)` chooses,
-and element 1 alone. Errors are differences from the bearing whose elements are all flexible: loads of all elements over the
-largest one; peak pressures of the flexible elements, and Hertz's that `peak_pressure` has of rigid ones, over the largest one.
-Seconds are those of one core for the equilibrium. Under thrust all loads are alike, and "auto" chooses all. Hertz's
-pressures on a flexible ring that is wider than the rollers do not contain the peaks at their ends.
+Bearings of the study of [flexible bearings](flexible_bearings.md) with some elements flexible, in distributed
+contact, and the others rigid, in lumped contact of the same stiffness: those that `RollingContact(distributed="auto",
+load=...)` chooses, and element 1 alone. Errors are differences from the bearing whose elements are all flexible:
+loads of all elements over the largest one; peak pressures of the flexible elements, and Hertz's that `peak_pressure`
+has of rigid ones, over the largest one. Seconds are those of one core for the equilibrium. Under thrust all loads are
+alike, and "auto" chooses all. Hertz's pressures on a flexible ring that is wider than the rollers do not contain the
+peaks at their ends.
 
 {table(HEAD, rows)}"""

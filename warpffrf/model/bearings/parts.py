@@ -26,6 +26,7 @@ alpha_0, rings that are pressed by u along the axis have
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -263,7 +264,7 @@ class RollingContact:
     distributed contact has the friction of pivoting in its tractions.
 
     distributed: of `Materials(element_body=)`, the elements that are flexible: "all", numbers of elements from 1 on,
-    (1, 2, 14), or "auto", those that carry a quarter of the largest load or more under `load` (3,) [N], the force on
+    (1, 2, 14), or "auto", those that carry half of the largest load or more under `load` (3,) [N], the force on
     the inner ring, world axes, between rigid rings that move in parallel. The others are rigid, with lumped contact of
     the same stiffness, or of `law` where it is given (`warpffrf.model.bearings.mixed`).
     """
@@ -272,7 +273,7 @@ class RollingContact:
     friction: FrictionLike = 0.0
     rolling_resistance: RollingResistance | None = None
     spin: bool = False
-    distributed: str | tuple[int, ...] = "all"
+    distributed: str | Sequence[int] = "all"
     load: Vector | None = None
 
 

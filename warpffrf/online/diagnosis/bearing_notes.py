@@ -29,15 +29,14 @@ def bearing_notes(scene: Scene, history: History) -> list[str]:
 
 def _mixed(bearing: Bearing, history: History) -> list[str]:
     """Of a bearing with flexible and rigid elements: which are rigid and why, and those with large loads."""
-    kind, count = f"{bearing.kind}s", len(bearing.elements) - len(bearing.distributed or ())
-    numbers = ", ".join(map(str, bearing.distributed or ()))
-    why = "are named in distributed="
+    kind, chosen = f"{bearing.kind}s", bearing.distributed or ()
+    why = "as named in distributed="
     if bearing.load is not None:
         at = ", ".join(f"{x:.6g}" for x in bearing.load)
-        why = f"carry a quarter of the largest load or more under ({at}) N between rigid rings"
+        why = f"with half of the largest load or more under ({at}) N between rigid rings"
     note = (
-        f"bearing {bearing.name!r}: {kind} {numbers} {why} and have distributed contact; the other {count} are rigid, "
-        "with lumped contact of the same stiffness"
+        f"bearing {bearing.name!r}: distributed contact of {kind} {', '.join(map(str, chosen))}, {why}; the other "
+        f"{len(bearing.elements) - len(chosen)} are rigid, with lumped contact of the same stiffness"
     )
     flexible = [ring.name for ring in (bearing.inner, bearing.outer) if ring.reduced is not None]
     if flexible:
@@ -55,13 +54,13 @@ def _mixed(bearing: Bearing, history: History) -> list[str]:
                 else (np.linalg.norm(history.contacts[contact.name].force, axis=1))
             )
             largest[i + 1] = max(largest.get(i + 1, 0.0), float(force.max(initial=0.0)))
-    most = max(load for i, load in largest.items() if i in (bearing.distributed or ()))
+    most = max(load for i, load in largest.items() if i in chosen)
     heavy = {i: load for i, load in largest.items() if load > MORE * most}
     if not heavy:
         return [note]
     return [
         note,
-        f"bearing {bearing.name!r}: {kind} {', '.join(map(str, heavy))} are rigid and carry up to "
+        f"bearing {bearing.name!r}: rigid {kind} {', '.join(map(str, heavy))} carry up to "
         f"{max(heavy.values()):.5g} N, those with distributed contact {most:.5g} N; name them in distributed=",
     ]
 
