@@ -45,13 +45,13 @@ def ball() -> wf.ReducedBody:
     return ball_of(8, 1, 2)
 
 
-def rollers(count: int, pitch: float = 0.064, **more: float) -> wf.bearings.RollerGeometry:
+def rollers(count: int, pitch: float = 0.064, **more: Any) -> wf.bearings.RollerGeometry:
     return wf.bearings.RollerGeometry(
         elements=count, roller_diameter=D, roller_length=LENGTH, pitch_diameter=pitch, **more
     )
 
 
-def balls(count: int, **more: float) -> wf.bearings.BallGeometry:
+def balls(count: int, **more: Any) -> wf.bearings.BallGeometry:
     return wf.bearings.BallGeometry(elements=count, ball_diameter=D, pitch_diameter=0.064, **more)
 
 
@@ -76,7 +76,7 @@ def test_a_load_chooses_those_with_half_of_the_largest(roller: wf.ReducedBody, b
     rows = balls(8, contact_angle=0.5, rows=2, row_spacing=0.012)
     found = bearing(rows, ball, **down | {"load": (0, 1e3, 0)}).distributed
     assert found in (tuple(range(1, 9)), tuple(range(9, 17)))  # thrust is on one row alone
-    named = bearing(rollers(14), roller, distributed=(3, 1))
+    named = bearing(rollers(14), roller, distributed=np.array([3, 1]))
     assert named.distributed == (1, 3) and named.load is None
     assert [element.reduced is not None for element in named.elements[:4]] == [True, False, True, False]
     assert named.elements[1].mass == pytest.approx(roller.mass)

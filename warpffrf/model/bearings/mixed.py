@@ -157,7 +157,8 @@ class Softness:
 
 def _tables(label: str, elements: FlexibleElements, bearing: Bearing, moduli: list[float]) -> tuple[Any, Any]:
     """Laws on the inner and on the outer ring."""
-    surface, geometry = elements.body.contact_surfaces[elements.surface], bearing.geometry
+    surface: Any = elements.body.contact_surfaces[elements.surface]
+    geometry = bearing.geometry
     length = 0.0 if isinstance(geometry, BallGeometry) else float(np.ptp(surface.grid.z))
     beyond = _beyond_half_space(label, elements.body, surface, length)
     soft, nu = Softness(surface.far, bearing, length, beyond), surface.far.poisson_ratio
@@ -166,7 +167,7 @@ def _tables(label: str, elements: FlexibleElements, bearing: Bearing, moduli: li
     made = []
     for own, other, E in zip(parts, parts[::-1], moduli[::-1], strict=True):
         whole = own + other if np.isfinite(E) else own  # with what the other, flexible one lacks
-        table = {"approaches": (0.0, *whole.tolist()), "forces": (0.0, *force.tolist())}
+        table: dict[str, Any] = {"approaches": (0.0, *whole.tolist()), "forces": (0.0, *force.tolist())}
         shear = 2.0 * (1.0 - nu) / (2.0 - nu)
         made.append(
             TabulatedLine(**table, shear=shear, length=length) if length else TabulatedForce(**table, shear=shear)

@@ -276,6 +276,10 @@ class RollingContact:
     distributed: str | Sequence[int] = "all"
     load: Vector | None = None
 
+    def __post_init__(self) -> None:
+        if isinstance(self.distributed, np.ndarray):  # which does not compare with a text
+            object.__setattr__(self, "distributed", tuple(self.distributed.tolist()))
+
 
 def contact_of(
     element: SurfacePort, ring: SurfacePort, law: LumpedLaw, rolling: RollingContact, name: str
