@@ -178,15 +178,9 @@ def test_one_flexible_roller_travels_among_rigid_ones() -> None:
 
 
 def test_two_flexible_rings_are_refused(roller: wf.ReducedBody) -> None:
-    sizes = {"sectors": 8, "axial": 1, "layers": 1, "order": 1}
-    ring = wf.reduce(
-        wf.mesh.sleeve(0.022, 0.028, LENGTH, **sizes), STEEL, contact={"bore": wf.surfaces.Bore()}, modes=2,
-        cache=False, progress=False,
-    )  # fmt: skip
-    shaft = wf.reduce(
-        wf.mesh.roller(0.012, 0.0, LENGTH, **sizes), STEEL, contact={"rim": wf.surfaces.Cylinder()}, modes=2,
-        cache=False, progress=False,
-    )  # fmt: skip
+    sizes = {"sectors": 8, "axial": 1, "layers": 1}
+    ring = reduced(wf.mesh.sleeve(0.022, 0.028, LENGTH, **sizes), "bore", wf.surfaces.Bore(), "rigid")
+    shaft = reduced(wf.mesh.roller(0.012, 0.0, LENGTH, **sizes), "rim", wf.surfaces.Cylinder())
     scene = wf.Scene()
     outer, inner = (scene.add_body(body, name=name) for body, name in ((ring, "outer"), (shaft, "inner")))
     with pytest.raises(wf.InputError, match="both rings are flexible"):
