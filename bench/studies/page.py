@@ -33,6 +33,7 @@ MODULES = {
     "hertz_and_ripple": "studies.contact.straight_rollers",
     "inertia_levels": "studies.bodies.inertia_levels",
     "joint_bases": "studies.small_sliding.joint_bases",
+    "mixed_bearings": "studies.bodies.mixed_bearings",
     "oil_film": "studies.films.oil_film",
     "patch_cells": "studies.contact.patch_cells",
     "patch_rolling": "studies.rolling.patch_rolling",

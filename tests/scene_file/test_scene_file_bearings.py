@@ -131,6 +131,14 @@ spacing = 0.01
     text = BALL.replace('flanges = { kind = "flanges", clearance = 5e-5 }', 'element_body = "roller"')
     elements = loaded(tmp_path, text + roller).bearing("b").elements
     assert len({id(element.reduced) for element in elements}) == 1 and elements[0].reduced is not None
+    some = text.replace('element_body = "roller"', 'element_body = "roller"\ndistributed = [3, 1]')
+    with pytest.raises(InputError, match="has no far field.*reduce it with grid=ContactGrid"):
+        loaded(tmp_path, some + roller)
+    fine = roller.replace("spacing = 0.01", "contact_fixed = true").replace("order = 1", "order = 2")
+    assert loaded(tmp_path, some + fine).bearing("b").distributed == (1, 3)
+    by_load = some.replace("distributed = [3, 1]", 'distributed = "auto"\nload = [0, 0, -500.0]')
+    found = loaded(tmp_path, by_load + fine).bearing("b")
+    assert found.load == (0.0, 0.0, -500.0) and len(found.distributed or ()) == 4  # 18 and 54 deg from the load
     with pytest.raises(InputError, match=r"there is no 'rollers' in \[reduced_bodies\]; did you mean 'roller'"):
         loaded(tmp_path, text.replace('"roller"', '"rollers"').replace('kind = "rollers"', 'kind = "roller"') + roller)
 

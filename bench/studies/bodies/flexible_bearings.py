@@ -23,6 +23,7 @@ NAME = "bearing"
 WALL = 6 * MM  # of an outer ring behind the bottom of its raceway
 MODES = 6
 SUNK = 0.45  # of the way of the inner ring: elements
+PLAIN = wf.bearings.RollingContact()
 Made = tuple[wf.Scene, wf.bearings.Bearing]
 
 WHY = {
@@ -46,19 +47,20 @@ class Case:
     why: str = ""
 
 
-def roller_body() -> wf.ReducedBody:
+def roller_body(*, coarse: bool = False) -> wf.ReducedBody:
     """A solid roller of P10."""
-    mesh = wf.mesh.roller(5 * MM, 0.0, 9.6 * MM, sectors=24, layers=2, axial=4)
+    cells = {"sectors": 12, "layers": 1, "axial": 2} if coarse else {"sectors": 24, "layers": 2, "axial": 4}
+    mesh = wf.mesh.roller(5 * MM, 0.0, 9.6 * MM, **cells)
     return wf.reduce(
         mesh, E206, interfaces={"ends": "average"}, contact={"rim": wf.surfaces.Cylinder()}, modes=MODES,
         grid=wf.ContactGrid(contact_fixed=True), progress=False,
     )  # fmt: skip
 
 
-def ball_body(diameter: float, material: wf.Material) -> wf.ReducedBody:
+def ball_body(diameter: float, material: wf.Material, *, coarse: bool = False) -> wf.ReducedBody:
     """A ball of finite elements, its contact on a band in its middle."""
-    R = 0.5 * diameter
-    mesh = wf.mesh.roller(R, 0.0, 1.8 * R, crown_radius=R, sectors=16, layers=3, axial=2, tread=0.94 * R)
+    R, around, through = 0.5 * diameter, 12 if coarse else 16, 2 if coarse else 3
+    mesh = wf.mesh.roller(R, 0.0, 1.8 * R, crown_radius=R, sectors=around, layers=through, axial=2, tread=0.94 * R)
     return wf.reduce(
         mesh, material, interfaces={"ends": "average"}, contact={"tread": wf.surfaces.Sphere(axis_direction=(0, 1, 0))},
         modes=MODES, grid=wf.ContactGrid(contact_fixed=True), progress=False,
@@ -94,7 +96,7 @@ def p7(radial: float, axial: float, flexible: bool) -> Made:
     return loaded(scene, bearing, radial, axial)
 
 
-def p8(flexible: bool) -> Made:
+def p8(flexible: bool, contact: wf.bearings.RollingContact = PLAIN, *, coarse: bool = False) -> Made:
     """A 209 ball bearing."""
     scene = wf.Scene()
     bearing = scene.add_bearing(
@@ -102,13 +104,15 @@ def p8(flexible: bool) -> Made:
         wf.bearings.BallGeometry(
             elements=9, ball_diameter=12.7 * MM, pitch_diameter=64.9985 * MM, osculation=6.6 / 12.7, clearance=15 * UM,
         ),
-        first=(0, 0, -1), outer=scene.ground,
-        materials=wf.bearings.Materials(E206, element_body=ball_body(12.7 * MM, E206) if flexible else None),
+        first=(0, 0, -1), outer=scene.ground, contact=contact,
+        materials=wf.bearings.Materials(
+            E206, element_body=ball_body(12.7 * MM, E206, coarse=coarse) if flexible else None
+        ),
     )  # fmt: skip
     return loaded(scene, bearing, 8900.0, 0.0, near=40 * UM)
 
 
-def p9(flexible: bool) -> Made:
+def p9(flexible: bool, contact: wf.bearings.RollingContact = PLAIN, *, coarse: bool = False) -> Made:
     """A 218 angular-contact bearing."""
     scene = wf.Scene()
     bearing = scene.add_bearing(
@@ -117,15 +121,18 @@ def p9(flexible: bool) -> Made:
             elements=16, ball_diameter=22.23 * MM, pitch_diameter=125.3 * MM, osculation=0.5232,
             contact_angle=float(np.radians(40.0)),
         ),
-        first=(0, 0, -1), outer=scene.ground,
-        materials=wf.bearings.Materials(E206, element_body=ball_body(22.23 * MM, E206) if flexible else None),
+        first=(0, 0, -1), outer=scene.ground, contact=contact,
+        materials=wf.bearings.Materials(
+            E206, element_body=ball_body(22.23 * MM, E206, coarse=coarse) if flexible else None
+        ),
     )  # fmt: skip
     return loaded(scene, bearing, 0.0, 17800.0)
 
 
-def p10(*, rollers: bool, ring: bool) -> Made:
-    """A 209 roller bearing."""
+def p10(*, rollers: bool, ring: bool, contact: wf.bearings.RollingContact | None = None, coarse: bool = False) -> Made:
+    """A 209 roller bearing; contact: None for Palmgren's law between rigid parts."""
     scene, clearance, length = wf.Scene(), 40.6 * UM, 9.6 * MM
+    law = wf.bearings.RollingContact(law=wf.laws.PalmgrenLine(length, 3))
     bore = 0.5 * (64 * MM + 10 * MM) + 0.25 * clearance
     bearing = scene.add_bearing(
         NAME,
@@ -133,8 +140,8 @@ def p10(*, rollers: bool, ring: bool) -> Made:
             elements=14, roller_diameter=10 * MM, roller_length=length, pitch_diameter=64 * MM, clearance=clearance,
         ),
         first=(0, 0, -1), outer=in_housing(scene, roller_ring(bore), "bore") if ring else scene.ground,
-        contact=wf.bearings.RollingContact(law=wf.laws.PalmgrenLine(length, 3)),
-        materials=wf.bearings.Materials(E206, element_body=roller_body() if rollers else None),
+        contact=law if contact is None else contact,
+        materials=wf.bearings.Materials(E206, element_body=roller_body(coarse=coarse) if rollers else None),
     )  # fmt: skip
     return loaded(scene, bearing, 4450.0, 0.0, near=30 * UM)
 

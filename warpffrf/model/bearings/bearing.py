@@ -37,6 +37,8 @@ class Bearing(reprs.Shown):
     "pocket_1", "cage_axle", "inner_seat" of a ring that is mounted on an interface; forces: "preload_inner",
     "preload_outer". name: as given; element_surface: name of the surface of each element. cage: its body, drive: of its
     speed, None without. geometry: as given; place: its position and axes; materials: of the elements and of the rings.
+    distributed: numbers, from 1, of the flexible elements where others are rigid, else None; load: the force [N] by
+    which they were chosen, None where they are named.
     """
 
     name: str
@@ -53,6 +55,8 @@ class Bearing(reprs.Shown):
     joints: dict[str, Joint] = field(default_factory=dict)
     forces: dict[str, PointForce] = field(default_factory=dict)
     element_surface: str = ELEMENT_SURFACE
+    distributed: tuple[int, ...] | None = None
+    load: tuple[float, ...] | None = None
 
     def _facts(self) -> dict[str, Any]:
         return {
@@ -176,7 +180,16 @@ class Bearing(reprs.Shown):
             "contacts": {key: contact.name for key, contact in self.contacts.items()},
             "rings_first": [c.name for c in self.contacts.values() if c.a.body in (self.inner, self.outer)],
             "joints": {key: joint.name for key, joint in self.joints.items()},
+            "rigid_elements": None if self.distributed is None else {
+                "columns": [k for k, (i, _) in enumerate(self.geometry.contacts) if i + 1 not in self.distributed],
+                "moduli": {side: self._modulus(side) for side in SIDES},
+            },
         }  # fmt: skip
+
+    def _modulus(self, side: str) -> float:
+        """E* [Pa] of flexible elements and the ring of a side, which may be rigid."""
+        ring = getattr(self, side).reduced is not None
+        return 1.0 / sum(1.0 / m.plane_strain_modulus for m in self.materials[: 1 + ring])
 
     def _across(self, element: Body) -> float:
         """Moment of inertia [kg m2] of an element about the radial direction."""

@@ -16,9 +16,10 @@ import numpy as np
 from warpffrf.model import laws, surfaces
 from warpffrf.model.arguments import Vector
 from warpffrf.model.bearings.bearing import ELEMENT_SURFACE, Bearing
-from warpffrf.model.bearings.elements import STANDING, Cage, Elements, RigidElements, checked_elements
+from warpffrf.model.bearings.elements import STANDING, Cage, Elements, RigidElements, checked_elements, with_ends
 from warpffrf.model.bearings.flanges import Flanges
 from warpffrf.model.bearings.geometry import SIDES, BallGeometry, RollerGeometry, Track, pair
+from warpffrf.model.bearings.mixed import mixed
 from warpffrf.model.bearings.parts import (
     STEEL,
     AxialPreload,
@@ -96,8 +97,7 @@ def assemble(
     if bearing.inner is bearing.outer:
         raise InputError(f"bearing {bearing.name!r}: inner and outer are both {bearing.inner.name!r}; name two bodies")
     for i, ((angle, track), diameter) in enumerate(zip(geometry.places, geometry.diameters, strict=True), start=1):
-        named = f"{bearing.name} {bearing.kind} {i}"
-        bearing.elements.append(elements.add(scene, named, bearing, angle, track, float(diameter)))
+        bearing.elements.append(elements.add(scene, i, bearing, angle, track, float(diameter)))
     for i, (number, row) in enumerate(geometry.contacts, start=1):
         element = bearing.elements[number]
         for side, law in zip(SIDES, laws, strict=True):
@@ -175,10 +175,12 @@ def add_bearing(
     else:
         bearing, kind = Bearing(name, "roller", geometry, place, of.both), _rollers(geometry, of, (inner, outer))
     rigid = RigidElements(ELEMENT_SURFACE, kind.element)
+    elements, law = checked_elements(label, of.element_body, rigid, geometry, kind.surfaces), contact.law
+    if contact.distributed != "all" or contact.load is not None:
+        elements, law = mixed(label, elements, bearing, contact, (inner, outer), cage)
     assemble(
         scene, bearing, rings={"inner": inner, "outer": outer}, offset=sense * pressed.offset(label),
-        elements=checked_elements(label, of.element_body, rigid, geometry, kind.surfaces),
-        laws=checked_laws(label, contact.law, kind.law), contact=contact, cage=cage,
+        elements=elements, laws=checked_laws(label, law, kind.law), contact=contact, cage=cage,
     )  # fmt: skip
     pressed.press(scene, bearing, sense)
     if flanges is not None:
@@ -195,14 +197,13 @@ def _balls(of: Materials, place: Place) -> Kind:
 
 
 ROUND_OFF = 1e-6  # of the length of a roller
-EDGE = 0.005  # of the length of a roller: at its ends, where it drops by as much
 
 
 def _rollers(geometry: RollerGeometry, of: Materials, rings: tuple[Any, Any]) -> Kind:
     shaped, length = geometry, geometry.roller_length
     straight = geometry.profile is None and not geometry.taper
     if straight and any(_width(ring) > length * (1.0 + ROUND_OFF) for ring in rings):
-        shaped = replace(geometry, profile=_with_ends(length))
+        shaped = replace(geometry, profile=with_ends(length))
 
     def element(diameter: float, axis: np.ndarray, track: Track) -> tuple[float, Any, Any]:
         shape = shaped.roller(diameter, track, {"axis_point": (0.0, 0.0, 0.0), "axis_direction": axis})
@@ -216,9 +217,3 @@ def _width(ring: Any) -> float:
     """Of a flexible raceway along its axis [m]; 0 of others."""
     grid = ring.surface.grid if isinstance(ring, SurfacePort) else None
     return 0.0 if grid is None else float(np.ptp(grid.z))
-
-
-def _with_ends(length: float) -> tuple[np.ndarray, np.ndarray]:
-    """Table of a straight roller that drops within `EDGE` of its ends [m]."""
-    edge, half = EDGE * length, 0.5 * length
-    return np.array([-half, edge - half, half - edge, half]), np.array([edge, 0.0, 0.0, edge])

@@ -48,6 +48,13 @@ if TYPE_CHECKING:
 
 CENTRED = 1e-4  # of the diameter: tolerance of a mesh's centre of mass from the origin
 SAME = 1e-3  # of the diameter
+EDGE = 0.005  # of the length of a roller: at its ends, where it drops by as much
+
+
+def with_ends(length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Table of a straight roller that drops within `EDGE` of its ends [m]."""
+    edge, half = EDGE * length, 0.5 * length
+    return np.array([-half, edge - half, half - edge, half]), np.array([edge, 0.0, 0.0, edge])
 
 
 @dataclass(frozen=True)
@@ -57,8 +64,14 @@ class Elements(ABC):
     surface: str
 
     @abstractmethod
-    def add(self, scene: Scene, name: str, bearing: Bearing, angle: float, track: Track, diameter: float) -> Body:
-        """Add one of the diameter [m] in the row `track` at `angle` [rad] on the pitch circle to the scene."""
+    def add(self, scene: Scene, number: int, bearing: Bearing, angle: float, track: Track, diameter: float) -> Body:
+        """Add that of a number, from 1, of the diameter [m] in the row `track` at `angle` [rad] on the pitch circle to
+        the scene."""
+
+    @staticmethod
+    def name(number: int, bearing: Bearing) -> str:
+        """Of its body."""
+        return f"{bearing.name} {bearing.kind} {number}"
 
 
 @dataclass(frozen=True)
@@ -68,27 +81,42 @@ class RigidElements(Elements):
 
     of: Callable[[float, np.ndarray, Track], tuple[float, Any, Any]]
 
-    def add(self, scene: Scene, name: str, bearing: Bearing, angle: float, track: Track, diameter: float) -> Body:
+    def add(self, scene: Scene, number: int, bearing: Bearing, angle: float, track: Track, diameter: float) -> Body:
         mass, inertia, shape = self.of(diameter, bearing.element_axis(angle, track), track)
         return scene.add_rigid_body(
-            mass, inertia, name=name, position=bearing.element_center(angle, track), surfaces={self.surface: shape}
-        )
+            mass, inertia, name=self.name(number, bearing), position=bearing.element_center(angle, track),
+            surfaces={self.surface: shape},
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class FlexibleElements(Elements):
-    """One reduced body at all positions."""
+    """One reduced body at all positions, or at those of the numbers `distributed`: others are rigid, of its shape;
+    end: whether straight ones end at their length, for raceways that are flexible and may be wider."""
 
     body: ReducedBody
+    distributed: frozenset[int] | None = None
+    end: bool = False
 
-    def add(self, scene: Scene, name: str, bearing: Bearing, angle: float, track: Track, diameter: float) -> Body:
-        shape, axis = self.body.contact_surfaces[self.surface].shape, bearing.element_axis(angle, track)
-        around = bearing.place.around(angle)
+    def add(self, scene: Scene, number: int, bearing: Bearing, angle: float, track: Track, diameter: float) -> Body:
+        body, surface = self.body, self.body.contact_surfaces[self.surface]
+        shape: Any = surface.shape
+        axis, around = bearing.element_axis(angle, track), bearing.place.around(angle)
         wanted = np.stack([np.cross(around, axis), around, axis])
-        return scene.add_body(
-            self.body, name=name, position=bearing.element_center(angle, track),
-            rotation=Rotation.from_matrix(wanted.T @ shape.frame).as_quat(),
-        )  # fmt: skip
+        placed: Any = {
+            "name": self.name(number, bearing), "position": bearing.element_center(angle, track),
+            "rotation": Rotation.from_matrix(wanted.T @ shape.frame).as_quat(),
+        }  # fmt: skip
+        if self.distributed is None or number in self.distributed:
+            return scene.add_body(body, **placed)
+        if self.end and shape.kind == "cylinder":
+            length = float(np.ptp(surface.grid.z))
+            of = {"radius": shape.radius, "axis_point": shape.axis_point, "axis_direction": shape.e_a}
+            shape = surfaces.ProfiledCylinder(table=with_ends(length), **of)
+        center = body.center_of_mass
+        return scene.add_rigid_body(
+            body.mass, body.inertia, center_of_mass=center, surfaces={self.surface: shape}, **placed
+        )
 
 
 def checked_elements(

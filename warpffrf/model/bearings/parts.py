@@ -26,12 +26,14 @@ alpha_0, rings that are pressed by u along the axis have
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from warpffrf.model.arguments import Vector
 from warpffrf.model.bearings.geometry import Geometry, Track
 from warpffrf.model.bearings.rating import is_thrust
 from warpffrf.model.bodies import Body, Ground, Port, SurfacePort
@@ -260,12 +262,23 @@ class RollingContact:
     friction: as of `LumpedContact`, laws.RegularisedCoulomb for a traction that grows with the slip speed up to its
     bound. rolling_resistance, spin: of lumped contacts, moments against rolling and pivoting, as of `LumpedContact`;
     distributed contact has the friction of pivoting in its tractions.
+
+    distributed: of `Materials(element_body=)`, the elements that are flexible: "all", numbers of elements from 1 on,
+    (1, 2, 14), or "auto", those that carry half of the largest load or more under `load` (3,) [N], the force on
+    the inner ring, world axes, between rigid rings that move in parallel. The others are rigid, with lumped contact of
+    the same stiffness, or of `law` where it is given (`warpffrf.model.bearings.mixed`).
     """
 
     law: LumpedLaw | tuple[LumpedLaw, LumpedLaw] | None = None
     friction: FrictionLike = 0.0
     rolling_resistance: RollingResistance | None = None
     spin: bool = False
+    distributed: str | Sequence[int] = "all"
+    load: Vector | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.distributed, np.ndarray):  # which does not compare with a text
+            object.__setattr__(self, "distributed", tuple(self.distributed.tolist()))
 
 
 def contact_of(

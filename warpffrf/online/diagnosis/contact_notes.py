@@ -79,7 +79,7 @@ def contact_notes(scene: Scene, history: History, on_axes: Collection[str] = ())
         notes += normal_notes(contact, 0.5 * columns * contact.a.surface.grid.pitch * arc_per_theta(contact), taken)
         if contact.name in on_axes:
             notes += _skewed(contact, found, history)
-    return notes + near_patches(scene, history) + untouched_notes(scene, history) + bearing_notes(scene)
+    return notes + near_patches(scene, history) + untouched_notes(scene, history) + bearing_notes(scene, history)
 
 
 def _skewed(contact: Contact, found: ContactHistory, history: History) -> list[str]:

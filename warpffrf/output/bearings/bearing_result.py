@@ -37,6 +37,7 @@ from warpffrf.output.bearings.patches import (
     lamina_pressure,
     roller_patches,
     shear_below,
+    whole_peaks,
 )
 
 LOADED = 1e-9  # of the largest load: an element below is unloaded, without a direction of force
@@ -51,9 +52,8 @@ class BearingResult(reprs.Shown):
     element, of a double-row bearing those of the first row first, of a four-point one per ball and arc.
 
     Directions are those of the bearing's frame, which is fixed to the outer ring: towards the initial position of the
-    first element, 90 degrees further, and along the axis. For distributed contact, if a ring or the elements are
-    flexible, there are loads, contact angles, peak pressures and friction losses; the patches are in
-    `result.contact(name)`.
+    first element, 90 degrees further, and along the axis. Distributed contact, of flexible rings or elements, has
+    loads, contact angles, peak pressures and friction losses here, its patches in `result.contact(name)`.
     """
 
     _hidden = frozenset({"history", "description"})
@@ -131,15 +131,17 @@ class BearingResult(reprs.Shown):
 
     @cached_property
     def peak_pressure(self) -> dict[str, np.ndarray]:
-        """ "inner" and "outer" -> (T, Z) Pa: Hertz peak pressure at the load for lumped contact, the largest computed
-        pressure for distributed contact."""
-        pairs = self.history.contacts
-        return {
-            side: self._patches(side).peak_pressure
-            if self._lumped(side)
-            else np.stack([pairs[name].pressure.max(axis=(1, 2)) for name in self._names(side)], axis=1)
-            for side in SIDES
-        }
+        """ "inner" and "outer" -> (T, Z) Pa: largest of distributed contact; Hertz's at the load of rigid elements."""
+        return {side: self._patches(side).peak_pressure if self._lumped(side) else self._peaks(side) for side in SIDES}
+
+    def _peaks(self, side: str) -> np.ndarray:
+        pairs, none = self.history.contacts, np.zeros((len(self.time), 1, 1))
+        patches = [pairs[name].pressure if name in pairs else none for name in self._names(side)]
+        found = np.stack([pressure.max(axis=(1, 2)) for pressure in patches], axis=1)
+        if (rigid := self.description.get("rigid_elements")) is not None:
+            at, load, angle = rigid["columns"], self._loads(side), np.nan_to_num(self._angles(side))
+            found[:, at] = whole_peaks(self.geometry, side, load[:, at], angle[:, at], rigid["moduli"][side])
+        return found
 
     @cached_property
     def lamina_load(self) -> dict[str, np.ndarray]:
@@ -223,9 +225,8 @@ class BearingResult(reprs.Shown):
         for i in range(len(self.elements)):
             total = np.zeros((len(self.time), 3))
             key = f"pocket_{i + 1}"
-            for name, joint in self.description["joints"].items():
-                if name == key:
-                    total += self.history.joints[joint].force
+            if key in self.description["joints"]:
+                total += self.history.joints[self.description["joints"][key]].force
             for name, contact in self.description["contacts"].items():
                 if name == key or name.startswith(f"{key}_"):
                     total += self.history.lumped_contacts[contact].force

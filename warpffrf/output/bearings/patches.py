@@ -59,6 +59,15 @@ def roller_patches(geometry: RollerGeometry, side: str, laminae: np.ndarray, mod
     return Patches(np.full(peak.shape, np.nan), 2.0 * peak / (modulus * geometry.curvature(side)), peak)
 
 
+def whole_peaks(
+    geometry: BallGeometry | RollerGeometry, side: str, load: np.ndarray, angle: np.ndarray, modulus: float
+) -> np.ndarray:
+    """Peak pressures [Pa] for loads [N] and contact angles [rad] (T, Z), of rollers without tilt; modulus E* [Pa]."""
+    if isinstance(geometry, BallGeometry):
+        return ball_patches(geometry, side, load, angle, modulus).peak_pressure
+    return lamina_pressure(geometry, side, load[..., None], modulus)[..., 0]
+
+
 @dataclass(frozen=True)
 class ShearBelow:
     """Largest shear stress [Pa] below the centre of patches (T, Z) and its depth [m]; nan without a load."""
