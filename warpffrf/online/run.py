@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.bearings.bearing import without_cage
-from warpffrf.model.checks.contacts import excessive_wedge, find_wedge, refuse_overlap
+from warpffrf.model.checks.contacts import excessive_wedge, find_wedge, out_of_reach, refuse_overlap
 from warpffrf.model.checks.redundancy import refuse_positions, refuse_singular_mass, refuse_velocities
-from warpffrf.model.checks.scene import refuse_short_signals
+from warpffrf.model.checks.scene import loose_preloads, refuse_short_signals
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.forces import Pretension
@@ -30,6 +30,7 @@ from warpffrf.model.messages.checkpoints import Keeper, Plan, Unfinished
 from warpffrf.model.messages.progress import Progress, deferred_interrupts
 from warpffrf.model.messages.status import Status
 from warpffrf.model.scene import Scene
+from warpffrf.model.placement.gap import facing_gap
 from warpffrf.model.small_sliding.sliding import refuse_pushed_apart
 from warpffrf.model.step_count import step_count
 from warpffrf.online.checkpoint import is_dynamic, is_loaded, off_end_of, restore, time_of, turned_of
@@ -560,13 +561,15 @@ def _check_velocity(drive: Drive, began: float, end: float) -> None:
 def check_load_paths(scene: Scene) -> list[str]:
     """Refuse small-sliding contacts that push bodies apart and pretensions without a load path; notes on contacts that
     wedge deeply or will hardly touch."""
-    check = scene.check()
     refuse_pushed_apart(scene)
+    loose = loose_preloads(scene)
     for force in scene.forces:
-        if isinstance(force, Pretension) and force.name in check.loose_preloads:
-            raise InputError(f"equilibrium: {check.loose_preloads[str(force.name)]}")
-    wedged = "" if check.wedge is None else excessive_wedge(check.wedge)
-    return [note for note in (wedged, *check.out_of_reach) if note]
+        if isinstance(force, Pretension) and force.name in loose:
+            raise InputError(f"equilibrium: {loose[str(force.name)]}")
+    gaps = {contact.name: facing_gap(contact) for contact in scene.finite_sliding}
+    wedge = find_wedge(scene, gaps)
+    wedged = "" if wedge is None else excessive_wedge(wedge)
+    return [note for note in (wedged, *out_of_reach(scene, gaps)) if note]
 
 
 def coarser(engine: Engine) -> str:
