@@ -29,8 +29,8 @@ from warpffrf.model.lumped_contact import refuse_lumped_overlap
 from warpffrf.model.messages.checkpoints import Keeper, Plan, Unfinished
 from warpffrf.model.messages.progress import Progress, deferred_interrupts
 from warpffrf.model.messages.status import Status
-from warpffrf.model.scene import Scene
 from warpffrf.model.placement.gap import facing_gap
+from warpffrf.model.scene import Scene
 from warpffrf.model.small_sliding.sliding import refuse_pushed_apart
 from warpffrf.model.step_count import step_count
 from warpffrf.online.checkpoint import is_dynamic, is_loaded, off_end_of, restore, time_of, turned_of
@@ -250,8 +250,8 @@ def _run(
     begin = time.perf_counter()
     integrator = integrator or GeneralizedAlpha()
     made_with = {
-        "device": device, "settings": settings, "integrator": integrator, "step_error": step_error,
-        "local_modes": as_local_modes(local_modes), "progress": progress,
+        "device": device, "settings": (settings or Settings()).for_rows(steps // save_every), "integrator": integrator,
+        "step_error": step_error, "local_modes": as_local_modes(local_modes), "progress": progress,
     }  # fmt: skip
     before = turned_of(start.checkpoint, scene) if isinstance(start, History | Unfinished) else turned[:0]
     anew = len(turned) > 0
@@ -382,28 +382,28 @@ def _run(
 @WARP_LOCK
 def find_equilibrium(
     scene: Scene, *, friction: bool = False, device: str | None = None, settings: Settings | None = None,
-    progress: bool = False,
+    progress: bool = False, engine_of: EngineOf = Engine,
 ) -> History:  # fmt: skip
     """Static state of `scene` under its loads and prescribed motions at time 0, as a History of one row.
 
     friction: joint and contact friction acts on the slip from the initial state (`start.rub_to_rest`); friction of
-    small-sliding contacts always does. Raises InputError for wrong input.
+    small-sliding contacts always does. engine_of: as of `run`. Raises InputError for wrong input.
     """
     refuse_singular_mass(scene)
     if friction:
         refuse_without_rest(scene)
     refuse_touching(scene.films)
-    made_with = {"device": device, "settings": settings, "progress": progress}
+    made_with = {"device": device, "settings": (settings or Settings()).for_rows(1), "progress": progress}
     try:
-        return _find_equilibrium(scene, friction, made_with)
+        return _find_equilibrium(scene, friction, made_with, engine_of)
     except OffEnd:
-        return _find_equilibrium(scene, friction, made_with | {"off_end": True})
+        return _find_equilibrium(scene, friction, made_with | {"off_end": True}, engine_of)
 
 
-def _find_equilibrium(scene: Scene, friction: bool, made_with: dict[str, Any]) -> History:
+def _find_equilibrium(scene: Scene, friction: bool, made_with: dict[str, Any], engine_of: EngineOf) -> History:
     """`find_equilibrium`, with an engine `made_with` these options; raises `OffEnd`."""
     begin = time.perf_counter()
-    engine = Engine(scene, **made_with)
+    engine = engine_of(scene, **made_with)
     built = time.perf_counter()
     apart = check_load_paths(scene)
     if not friction:
