@@ -194,6 +194,7 @@ class Job:
     def _answer(self, number: int, run: Callable[[], Ran]) -> Answer:
         """Answer from the result of `run`."""
         begin = time.perf_counter()
+        result = None
         answer = Answer(number, "", host=socket.gethostname())
         answer.versions = ", ".join(f"{name} {version}" for name, version in versions().items())
         try:
@@ -205,11 +206,14 @@ class Job:
             answer.status, answer.message = str(result.status), result.message
         except NoQuantity as error:
             answer.status, answer.message = NO_QUANTITY, str(error)
-        except InputError as error:
-            answer.status, answer.message = REFUSED, str(error)
         except Exception as error:  # a failing row must not lose the others
             logging.getLogger("warpffrf").debug("sweep: run %d failed", number, exc_info=True)
-            answer.status, answer.message = FAILED, f"{type(error).__name__}: {error}"
+            if result is not None and result.status != Status.COMPLETED:  # a function found no row, or a short one
+                answer.status, answer.message = str(result.status), result.message
+            elif isinstance(error, InputError):
+                answer.status, answer.message = REFUSED, str(error)
+            else:
+                answer.status, answer.message = FAILED, f"{type(error).__name__}: {error}"
         answer.wall_seconds = time.perf_counter() - begin
         return answer
 
