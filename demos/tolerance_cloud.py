@@ -61,7 +61,7 @@ def build(clearance: float, ovality: float, tilt: float) -> wf.Scene:
     about the horizontal axis."""
     scene = wf.Scene()
     geometry = wf.bearings.catalogue(
-        NAME, clearance=clearance, outer_form=wf.films.LobedForm(amplitude=ovality, count=2, phase=0.5 * np.pi)
+        NAME, clearance=clearance, outer_form=wf.films.LobedForm(amplitude=ovality, count=2)
     )
     bearing = scene.add_bearing(
         NAME, geometry, first=(0, 0, -1), outer=scene.ground, flanges=wf.bearings.Flanges(PLAY),
@@ -69,7 +69,9 @@ def build(clearance: float, ovality: float, tilt: float) -> wf.Scene:
     )  # fmt: skip
     inner: Any = bearing.inner
     inner.rotation = np.array([np.sin(0.5 * tilt), 0.0, 0.0, np.cos(0.5 * tilt)])
-    scene.add(wf.joints.Planar(scene.ground.at((0, 0, 0)), inner, axis=(0, 1, 0), name="plane"))
+    # along its own axis: about another one it would rotate to where it tilts the rollers under the load least
+    axis = (0.0, np.cos(tilt), np.sin(tilt))
+    scene.add(wf.joints.Planar(scene.ground.at((0, 0, 0)), inner, axis=axis, name="plane"))
     scene.add(wf.forces.PointForce(inner, (0, 0, -LOAD), name="load"))
     return scene
 

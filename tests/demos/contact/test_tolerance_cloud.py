@@ -19,8 +19,8 @@ GEOMETRY = wf.bearings.catalogue(demo.NAME)
 COUNT, LENGTH, DIAMETER = GEOMETRY.elements, GEOMETRY.roller_length, GEOMETRY.roller_diameter
 STORE = "tolerance_cloud.sweep"
 SIGMA = {"clearance": 5e-6, "ovality": 1e-6, "tilt": 5e-4}
-BALANCE = 1e-5  # of loads and displacements; the tilt shortens levers by half of its square, and misses rows at angles
-ALIGNED = 0.02  # of the load of a misaligned bearing, whose rollers are free to take half of the tilt, to second order
+BALANCE = 1e-3  # of loads and displacements: displacement over the radius of the raceway, as rings approach in space
+ALIGNED = 0.01  # likewise under misalignment of up to 1.4 mrad, of which each roller takes half to first order
 JOINED = (
     0.03  # of Sjoevall's integral, for a sum over eighteen rollers with a profile that shortens lightly loaded ones
 )
@@ -85,7 +85,9 @@ def test_loads_of_an_aligned_bearing() -> None:
     clearance, ovality = 20e-6, 2e-6
     run = wf.equilibrium(demo.build(clearance, ovality, 0.0), progress=False)
     d = displacement(clearance, ovality)
-    np.testing.assert_allclose(run.bearing(demo.NAME).inner_load[-1], loads(d, clearance, ovality), atol=BALANCE * 4e3)
+    np.testing.assert_allclose(
+        run.bearing(demo.NAME).inner_load[-1], loads(d, clearance, ovality), atol=BALANCE * 3.4e3
+    )
     assert float(run.body(f"{demo.NAME} inner ring").position[-1, 2]) == pytest.approx(-d, rel=BALANCE)
     round_one = displacement(clearance, 0.0)
     J_r, _ = sjoevall(0.5 * (1.0 - 0.5 * clearance / round_one), 10.0 / 9.0)
