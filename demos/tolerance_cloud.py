@@ -40,8 +40,6 @@ SCATTER = {
     "tilt": "normal(0, 5e-4)",  # rad
 }
 WORKERS = 2
-SHOWN = {"load": (1e-3, "largest load [kN]"), "pressure": (1e-6, "largest pressure [MPa]"),
-         "life": (1.0, "life [10^6 revolutions]")}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -77,26 +75,28 @@ def build(clearance: float, ovality: float, tilt: float) -> wf.Scene:
 
 
 def largest_load(run: wf.Result) -> float:
-    """N, of a roller on the inner ring."""
-    return float(run.bearing(NAME).inner_load[-1].max())
+    """kN, of a roller on the inner ring."""
+    return float(run.bearing(NAME).inner_load[-1].max()) / 1e3
 
 
 def largest_pressure(run: wf.Result) -> float:
-    """Pa, on a lamina of the inner ring."""
-    return float(run.bearing(NAME).lamina_pressure["inner"][-1].max())
+    """MPa, on a lamina of the inner ring."""
+    return float(run.bearing(NAME).lamina_pressure["inner"][-1].max()) / 1e6
 
 
-def life(run: wf.Result) -> float:
-    """10^6 revolutions, the reference life of ISO/TS 16281."""
+def reference_life(run: wf.Result) -> float:
+    """10^6 revolutions, of ISO/TS 16281."""
     return float(run.bearing(NAME).reference_life().revolutions)
+
+
+FORCE, PRESSURE, LIFE = "largest load [kN]", "largest pressure [MPa]", "life [10^6 revolutions]"
+SHOWN = {FORCE: largest_load, PRESSURE: largest_pressure, LIFE: reference_life}
+SINKS = "displacement"  # of the shaft
 
 
 def cloud(store: str | Path, size: Size = FULL, *, workers: int = WORKERS, seed: int = 0, progress: bool = True) -> Any:
     """The sweep: its rows are computed by `workers` processes and kept in the folder `store`."""
-    outputs = {
-        "load": largest_load, "pressure": largest_pressure, "life": life,
-        "sinks": f"last(body_position_z[{NAME} inner ring])",
-    }  # fmt: skip
+    outputs = {**SHOWN, SINKS: f"last(body_position_z[{NAME} inner ring])"}
     return wf.study.sweep(
         build, SCATTER, sample=f"latin:{size.bearings}:{seed}", outputs=outputs, run=wf.equilibrium, store=store,
         workers=workers, worlds=size.worlds, overwrite=True, progress=progress,
@@ -115,26 +115,24 @@ def main(out: str | Path = "out/tolerance_cloud", *, quick: bool = False, progre
     ran = found["status"] == "completed"
     for row in found.failed():
         print(f"bearing {row['run']}: {row['message']}")
-    worst = int(np.flatnonzero(ran)[np.argmin(found["life"][ran])])
+    worst = int(np.flatnonzero(ran)[np.argmin(found[LIFE][ran])])
     result = wf.equilibrium(build(**{name: float(found[name][worst]) for name in SCATTER}), progress=progress)
     result.save(f"{stem}.h5", overwrite=True)
     wf.record(result, f"{stem}.rrd", overwrite=True)
 
     drawn: list[Any] = []
-    for name, (factor, label) in SHOWN.items():
-        values = np.sort(found[name][ran]) * factor
+    for name in SHOWN:
+        values = np.sort(found[name][ran])
         share = (np.arange(len(values)) + 0.5) / len(values) * 100.0
-        drawn.append(
-            Panel(f"Share of bearings below: {label.split(' [')[0]}", label, "[%]", {"bearings": (values, share)})
-        )
+        drawn.append(Panel("Share of bearings below", name, "[%]", {"bearings": (values, share)}))
     indices = {name: found.sensitivities(name) for name in SHOWN}
     save_panels([*drawn, *indices.values()], f"{stem}.png", overwrite=True)
 
-    for name, (factor, label) in SHOWN.items():
-        values = found[name][ran] * factor
-        low, high = np.quantile(values, [0.1, 0.9])
-        of = ", ".join(f"{p} {total:.2f}" for p, total in zip(SCATTER, indices[name].total, strict=True))
-        print(f"{label:28} mean {values.mean():8.4g}, 10 % below {low:8.4g}, above {high:8.4g}; total indices: {of}")
+    for name, of in indices.items():
+        low, high = np.quantile(found[name][ran], [0.1, 0.9])
+        shares = ", ".join(f"{p} {total:.2f}" for p, total in zip(SCATTER, of.total, strict=True))
+        print(f"{name:24} mean {found[name][ran].mean():6.4g}, 10 % below {low:6.4g}, 10 % above {high:6.4g}; "
+              f"total indices: {shares}")  # fmt: skip
     seconds = found["wall_seconds"][ran]
     print(f"{len(seconds)} bearings on {found['device'][worst]}, {np.median(seconds):.2f} s each with set-up")
     return [result]

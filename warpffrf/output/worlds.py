@@ -104,7 +104,10 @@ def equilibria(
     scenes, each, results, overwrite, check, progress: as of `simulate_worlds`. friction, device: as of `equilibrium`.
     Raises InputError for wrong input, with the number of the scene in front.
 
-    >>> [round(float(result.contact("lower-upper").force_magnitude[0])) for result in wf.equilibria([scene, scene])]
+    >>> forces = wf.equilibria(
+    ...     [scene, scene], each=lambda i, run: run.contact("lower-upper").force_magnitude[0], progress=False
+    ... )
+    >>> [round(float(force)) for force in forces]  # N
     [150, 150]
     """
     runs = rests(friction=friction, device=device)

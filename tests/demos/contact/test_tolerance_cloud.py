@@ -63,15 +63,18 @@ def checks(found: Sweep) -> list[Check]:
     rows = [of_row(found, n) for n in range(found.count)]
     d = np.array([displacement(**row) for row in rows])
     Q = np.array([loads(one, **row).max() for one, row in zip(d, rows, strict=True)])
-    sinks = found.sensitivities("sinks")
+    sinks = found.sensitivities(demo.SINKS)
     exact = linear_indices()
     completed = found.counts.get("completed", 0)
-    off = [float(np.abs(values / right - 1.0).max()) for values, right in ((-found["sinks"], d), (found["load"], Q))]
+    off = [
+        float(np.abs(values / right - 1.0).max())
+        for values, right in ((-found[demo.SINKS], d), (1e3 * found[demo.FORCE], Q))
+    ]
     return [
         Check("bearings that were completed", completed, found.count, "all", 0.0),
         Check("displacement of all, off by", off[0], 0.0, "ISO/TS 16281", ALIGNED, scale=1.0),
         Check("largest load of all, off by", off[1], 0.0, "ISO/TS 16281", ALIGNED, scale=1.0),
-        Check("scatter of the largest load", found["load"].std() / Q.std(), 1.0, "ISO/TS 16281", ALIGNED),
+        Check("scatter of the largest load", 1e3 * found[demo.FORCE].std() / Q.std(), 1.0, "ISO/TS 16281", ALIGNED),
         *(
             Check(f"Sobol index of {name}, {order}", value, exact[name], "linear", LINEAR, scale=1.0)
             for order in ("first", "total")
@@ -91,7 +94,7 @@ def test_loads_of_an_aligned_bearing() -> None:
     assert float(run.body(f"{demo.NAME} inner ring").position[-1, 2]) == pytest.approx(-d, rel=BALANCE)
     round_one = displacement(clearance, 0.0)
     J_r, _ = sjoevall(0.5 * (1.0 - 0.5 * clearance / round_one), 10.0 / 9.0)
-    alone = demo.largest_load(wf.equilibrium(demo.build(clearance, 0.0, 0.0), progress=False))
+    alone = 1e3 * demo.largest_load(wf.equilibrium(demo.build(clearance, 0.0, 0.0), progress=False))
     assert alone == pytest.approx(demo.LOAD / (COUNT * J_r), rel=JOINED)
 
 
@@ -100,10 +103,9 @@ def test_bearings_as_worlds_have_the_bits_of_each_alone(tmp_path: Path) -> None:
     alone = demo.cloud(tmp_path / "alone.sweep", size, workers=1, progress=False)
     worlds = demo.cloud(tmp_path / "worlds.sweep", demo.Size(4, worlds=4), workers=1, progress=False)
     assert worlds["worlds"].tolist() == [4] * 4 and alone["worlds"].tolist() == [1] * 4
-    for name in ("load", "pressure", "life", "sinks"):
+    for name in (*demo.SHOWN, demo.SINKS):
         assert np.array_equal(alone[name], worlds[name])
-    assert (wf.equilibrium(demo.build(**of_row(alone, 0)), progress=False).bearing(demo.NAME).inner_load[-1].max()
-            == alone["load"][0])  # fmt: skip
+    assert demo.largest_load(wf.equilibrium(demo.build(**of_row(alone, 0)), progress=False)) == alone[demo.FORCE][0]
 
 
 @pytest.mark.slow
