@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from warpffrf.output.recording.recorder import record
     from warpffrf.output.result import Result
     from warpffrf.output.simulate import equilibrium, simulate, static
-    from warpffrf.output.worlds import simulate_worlds
+    from warpffrf.output.worlds import equilibria, simulate_worlds
     from warpffrf.scene_file import load_scene, run_scene
 
 __version__ = "0.1.0"
@@ -79,6 +79,7 @@ __all__ = [
     "contact_spacing",
     "damping",
     "eigenmodes",
+    "equilibria",
     "equilibrium",
     "examples",
     "films",
@@ -128,6 +129,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "contact_spacing": ("warpffrf.offline.contact.contact_grid", "contact_spacing"),
     "damping": ("warpffrf.model.damping", None),
     "eigenmodes": ("warpffrf.output.modes_result", "eigenmodes"),
+    "equilibria": ("warpffrf.output.worlds", "equilibria"),
     "equilibrium": ("warpffrf.output.simulate", "equilibrium"),
     "examples": ("warpffrf.examples", None),
     "films": ("warpffrf.model.films", None),

@@ -315,22 +315,22 @@ def test_progress_counts_runs(tmp_path: Path, monkeypatch: Any) -> None:
 
 
 def test_worlds_of_one_graph_give_the_same_bits(tmp_path: Path, alone: np.ndarray) -> None:
-    """Four of six rows at once, then two; a row that is wrong lets those next to it run one by one."""
+    """Four of six rows at once, then two; a row that is wrong, or of another kind, leaves the others together."""
     found = run(tmp_path / "s", worlds=4)
     assert np.array_equal(found[NAME], alone) and found["worlds"].tolist() == [4, 4, 4, 4, 2, 2]
     found = run(tmp_path / "t", [{"stiffness": k} for k in (1000, -1, 2000)], worlds=3)
-    assert found.counts == {"completed": 2, "refused": 1} and found["worlds"].tolist() == [1, 1, 1]
+    assert found.counts == {"completed": 2, "refused": 1} and found["worlds"].tolist() == [2, 1, 2]
     assert np.array_equal(found[NAME][[0, 2]], alone[:2])
 
 
 def test_worlds_that_fail_together_run_one_by_one(tmp_path: Path, alone: np.ndarray, monkeypatch: Any) -> None:
     """Whatever it is that they fail of: here memory."""
-    from warpffrf.study.sweeps import scenes
+    from warpffrf.online import worlds
 
     def full(*_: Any, **rest: Any) -> Any:
         raise MemoryError("no memory for so many")
 
-    monkeypatch.setattr(scenes, "simulate_worlds", full)
+    monkeypatch.setattr(worlds, "SharedEngine", full)
     found = run(tmp_path / "s", worlds=3)
     assert np.array_equal(found[NAME], alone) and found["worlds"].tolist() == [1] * 6
 

@@ -20,16 +20,12 @@ class InputError(ValueError):
 
 class RunError(RuntimeError):
     """A run that did not complete, raised with `check=True`. The message has its status, the reason and the cure;
-    `result` has the data computed so far: a Result, or the list of them from `simulate_worlds`."""
+    `result` has the data computed so far: a Result, or what `simulate_worlds` or `equilibria` return."""
 
-    def __init__(self, result: Any) -> None:
-        if isinstance(result, list):
-            failed = [
-                f"scene {i}: {one.status}: {one.message}" for i, one in enumerate(result) if one.status != "completed"
-            ]
-            super().__init__("\n".join(failed))
-        else:
-            super().__init__(f"{result.status}: {result.message}")
+    def __init__(self, result: Any, ends: Sequence[Any] = ()) -> None:
+        """ends: of each of several scenes, with its status and message."""
+        failed = [f"scene {i}: {end.status}: {end.message}" for i, end in enumerate(ends) if end.status != "completed"]
+        super().__init__("\n".join(failed) if ends else f"{result.status}: {result.message}")
         self.result = result
 
 

@@ -130,7 +130,8 @@ def _run_static(
         raise InputError(f"static: start has no row to go on from ({start.status}: {start.message})")
     begin = time.perf_counter()
     made_with = {
-        "device": device, "settings": settings, "local_modes": as_local_modes(local_modes), "progress": progress,
+        "device": device, "settings": (settings or Settings()).for_rows(steps // save_every),
+        "local_modes": as_local_modes(local_modes), "progress": progress,
         "off_end": off_end or isinstance(start, History | Unfinished) and off_end_of(start.checkpoint),
     }  # fmt: skip
     engine = engine_of(scene, **made_with)

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.bearings.bearing import refuse_unguided_thrust, without_cage
-from warpffrf.model.checks.contacts import excessive_wedge, find_wedge, refuse_overlap
+from warpffrf.model.checks.contacts import excessive_wedge, find_wedge, out_of_reach, refuse_overlap
 from warpffrf.model.checks.redundancy import refuse_positions, refuse_singular_mass, refuse_velocities
-from warpffrf.model.checks.scene import connecting, refuse_short_signals
+from warpffrf.model.checks.scene import connecting, loose_preloads, refuse_short_signals
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.forces import Pretension
@@ -29,6 +29,7 @@ from warpffrf.model.lumped_contact import refuse_lumped_overlap
 from warpffrf.model.messages.checkpoints import Keeper, Plan, Unfinished
 from warpffrf.model.messages.progress import Progress, deferred_interrupts
 from warpffrf.model.messages.status import Status
+from warpffrf.model.placement.gap import facing_gap
 from warpffrf.model.scene import Scene
 from warpffrf.model.small_sliding.sliding import refuse_pushed_apart
 from warpffrf.model.step_count import step_count
@@ -249,8 +250,8 @@ def _run(
     begin = time.perf_counter()
     integrator = integrator or GeneralizedAlpha()
     made_with = {
-        "device": device, "settings": settings, "integrator": integrator, "step_error": step_error,
-        "local_modes": as_local_modes(local_modes), "progress": progress,
+        "device": device, "settings": (settings or Settings()).for_rows(steps // save_every), "integrator": integrator,
+        "step_error": step_error, "local_modes": as_local_modes(local_modes), "progress": progress,
     }  # fmt: skip
     before = turned_of(start.checkpoint, scene) if isinstance(start, History | Unfinished) else turned[:0]
     anew = len(turned) > 0
@@ -381,28 +382,28 @@ def _run(
 @WARP_LOCK
 def find_equilibrium(
     scene: Scene, *, friction: bool = False, device: str | None = None, settings: Settings | None = None,
-    progress: bool = False,
+    progress: bool = False, engine_of: EngineOf = Engine,
 ) -> History:  # fmt: skip
     """Static state of `scene` under its loads and prescribed motions at time 0, as a History of one row.
 
     friction: joint and contact friction acts on the slip from the initial state (`start.rub_to_rest`); friction of
-    small-sliding contacts always does. Raises InputError for wrong input.
+    small-sliding contacts always does. engine_of: as of `run`. Raises InputError for wrong input.
     """
     refuse_singular_mass(scene)
     if friction:
         refuse_without_rest(scene)
     refuse_touching(scene.films)
-    made_with = {"device": device, "settings": settings, "progress": progress}
+    made_with = {"device": device, "settings": (settings or Settings()).for_rows(1), "progress": progress}
     try:
-        return _find_equilibrium(scene, friction, made_with)
+        return _find_equilibrium(scene, friction, made_with, engine_of)
     except OffEnd:
-        return _find_equilibrium(scene, friction, made_with | {"off_end": True})
+        return _find_equilibrium(scene, friction, made_with | {"off_end": True}, engine_of)
 
 
-def _find_equilibrium(scene: Scene, friction: bool, made_with: dict[str, Any]) -> History:
+def _find_equilibrium(scene: Scene, friction: bool, made_with: dict[str, Any], engine_of: EngineOf) -> History:
     """`find_equilibrium`, with an engine `made_with` these options; raises `OffEnd`."""
     begin = time.perf_counter()
-    engine = Engine(scene, **made_with)
+    engine = engine_of(scene, **made_with)
     built = time.perf_counter()
     apart = check_load_paths(scene)
     if not friction:
@@ -560,14 +561,16 @@ def _check_velocity(drive: Drive, began: float, end: float) -> None:
 def check_load_paths(scene: Scene) -> list[str]:
     """Refuse small-sliding contacts that push bodies apart, pretensions and thrust without a load path; notes on
     contacts that wedge deeply or will hardly touch."""
-    check = scene.check()
     refuse_pushed_apart(scene)
     refuse_unguided_thrust(scene.bearings, connecting(scene), scene.forces, scene.gravity)
+    loose = loose_preloads(scene)
     for force in scene.forces:
-        if isinstance(force, Pretension) and force.name in check.loose_preloads:
-            raise InputError(f"equilibrium: {check.loose_preloads[str(force.name)]}")
-    wedged = "" if check.wedge is None else excessive_wedge(check.wedge)
-    return [note for note in (wedged, *check.out_of_reach) if note]
+        if isinstance(force, Pretension) and force.name in loose:
+            raise InputError(f"equilibrium: {loose[str(force.name)]}")
+    gaps = {contact.name: facing_gap(contact) for contact in scene.finite_sliding}
+    wedge = find_wedge(scene, gaps)
+    wedged = "" if wedge is None else excessive_wedge(wedge)
+    return [note for note in (wedged, *out_of_reach(scene, gaps)) if note]
 
 
 def coarser(engine: Engine) -> str:

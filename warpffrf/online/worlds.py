@@ -27,16 +27,20 @@ tables of each world's own scene.
 
 Side by side. Simultaneous runs of many scenes in the worlds of one engine.
 
-Each run is a thread with the code of a single run, `online.run.run` or `online.load_steps.run_static`, and
-its own `Place` in the shared engine: start, monitoring, notes and history are
-those of the scene alone. One thread works at a time, except for the graph, which steps all worlds at once.
+Each run is a thread with the code of a single run, `online.run.run`, `online.run.find_equilibrium` or
+`online.load_steps.run_static`, and its own `Place` in the shared engine: start, monitoring, notes and history are
+those of the scene alone. One thread works at a time, except for the graph, which steps all worlds at once. A thread
+ends with its run, after it has passed on what is wanted of the history.
+
+Seats. The first scene that is compiled determines how many worlds fit into the free memory of the device
+(`room_for_worlds`). Runs that come later than that end at once, without a result, and follow in another batch.
 """
 
 from __future__ import annotations
 
 import contextvars
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -51,8 +55,8 @@ from warpffrf.online.compile.constants import Shared
 from warpffrf.online.compile.retained_pattern import couplings, pattern_of
 from warpffrf.online.compile.scene import CompiledScene, compile_scene
 from warpffrf.online.engine import NO_ATTEMPT, Engine, EngineOf, ready_device
-from warpffrf.online.history.history import History
 from warpffrf.online.local_modes import LocalModes
+from warpffrf.online.room_for_worlds import worlds_that_fit
 from warpffrf.online.settings import Settings
 from warpffrf.online.step.graph import Parts
 from warpffrf.online.step.launches import DECLARED
@@ -64,7 +68,7 @@ OF_WORLDS = ("models", *(name for name, declared in DECLARED.items() if declared
 
 
 class SharedEngine(Engine):
-    """The arrays and the graph of `scenes`, one per world. Raises `InputError` if they differ in structure."""
+    """The arrays and the graph of `scenes`, one per world, which must be of one kind."""
 
     def __init__(
         self,
@@ -74,7 +78,6 @@ class SharedEngine(Engine):
         step_error: float | None,
         progress: bool,
     ) -> None:
-        refuse_other_kinds(scenes)
         self._begin(scenes, settings, integrator, step_error, progress)
         self.on_host = OnHost()
         self.rooms = 0  # number of enlargements, each of which reallocates scratch arrays
@@ -102,10 +105,10 @@ class SharedEngine(Engine):
 
 
 class Place(Engine):
-    """World `world` of `shared`, as an engine of its scene alone."""
+    """World `world` of `shared`, as an engine of its scene alone; number: of its run in the company."""
 
-    def __init__(self, shared: SharedEngine, world: int, company: Company) -> None:
-        self.shared, self.world, self._company = shared, world, company
+    def __init__(self, shared: SharedEngine, world: int, company: Company, number: int) -> None:
+        self.shared, self.world, self._company, self._number = shared, world, company, number
         self.settings, self._progress = shared.settings, False
         self.compiled = shared.scenes[world]
         self.scenes, self.worlds, self.scene = [self.compiled], 1, self.compiled.scene
@@ -151,7 +154,7 @@ class Place(Engine):
     def attempt(self, budget: int) -> float:
         """Make at most the given number of attempts, with those of the other worlds; returns the wall time [s] of
         all."""
-        seconds = self._company.attempt(self.world, budget)
+        seconds = self._company.attempt(self._number, budget)
         self._views.touched = False
         self.after_others()
         return seconds
@@ -170,20 +173,25 @@ class _Together(Parts):
 
 
 class Company:
-    """State shared by the runs of `count` scenes, each in its own thread. `meeting`: the barrier of these threads;
-    progress: report the compilation of kernels, once for all."""
+    """State shared by the runs of the scenes `numbers`, each in its own thread. `meeting`: the barrier of these
+    threads; progress: report the compilation of kernels, once for all; alike: a scene of another kind than the first
+    raises `InputError` in all runs, otherwise in its own."""
 
-    def __init__(self, count: int, progress: bool) -> None:
-        self.meeting = Meeting(count)
-        self.progress = progress
+    def __init__(self, numbers: Sequence[int], progress: bool, alike: bool) -> None:
+        self.meeting = Meeting(numbers)
+        self.count, self.progress, self.alike = len(numbers), progress, alike
+        self.seats = 0  # worlds that fit into the memory, known from the first scene
         self.steps = 0  # user steps that all worlds have done
+        self._taken = 0
         self._tables: Shared | None = Shared()
         self._engine: SharedEngine | None = None
+        self._worlds: dict[int, int] = {}  # of the runs in the shared engine, by number
+        self._others: dict[int, str] = {}  # what differs in scenes of other kinds, by number
         self._seconds = 0.0
 
-    def engine_of(self, world: int) -> Callable[..., Engine]:
+    def engine_of(self, number: int) -> Callable[..., Engine]:
         """Creates the engine of a run in place of `Engine`, with the same options in all worlds; for a restarted run
-        its own engine.
+        its own engine. Raises `NoSeat` in a run for which the memory does not suffice.
         """
 
         def place(
@@ -199,24 +207,36 @@ class Company:
             progress: bool = False,
         ) -> Engine:
             used = settings or Settings()
+
             # the run is restarted with other inertia terms or cells, so that its structure differs
             if self._tables is None:
-                self.meeting.leave(world)
+                self.meeting.leave(number)
                 return Engine(
                     scene, device=device, settings=used, integrator=integrator, step_error=step_error,
                     local_modes=local_modes, turned=turned, off_end=off_end,
                 )  # fmt: skip
+            if self.seats and self._taken == self.seats:
+                raise NoSeat
             compiled = compile_scene(
                 scene, used, ready_device(device), local_modes, shared=self._tables, off_end=off_end
             )
+            if not self.seats:
+                self.seats = worlds_that_fit(compiled, used, integrator, step_error, self.count)
+            self._taken += 1
 
             def build(scenes: dict[int, CompiledScene]) -> None:
-                in_order = [scenes[w] for w in sorted(scenes)]
-                self._engine = SharedEngine(in_order, used, integrator, step_error, self.progress)
+                self._others = other_kinds(scenes)
+                for difference in self._others.values() if self.alike else ():
+                    raise InputError(difference)
+                together = [n for n in sorted(scenes) if n not in self._others]
+                self._engine = SharedEngine([scenes[n] for n in together], used, integrator, step_error, self.progress)
+                self._worlds = {n: world for world, n in enumerate(together)}
                 self._tables = None
 
-            self.meeting.come(world, compiled, build)
-            return Place(self._built, world, self)
+            self.meeting.come(number, compiled, build)
+            if number in self._others:
+                raise InputError(self._others[number])
+            return Place(self._built, self._worlds[number], self, number)
 
         return place
 
@@ -226,18 +246,22 @@ class Company:
             raise RuntimeError("the engine of all worlds is built when each has compiled its scene")
         return self._engine
 
-    def attempt(self, world: int, budget: int) -> float:
-        """Attempts of a world, together with those of all others that still run; returns the wall time [s]."""
+    def attempt(self, number: int, budget: int) -> float:
+        """Attempts of a run, together with those of all others that still run; returns the wall time [s]."""
 
         def attempt(budgets: dict[int, int]) -> None:
-            self._seconds = self._built.attempt(budgets)
+            self._seconds = self._built.attempt({self._worlds[n]: most for n, most in budgets.items()})
             self.steps = self._built.steps()
 
-        self.meeting.come(world, budget, attempt)
+        self.meeting.come(number, budget, attempt)
         return self._seconds
 
 
 Together = Callable[[dict[int, Any]], None]
+
+
+class NoSeat(BaseException):
+    """Raised in a run for which the memory does not suffice together with the others: it belongs to a later batch."""
 
 
 class Ended(BaseException):
@@ -245,11 +269,11 @@ class Ended(BaseException):
 
 
 class Meeting:
-    """A barrier of `count` threads, numbered from 0."""
+    """A barrier of threads with these numbers."""
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, numbers: Iterable[int]) -> None:
         self._changed = threading.Condition()
-        self._coming = set(range(count))  # threads that will arrive again
+        self._coming = set(numbers)  # threads that will arrive again
         self._brought: dict[int, Any] = {}
         self._together: Together | None = None
         self._held = 0  # barriers so far
@@ -319,27 +343,36 @@ KINDS = {
 CURE = "worlds of one graph differ in numbers only; run this scene by itself"
 
 
-def refuse_other_kinds(scenes: Sequence[CompiledScene]) -> None:
-    """Raises `InputError` for the first of `scenes` that is not of the kind of scene 0."""
-    first, pattern = couplings(scenes[0]), pattern_of(scenes[0])
-    sizes = [sizes_of(compiled, 1, 1, pattern, projected=False, adaptive=False) for compiled in scenes]
-    for i, (compiled, own) in enumerate(zip(scenes, sizes, strict=True)):
+def other_kinds(scenes: Mapping[int, CompiledScene]) -> dict[int, str]:
+    """Those of `scenes`, by number, that are not of the kind of the first, and what differs."""
+    lowest, *others = sorted(scenes)
+    first, pattern = scenes[lowest], pattern_of(scenes[lowest])
+    places = couplings(first)
+
+    def sizes(compiled: CompiledScene) -> Sizes:
+        return sizes_of(compiled, 1, 1, pattern, projected=False, adaptive=False)
+
+    of_first, found = sizes(first), {}
+    for i in others:
+        own, here, there = scenes[i], f"scene {i}", f"scene {lowest}"
         difference = (
-            _counts(compiled.scene, scenes[0].scene, i) or _axes(own, sizes[0], i) or _room(compiled, scenes[0], i)
+            _counts(own.scene, first.scene, here, there)
+            or _axes(sizes(own), of_first, here, there)
+            or _room(own, first, here, there)
         )
-        if not difference:
-            unlike = [not np.array_equal(a, b) for a, b in zip(couplings(compiled), first, strict=True)]
-            if any(unlike):
-                difference = f"the {PLACES[unlike.index(True)]} of scene {i} are on other bodies than those of scene 0"
+        unlike = [not np.array_equal(a, b) for a, b in zip(couplings(own), places, strict=True)]
+        if not difference and any(unlike):
+            difference = f"the {PLACES[unlike.index(True)]} of {here} are on other bodies than those of {there}"
         if difference:
-            raise InputError(f"{difference}; {CURE}")
+            found[i] = f"{difference}; {CURE}"
+    return found
 
 
-def _counts(scene: Scene, first: Scene, i: int) -> str:
+def _counts(own: Scene, first: Scene, here: str, there: str) -> str:
     for one, name in KINDS.items():
-        here, there = len(getattr(scene, name)), len(getattr(first, name))
-        if here != there:
-            return f"scene {i} has {here} {one if here == 1 else _several(one)}, scene 0 has {there}"
+        count, of_first = len(getattr(own, name)), len(getattr(first, name))
+        if count != of_first:
+            return f"{here} has {count} {one if count == 1 else _several(one)}, {there} has {of_first}"
     return ""
 
 
@@ -347,61 +380,80 @@ def _several(one: str) -> str:
     return f"{one[:-1]}ies" if one.endswith("y") else f"{one}s"
 
 
-def _room(own: CompiledScene, first: CompiledScene, i: int) -> str:
-    here, there = own.model.capacity.slot_limit, first.model.capacity.slot_limit
-    return "" if here == there else f"the contacts of scene {i} allow {here} active nodes, those of scene 0 {there}"
+def _room(own: CompiledScene, first: CompiledScene, here: str, there: str) -> str:
+    slots, of_first = own.model.capacity.slot_limit, first.model.capacity.slot_limit
+    return (
+        "" if slots == of_first else f"the contacts of {here} allow {slots} active nodes, those of {there} {of_first}"
+    )
 
 
-def _axes(own: Sizes, first: Sizes, i: int) -> str:
+def _axes(own: Sizes, first: Sizes, here: str, there: str) -> str:
     for axis, count in own.items():
         if count != first[axis]:
-            return f"scene {i} has {count} along '{axis}' ({NAMES[axis]}), scene 0 has {first[axis]}"
+            return f"{here} has {count} along '{axis}' ({NAMES[axis]}), {there} has {first[axis]}"
     return ""
 
 
 LOOK = 0.2  # s between two updates of the progress of the runs
 
-Run = Callable[[EngineOf], History]
+Run = Callable[[EngineOf], Any]
 
 
-def side_by_side(runs: Sequence[Run], steps: int, *, progress: bool) -> list[History]:
-    """The histories of `runs`, called with the factory of their engines, in order; steps: of each, for the bar.
+def side_by_side(runs: Sequence[Run], steps: int, *, progress: bool, alike: bool = True) -> list[Any]:
+    """What `runs` return, called with the factory of their engines, in order; steps: of each, for the bar.
 
-    A run that fails returns its History, and the others continue. An error ends all: `InputError` starts with the
-    number of the scene it belongs to. KeyboardInterrupt is passed to every run; it is raised if a
-    run had not begun its steps.
+    Runs for which the memory does not suffice follow in further batches. A run that fails returns its History, and the
+    others continue. alike: an error ends all: `InputError` starts with the number of the scene it belongs to; otherwise
+    it is returned in place of the result, and the others continue. KeyboardInterrupt is passed to every run; it is
+    raised if a run had not begun its steps.
     """
-    company = Company(len(runs), progress)
-    found: list[History | None] = [None] * len(runs)
+    found: list[Any] = [None] * len(runs)
+    left = list(range(len(runs)))
+    while left:
+        left = _batch(runs, left, found, steps, progress, alike)
+    return found
+
+
+def _batch(
+    runs: Sequence[Run], numbers: Sequence[int], found: list[Any], steps: int, progress: bool, alike: bool
+) -> list[int]:
+    """Runs as many of `numbers` as have room, which sets what is `found`; returns the others."""
+    company = Company(numbers, progress, alike)
     errors: dict[int, BaseException] = {}
+    later: list[int] = []
 
     def work(i: int) -> None:
         try:
             found[i] = runs[i](company.engine_of(i))
         except Ended:
             pass
+        except NoSeat:
+            later.append(i)
         except BaseException as error:
+            if not alike and isinstance(error, Exception):
+                found[i] = error
+                return
             errors[i] = error
             company.meeting.end(KeyboardInterrupt if isinstance(error, KeyboardInterrupt) else Ended)
         finally:
             company.meeting.leave(i)
 
-    threads = [
-        threading.Thread(target=contextvars.copy_context().run, args=(work, i), name=f"world {i}", daemon=True)
-        for i in range(len(runs))
-    ]
+    threads = {
+        i: threading.Thread(target=contextvars.copy_context().run, args=(work, i), name=f"world {i}", daemon=True)
+        for i in numbers
+    }
     bar = Progress("simulate", steps, enabled=progress)
     try:
-        for thread in threads:
+        for thread in threads.values():
             thread.start()
-        _wait(threads, company, bar)
+        _wait(threads.values(), company, bar)
     except KeyboardInterrupt as interruption:
         company.meeting.end(KeyboardInterrupt)
-        for i, thread in enumerate(threads):
+        for i, thread in threads.items():
             if thread.ident is None:  # it never began, and the others wait for it
                 errors[i] = interruption
                 company.meeting.leave(i)
-        _wait(threads, company, bar)
+        _wait(threads.values(), company, bar)
     bar.close()
     if errors:
         i = min(errors)
@@ -409,10 +461,10 @@ def side_by_side(runs: Sequence[Run], steps: int, *, progress: bool) -> list[His
         if isinstance(error, InputError) and error is not company.meeting.error:
             raise InputError(f"scene {i}: {error}") from error
         raise error
-    return [history for history in found if history is not None]
+    return sorted(later)
 
 
-def _wait(threads: Sequence[threading.Thread], company: Company, bar: Progress) -> None:
+def _wait(threads: Iterable[threading.Thread], company: Company, bar: Progress) -> None:
     for thread in threads:
         while thread.is_alive():
             thread.join(LOOK)

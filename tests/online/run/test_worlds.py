@@ -288,7 +288,7 @@ def test_all_worlds_read_one_copy_until_they_are_stepped() -> None:
 
 def test_whoever_leaves_is_not_waited_for() -> None:
     """Three threads meet, one leaves after the first meeting, one raises at the second; nobody hangs."""
-    meeting, met, ended = Meeting(3), [], []
+    meeting, met, ended = Meeting(range(3)), [], []
 
     def work(i: int) -> None:
         try:

@@ -154,6 +154,11 @@ def add_bearing(
 
     Straight rigid rollers on a flexible raceway that is wider end sharply at `roller_length`, others where the table of
     their profile does. Raises `InputError` for incompatible arguments.
+
+    >>> spindle = wf.Scene()
+    >>> support = spindle.add_bearing("6310", wf.bearings.catalogue("6310"), outer=spindle.ground)
+    >>> len(support.elements), support.inner.name
+    (8, '6310 inner ring')
     """
     label = f"bearing {name!r}"
     refuse_name(scene, name)

@@ -125,7 +125,7 @@ def check_scene(scene: Scene) -> SceneCheck:
         redundant=found.counts(),
         gaps={**{name: gap[0] if gap else inf for name, gap in found_gaps.items()}, **lumped_gaps},
         unsupported=_unsupported(scene),
-        loose_preloads=_loose_preloads(scene),
+        loose_preloads=loose_preloads(scene),
         redundant_rows=tuple(row.label for row in found.dropped),
         refused_drives=tuple(str(row.drive.name) for row in found.dropped if row.drive is not None),
         velocity_defects=tuple(str(defect) for defect in velocity_defects(scene)),
@@ -208,7 +208,7 @@ def _resists(item: Any, force: Pretension | JointSpringDamper) -> bool:
     return same and not vanishes(item.stiffness)
 
 
-def _loose_preloads(scene: Scene) -> dict[str, str]:
+def loose_preloads(scene: Scene) -> dict[str, str]:
     """Pretensions, and joint springs with a preload, between two bodies without any other connection: their
     tension has no load path. By name, with the cure.
 

@@ -5,6 +5,7 @@ Its data are in `data`, its contact surfaces in `contact_surface`.
 
 from __future__ import annotations
 
+import functools
 import importlib
 import importlib.metadata
 from dataclasses import dataclass
@@ -128,12 +129,18 @@ def _output(module: str) -> Any:
     return importlib.import_module(f"warpffrf.output.{module}")
 
 
+@functools.cache
+def _version(name: str) -> str:
+    """Version of a distribution; reading it takes milliseconds, and every run states it."""
+    return importlib.metadata.version(name)
+
+
 def library_versions(names: tuple[str, ...]) -> dict[str, str]:
     """Versions of installed distributions, for provenance; 'not installed' where there is none."""
     found = {}
     for name in names:
         try:
-            found[name] = importlib.metadata.version(name)
+            found[name] = _version(name)
         except importlib.metadata.PackageNotFoundError:
             found[name] = "not installed"
     return found

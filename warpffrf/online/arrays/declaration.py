@@ -90,6 +90,17 @@ class Arrays:
             delattr(cls, name)  # exists on instances only
         cls.declarations = {name: replace(d, carried=True) for name, d in found.items()} if carried else found
 
+    @classmethod
+    def room(cls, sizes: Mapping[str, int]) -> tuple[int, int]:
+        """Bytes of all arrays, and entries of the largest, without allocating them."""
+        shapes = [(d, d.shape(sizes)) for d in cls.declarations.values()]
+        counts = [
+            (int(np.prod([max(n, 1) for n in shape], dtype=np.int64)), wp.types.type_size_in_bytes(d.dtype))
+            for d, shape in shapes
+            if not (d.instead and 0 in shape)
+        ]
+        return sum(count * size for count, size in counts), max((count for count, _ in counts), default=1)
+
     def __init__(self, sizes: Mapping[str, int], device: str, beside: Arrays | None = None) -> None:
         """All arrays, zero. `beside`: owner of the arrays that other arrays are declared to share."""
         for name, declaration in self.declarations.items():

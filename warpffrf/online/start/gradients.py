@@ -48,28 +48,22 @@ def lumped_gradients(engine: Engine, world: int, size: int, *, slips: bool = Fal
     """
     m, state, scratch = engine.compiled.model, engine.state, engine.scratch
     lumped = engine.compiled.elements.lumped
-    closed = closed_places(engine, world)
+    places = closed_places(engine, world)
     n, x = (getattr(state, name).numpy()[world, 1] for name in ("lumped_normal", "lumped_at"))
     axes, r, body = scratch.axes.numpy()[world], scratch.r1.numpy()[world], m.surfaces.body.numpy()
-    ways = [(place, n[place]) for place in closed]
+    ways = n[places]
     if slips:
         laws = [c.friction for c in engine.scene.lumped_contacts]
-        sticks = [laws[c].acts and laws[c].creep_limit == 0.0 for c in lumped.contact.numpy()[closed]]
-        ways = [
-            (place, t)
-            for place, rubs in zip(closed, sticks, strict=True)
-            if rubs
-            for t in np.linalg.svd(n[place][None])[2][1:]
-        ]
-    lines = np.zeros((len(ways), size))
-    for line, (place, way) in zip(lines, ways, strict=True):
-        contact = lumped.contact.numpy()[place]
-        for sign, surface in ((1.0, lumped.first.numpy()[contact]), (-1.0, lumped.second.numpy()[contact])):
-            b = int(body[surface])
-            if b >= 0:
-                moment = np.cross(x[place] - r[b], way) @ axes[b]
-                line[6 * b : 6 * b + 6] = sign * np.concatenate([way, moment])
-    return lines
+        sticks = [laws[c].acts and laws[c].creep_limit == 0.0 for c in lumped.contact.numpy()[places]]
+        places = np.repeat(places[np.array(sticks, dtype=bool)], 2)
+        ways = np.linalg.svd(n[places[::2], None])[2][:, 1:].reshape(-1, 3)
+    contact, lines = lumped.contact.numpy()[places], np.zeros((len(places), size // 6, 6))
+    for sign, surface in ((1.0, lumped.first.numpy()[contact]), (-1.0, lumped.second.numpy()[contact])):
+        moving = np.flatnonzero(body[surface] >= 0)
+        b = body[surface[moving]]
+        moment = np.cross(x[places[moving]] - r[b], ways[moving])
+        lines[moving, b] = sign * np.hstack([ways[moving], np.einsum("pi,pij->pj", moment, axes[b])])
+    return lines.reshape(-1, size)
 
 
 def gap_gradients(engine: Engine, world: int, size: int) -> tuple[np.ndarray, np.ndarray]:

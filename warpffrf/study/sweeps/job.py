@@ -33,7 +33,7 @@ import threading
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache, partial
 from typing import Any
@@ -50,7 +50,7 @@ from warpffrf.output.result import Result
 from warpffrf.study.runs import CALLS, Run, combined, with_options
 from warpffrf.study.sweeps.design import Row
 from warpffrf.study.sweeps.functions import word_of
-from warpffrf.study.sweeps.scenes import Built, Scenes, results_together
+from warpffrf.study.sweeps.scenes import Built, Scenes, each_together, worlds_of
 
 REFUSED, FAILED, LOST = "refused", "failed", "lost"  # statuses of rows in addition to those of results
 NO_QUANTITY = "no quantity"  # for rows without an output that earlier ones had; if none had it the sweep ends
@@ -145,8 +145,8 @@ class Job:
         """Run `rows`, each with its number: several as worlds of one graph if possible. Raises KeyboardInterrupt if a
         run is interrupted."""
         with _alone, _only_errors(), _threads().limit(limits=1):
-            together = self._together(rows, device) if len(rows) > 1 else None
-            return together or [self.answer(number, row, device) for number, row in rows]
+            together = self._together(rows, device) if len(rows) > 1 else {}
+            return [together.get(number) or self.answer(number, row, device) for number, row in rows]
 
     def answer(self, number: int, row: Row, device: str | None) -> Answer:
         """Run one row."""
@@ -163,35 +163,40 @@ class Job:
             result = CALLS[call](built.scene, **arguments, progress=False)
         return result, seconds + float(result.history.counters.get("build_seconds", 0.0)), device
 
-    def _together(self, rows: Numbered, device: str | None) -> list[Answer] | None:
-        """Answers for rows as worlds of one graph; None if they must be run one by one."""
+    def _together(self, rows: Numbered, device: str | None) -> dict[int, Answer]:
+        """Answers, by number, for rows as worlds of one graph; rows without one must be run one by one."""
         begin = time.perf_counter()
-        try:
-            built = [self.scenes.built(row) for _, row in rows]
-            calls = [self.call_of(one) for one in built]
-        except Exception:  # the single run reports the row and the reason
-            return None
-        (call, arguments), *others = calls
-        if call == "equilibrium" or any(other != (call, arguments) for other in others):
-            return None
-        seconds = time.perf_counter() - begin
+        built: dict[int, Any] = {}
+        runs: dict[int, Run] = {}
+        for number, row in rows:
+            with suppress(Exception):  # the single run reports the reason
+                built[number] = self.scenes.built(row)
+                runs[number] = self.call_of(built[number])
+        if not runs:
+            return {}
+        call, arguments = next(iter(runs.values()))
+        numbers = [number for number, run in runs.items() if run == (call, arguments)]
         arguments, device = on_device(call, arguments, device)
-        results = results_together([one.scene for one in built], call, arguments)
-        if results is None:
-            return None
-        share = (time.perf_counter() - begin) / len(rows)
-        seconds = (seconds + float(results[0].history.counters.get("build_seconds", 0.0))) / len(rows)
-        found = []
-        for (number, row), result in zip(rows, results, strict=True):
-            answer = self._answer(number, row, partial(tuple, (result, seconds, device)))
-            answer.wall_seconds += share
-            answer.worlds = len(rows)
-            found.append(answer)
-        return found
+        worlds = worlds_of(call, arguments)
+        if worlds is None or len(numbers) < 2:
+            return {}
+        given = dict(rows)
+
+        def read(i: int, result: Result) -> Answer:
+            seconds = float(result.history.counters.get("build_seconds", 0.0)) / len(numbers)
+            return self._answer(numbers[i], given[numbers[i]], partial(tuple, (result, seconds, device)))
+
+        found = each_together(worlds, [built[number].scene for number in numbers], read)
+        answers = {number: one for number, one in zip(numbers, found, strict=True) if isinstance(one, Answer)}
+        for answer in answers.values():
+            answer.wall_seconds += (time.perf_counter() - begin) / len(answers)
+            answer.worlds = len(answers)
+        return answers
 
     def _answer(self, number: int, row: Row, run: Callable[[], Ran]) -> Answer:
         """Answer for a row from the result of `run`."""
         begin = time.perf_counter()
+        result = None
         answer = Answer(number, "", host=socket.gethostname())
         answer.versions = ", ".join(f"{name} {version}" for name, version in versions().items())
         try:
@@ -203,11 +208,14 @@ class Job:
             answer.status, answer.message = str(result.status), result.message
         except NoQuantity as error:
             answer.status, answer.message = NO_QUANTITY, str(error)
-        except InputError as error:
-            answer.status, answer.message = REFUSED, str(error)
         except Exception as error:  # a failing row must not lose the others
             logging.getLogger("warpffrf").debug("sweep: run %d failed", number, exc_info=True)
-            answer.status, answer.message = FAILED, f"{type(error).__name__}: {error}"
+            if result is not None and result.status != Status.COMPLETED:  # a function found no row, or a short one
+                answer.status, answer.message = str(result.status), result.message
+            elif isinstance(error, InputError):
+                answer.status, answer.message = REFUSED, str(error)
+            else:
+                answer.status, answer.message = FAILED, f"{type(error).__name__}: {error}"
         answer.wall_seconds = time.perf_counter() - begin
         return answer
 

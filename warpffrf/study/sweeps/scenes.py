@@ -1,10 +1,11 @@
 """Source of the scene of a row: a scene file with the parameters set, or a function of the parameters.
 
-Together. Rows that run as worlds of one graph: `simulate_worlds` of their scenes.
+Together. Rows that run as worlds of one graph, as in `simulate_worlds` and `equilibria`.
 
-Their numbers are those of single runs, bit for bit on a CPU. Rows are run one by one if this is not possible: if a
-scene has a different structure from the first or is invalid, if all of them fail, and with options that worlds do not
-support. The table contains the number of worlds of each row.
+Their numbers are those of single runs, bit for bit on a CPU. The outputs of a row are read as soon as its run has
+ended, and its histories are dropped. A scene that has a different structure from the first, or is invalid, is run or
+refused by itself afterwards, as are all if a graph of them cannot be made, and with options that worlds do not support.
+The table contains the number of worlds of each row.
 """
 
 from __future__ import annotations
@@ -12,17 +13,17 @@ from __future__ import annotations
 import hashlib
 import inspect
 import json
-import logging
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.output.result import Result
-from warpffrf.output.worlds import simulate_worlds
+from warpffrf.output.worlds import Runs, each_of, rests, simulations
 from warpffrf.scene_file.document import merged_document, resolved, with_settings
 from warpffrf.scene_file.load import scene_of_document
 from warpffrf.scene_file.object_cache import Kept
@@ -153,16 +154,20 @@ def scenes_of(scene: Any, settings: Sequence[str]) -> Scenes:
     )
 
 
-HAVE = frozenset(inspect.signature(simulate_worlds).parameters)  # arguments of worlds
+WORLDS: dict[str, Callable[..., Runs]] = {
+    "simulate": simulations, "static": partial(simulations, kind="static"), "equilibrium": rests,
+}  # fmt: skip
 
 
-def results_together(scenes: Sequence[Any], call: str, arguments: Mapping[str, Any]) -> list[Result] | None:
-    """The results of `simulate` or `static` of scenes; None if they must be run one by one."""
-    if not set(arguments) <= HAVE or "duration" not in arguments:
-        return None
+def worlds_of(call: str, arguments: Mapping[str, Any]) -> Runs | None:
+    """The runs of scenes as worlds; None if they must be run one by one."""
     try:
-        kind = "static" if call == "static" else "dynamic"
-        return simulate_worlds(scenes, **arguments, kind=kind, progress=False)
-    except Exception:  # single runs report which one fails, and why
-        logging.getLogger("warpffrf").debug("sweep: %d worlds failed", len(scenes), exc_info=True)
+        inspect.signature(WORLDS[call]).bind(**arguments)
+        return WORLDS[call](**arguments)
+    except (TypeError, InputError):  # a single run reports what is wrong
         return None
+
+
+def each_together(runs: Runs, scenes: Sequence[Any], read: Callable[[int, Result], Any]) -> list[Any]:
+    """What `read` returns of the number and the Result of each scene; for a scene that was refused the error."""
+    return each_of(runs, scenes, lambda i, history: read(i, Result(history)), alike=False, progress=False)

@@ -20,6 +20,7 @@ from warpffrf.study.sweeps.reading.surface import surface
 from warpffrf.study.sweeps.reading.values import COMPLETED, TIME, WAITING, Table, shown_in
 
 MOST_FAILED = 100  # rows in the table of failed ones
+SCATTER = ("mean", "standard deviation", "10 % to 90 % of the rows")
 FAITHFUL = 0.5  # error of a response surface over the standard deviation, above which its sensitivities are not shown
 
 
@@ -65,15 +66,27 @@ def _parameters(table: Table) -> str:
 
 
 def _outputs(table: Table) -> str:
+    """What the outputs are, and how they scatter in a sample."""
     rows = []
+    sampled = bool(table.definition["sample"])
     for name in table.output_names:
         numbers = np.asarray(table[name], dtype=float)
         dims, unit = table.about(name)
         factor, shown = shown_in(unit, numbers)
         finite = numbers[np.isfinite(numbers)] * factor
         span = f"{finite.min():.5g} to {finite.max():.5g}" if len(finite) else "no value"
-        rows.append((name, table.definition["outputs"][name], span, shown, ", ".join(dims) or "one number"))
-    return html.table(("output", "is", "values", "unit", "in a row"), rows)
+        row = [name, table.definition["outputs"][name], span, shown, ", ".join(dims) or "one number"]
+        if sampled:
+            row += _scatter(finite) if len(finite) > 1 and not dims else ["", "", ""]
+        rows.append(row)
+    head = ["output", "is", "values", "unit", "in a row"]
+    return html.table([*head, *SCATTER] if sampled else head, rows)
+
+
+def _scatter(values: np.ndarray) -> list[str]:
+    """Of (rows,): as `SCATTER`."""
+    low, high = np.quantile(values, [0.1, 0.9])
+    return [f"{values.mean():.5g}", f"{values.std(ddof=1):.3g}", f"{low:.5g} to {high:.5g}"]
 
 
 def _failed(table: Table) -> list[str]:
