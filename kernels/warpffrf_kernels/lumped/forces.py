@@ -35,6 +35,12 @@ saturates at +-mu F and a stiffness k far above the inertia of the step, m/h^2, 
 side. So an iteration after which slip has reversed ignores the bound again. Friction beyond its bound is a residual
 (`balance`): the result of such an iteration is never accepted.
 
+**Slopes of equilibria.** The tangent of a^n leads an element that unloads to a (1 - 1/n), never to zero. But the last
+iteration has balanced the forces F_x that it expected, -> 0 of that element. So the slopes of a contact, of all its
+laminae, are reduced or raised in common to those of the chord from F to the expected sum: with p = max(F_x, 0)/F and
+the exponent m = a sum(dF/da)/F of the contact, a the largest approach, by (1 - p)/(m (1 - p^(1/m))). An element without
+a load then arrives in one step, and as F_x approaches F the chord becomes the tangent: convergence remains quadratic.
+
 In static steps there is no slip, and f is zero. dF and df for a small motion follow from those of `places`.
 """
 
