@@ -244,6 +244,6 @@ def test_a_short_path_visits_every_point_once() -> None:
     steps = [np.linalg.norm(np.diff(one, axis=0), axis=1).sum() for one in (scaled, scaled[order])]
     assert steps[1] < 1.5 * np.sqrt(400.0) < 0.2 * steps[0]  # about 0.9 root(n A) for the greedy path
     assert signals.short_path([[2.0, 1.0]]).tolist() == [0]
-    for wrong, said in (([1.0, 2.0], "must have shape"), (np.zeros((0, 2)), "points is empty")):
+    for wrong, said in ((np.ones(2), "must have shape"), (np.zeros((0, 2)), "points is empty")):
         with pytest.raises(InputError, match=said):
             signals.short_path(wrong)

@@ -72,7 +72,8 @@ def thrust(request: pytest.FixtureRequest) -> wf.Result:
 
 
 def test_washers_have_grooves(thrust: wf.Result) -> None:
-    meshes, geometry = rigid_meshes(thrust), thrust.bearing("t").geometry
+    meshes = rigid_meshes(thrust)
+    geometry: Any = thrust.bearing("t").geometry
     for side, name, sense in (("inner", "t inner ring", -1.0), ("outer", "ground", 1.0)):
         points = meshes[name].points
         R, z = geometry.arc_centre(side, geometry.tracks[0])
