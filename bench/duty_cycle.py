@@ -2,8 +2,8 @@
 
 20 balls, and 20 rollers of 30 laminae, under radial loads of random size within 35 degrees of the first element, each
 an equilibrium of `wf.static`. *ms* is CPU time of the run with its set-up, kernels being loaded, over the points;
-*order*: the points as drawn, or in ascending order of load and angle. *pressures* and *lives* are CPU seconds of the
-patches of all points, and of the modified life by `duty_life`.
+*order*: the points as drawn, these in the order of `signals.short_path`, or loads and angles each in ascending order.
+*pressures* and *lives* are CPU seconds of the patches of all points, and of the modified life by `duty_life`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ ROLLERS = wf.bearings.RollerGeometry(
 )
 
 
-def bearing(kind: str, points: int, *, ascending: bool) -> wf.Scene:
+def bearing(kind: str, points: int, order: str) -> wf.Scene:
     """The bearing "b", its inner ring free in its plane."""
     scene = wf.Scene(gravity=(0, 0, 0))
     if kind == "balls":
@@ -38,20 +38,23 @@ def bearing(kind: str, points: int, *, ascending: bool) -> wf.Scene:
     scene.add(wf.joints.Planar(scene.ground.at((0, 0, 0)), ring, axis=(0, 1, 0)))
     rng, number = np.random.default_rng(1), np.arange(float(points))
     angle, load = rng.uniform(-SPREAD, SPREAD, points), rng.uniform(LEAST, MOST, points)
-    if ascending:
+    if order == "ascending":
         load, angle = np.sort(load), np.sort(angle)
+    elif order == "short path":
+        path = wf.signals.short_path(load[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1))
+        load, angle = load[path], angle[path]
     parts = [wf.signals.Table(number, load * way(angle)) for way in (np.sin, np.cos)]
     scene.add(wf.forces.PointForce(ring, (parts[0], 0.0, parts[1])))
     return scene
 
 
-def run(kind: str, points: int, *, ascending: bool) -> dict[str, Any]:
+def run(kind: str, points: int, order: str) -> dict[str, Any]:
     """Figures of a spectrum."""
-    wf.static(bearing(kind, 2, ascending=True), 1.0, step=1.0, progress=False)
-    scene = bearing(kind, points, ascending=ascending)
+    wf.static(bearing(kind, 2, "ascending"), 1.0, step=1.0, progress=False)
     used = time.process_time()
+    scene = bearing(kind, points, order)
     result = wf.static(scene, points - 1.0, step=1.0, progress=False)
-    row: dict[str, Any] = {"table": "duty cycle", "kind": kind, "order": "ascending" if ascending else "as drawn"}
+    row: dict[str, Any] = {"table": "duty cycle", "kind": kind, "order": order}
     row["seconds_per_point"] = (time.process_time() - used) / points
     row["status"], row["points"] = result.status, points
     row["iterations"] = result.history.counters["mean_iterations"]
@@ -75,8 +78,8 @@ def main() -> None:
     print(f"U = {about['unit_seconds'] * 1e6:.1f} us")
     print(f"{'kind':<8} {'order':<10} {'ms/point':>9} {'U':>6} {'iterations':>10} {'pressures':>9} lives")
     for kind in ("balls", "rollers"):
-        for ascending in (False, True):
-            row = run(kind, given.points, ascending=ascending)
+        for order in ("as drawn", "short path", "ascending"):
+            row = run(kind, given.points, order)
             rows.append(row)
             step = row["seconds_per_point"]
             print(

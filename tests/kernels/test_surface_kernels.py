@@ -215,13 +215,19 @@ def test_distance_is_the_least_of_all(name: str) -> None:
 
 
 def test_beyond_the_centre_of_a_groove() -> None:
-    """Nearer to the axis than the arc's centre the surface is its end, not the other half of the circle."""
-    s = SURFACES["groove in a ring"]
+    """The arc ends 135 degrees from its bottom, and is not the other half of the circle: up to there the distance is
+    that from the circle, beyond that from its end."""
+    s, end = SURFACES["groove in a ring"], 0.0065 * np.sqrt(0.5)
     x = np.array([[0.04 - 0.0065 - 0.003, 0.0, 0.002], [0.04 - 0.0065 - 0.003, 0.0, -0.002]])
     chart, gradient, _ = np.moveaxis(charted(s, x), 1, 0)
-    assert chart[:, 1] == pytest.approx([0.0065, -0.0065])
-    assert chart[:, 2] == pytest.approx([np.hypot(0.003, 0.0045)] * 2)
+    assert chart[:, 1] == pytest.approx([end, -end])
+    assert chart[:, 2] == pytest.approx([np.hypot(end - 0.003, end - 0.002)] * 2)
     assert np.linalg.norm(gradient, axis=1) == pytest.approx([1.0, 1.0])
+    angle = np.radians([60.0, 90.0, 110.0, -134.0])
+    off = 0.006 * np.stack([np.cos(angle), 0.0 * angle, np.sin(angle)], axis=1)
+    chart, gradient, _ = np.moveaxis(charted(s, off + [0.04 - 0.0065, 0.0, 0.0]), 1, 0)
+    assert chart[:, 2] == pytest.approx([0.0005] * 4, rel=1e-12)
+    np.testing.assert_allclose(gradient, -off / 0.006, atol=1e-14)
 
 
 def test_a_flat_crown_is_a_cylinder() -> None:

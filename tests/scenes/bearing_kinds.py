@@ -48,6 +48,12 @@ def book_of(geometry: BallGeometry) -> BallBearing:
     )  # fmt: skip
 
 
+def thrust_balls(count: int = 12) -> BallGeometry:
+    return BallGeometry(
+        elements=count, ball_diameter=10 * MM, pitch_diameter=60 * MM, osculation=0.535, contact_angle=0.5 * np.pi
+    )
+
+
 def two_rows_of_balls(geometry: BallGeometry, F_r: float, F_a: float) -> np.ndarray:
     """Q (2 Z,) [N] by the equations of ISO/TS 16281 of two rows with opposite contact angles."""
     book, phi, alpha = book_of(geometry), geometry.angles, geometry.contact_angle

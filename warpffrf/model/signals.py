@@ -41,6 +41,7 @@ __all__ = [
     "Step",
     "Table",
     "from_csv",
+    "short_path",
 ]
 
 
@@ -503,6 +504,29 @@ def _is_number(word: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def short_path(points: Matrix) -> np.ndarray:
+    """An order (n,) of the `points` (n, k) of a spectrum, such as their forces, for load steps of `static`, which take
+    fewer iterations if they are short: the first point, then always the nearest one that is left. Columns count by
+    their range.
+
+    Raises `InputError` for points that are no table of finite numbers, or none.
+
+    >>> wf.signals.short_path([[0.0], [3.0], [1.0], [2.0]]).tolist()
+    [0, 2, 3, 1]
+    """
+    table = require_array(points, "short_path: points", (None, None))
+    if not len(table):
+        raise InputError("short_path: points is empty; give at least one point")
+    span = np.ptp(table, axis=0)
+    scaled = table[:, span > 0.0] / span[span > 0.0]
+    order, left = [0], np.arange(1, len(table))
+    while len(left):
+        nearest = int(np.argmin(np.sum((scaled[left] - scaled[order[-1]]) ** 2, axis=1)))
+        order.append(int(left[nearest]))
+        left = np.delete(left, nearest)
+    return np.array(order)
 
 
 SignalLike: TypeAlias = Signal | float  # a number is a constant signal

@@ -8,6 +8,7 @@ import warp as wp
 
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.ring import SavedLumped
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
@@ -19,10 +20,13 @@ from warpffrf_kernels.lumped.places import side_in_world
 
 wp.set_module_options(MODULE_OPTIONS)
 
+EXPECTED = wp.constant(wp.float64(1.0e-4))  # of the force: a force this close to the expected one has the law's slope
+MOST_EXPECTED = wp.constant(wp.float64(1.0e12))  # of the force, so that slopes stay finite
+
 
 @kernel
 def push_lumped(
-    run: Run, trial: Trial, residuals: Residuals, lumped_load: wp.array2d(dtype=Load),
+    run: Run, trial: Trial, residuals: Residuals, lumped: LumpedState, lumped_load: wp.array2d(dtype=Load),
     lumped_moment: wp.array2d(dtype=Moment),
 ):  # fmt: skip
     """Per world: subtract the forces and moments of all points from the residuals of their bodies."""
@@ -32,8 +36,8 @@ def push_lumped(
         return
     place = int(0)
     while place < model.elements[0].lumped.places:
-        load = lumped_load[w, place]
-        if load.force > real(0.0):
+        if lumped.lumped_force[w, 1, place] > real(0.0):
+            load = lumped_load[w, place]
             contact = model.elements[0].lumped.contact[place]
             f = load.force * load.touch.n + load.friction
             resisting = model.elements[0].lumped.moment[place]
@@ -70,6 +74,35 @@ def add_column(
         tangent[w, row + 3 + i, column] = tangent[w, row + 3 + i, column] - moment[i]
 
 
+@wp.func
+def slope_share(model: Model, w: int, first: int, lumped_load: wp.array2d(dtype=Load)) -> real:
+    """Slope towards the expected force of a contact, over its tangent; `first`: its first point. See `forces`."""
+    contact = model.elements[0].lumped.contact[first]
+    force = real(0.0)
+    expected = real(0.0)
+    slope = real(0.0)
+    approach = real(0.0)
+    place = first
+    inside = int(1)
+    while inside != 0:
+        force += lumped_load[w, place].force
+        expected += lumped_load[w, place].expected
+        slope += lumped_load[w, place].by_approach
+        approach = wp.max(approach, -lumped_load[w, place].touch.gap)
+        place += 1
+        inside = int(0)
+        if place < model.elements[0].lumped.places:
+            if model.elements[0].lumped.contact[place] == contact:
+                inside = int(1)
+    if force == real(0.0) or expected == real(0.0) or model.elements[0].lumped.table_count[contact] != 0:
+        return real(1.0)
+    part = wp.clamp(expected / force, real(0.0), MOST_EXPECTED)
+    if wp.abs(part - real(1.0)) <= EXPECTED:
+        return real(1.0)
+    power = slope * approach / force
+    return (real(1.0) - part) / (power * (real(1.0) - wp.pow(part, real(1.0) / power)))
+
+
 @kernel
 def stiffen_lumped(
     run: Run, state: MotionState, trial: Trial, lumped: LumpedState, system: RetainedSystem,
@@ -81,10 +114,14 @@ def stiffen_lumped(
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
         return
     vel = run.clk[w].retained.vel
+    share = real(1.0)
     place = int(0)
     while place < model.elements[0].lumped.places:
-        load = lumped_load[w, place]
-        if load.force > real(0.0):
+        if place == 0 or model.elements[0].lumped.contact[place] != model.elements[0].lumped.contact[place - 1]:
+            share = slope_share(model, w, place, lumped_load)
+        if lumped.lumped_force[w, 1, place] > real(0.0):
+            lumped_load[w, place].by_approach = share * lumped_load[w, place].by_approach
+            load = lumped_load[w, place]
             contact = model.elements[0].lumped.contact[place]
             first = side_in_world(model, w, model.elements[0].lumped.first[contact], trial)
             second = side_in_world(model, w, model.elements[0].lumped.second[contact], trial)
@@ -101,15 +138,19 @@ def stiffen_lumped(
             resistance = Moment()
             if resisting >= 0:
                 resistance = lumped_moment[w, resisting]
-            moved = int(0)
-            while moved < 12:
-                coordinate = moved % 6
-                moves = moved / 6
+            spin = one.omega - two.omega
+            turn = one.share * one.turn - two.share * two.turn
+            for moves in range(2):
                 side = first
+                own = one
+                sign = real(1.0)
                 if moves == 1:
                     side = second
-                if side.body >= 0:
-                    by = answer_to(model, contact, old_normal, load, first, second, one, two, moves, coordinate, vel)
+                    own = two
+                    sign = real(-1.0)
+                coordinate = int(0)
+                while side.body >= 0 and coordinate < 6:
+                    by = answer_to(model, contact, old_normal, load, side, own, sign, spin, turn, coordinate, vel)
                     dM = vec3(real(0.0))
                     if resisting >= 0 and run.ctl[w].mode != k.STATIC:
                         dM = change_of(model, resisting, load, resistance, by.force, by.n, by.turning)
@@ -120,62 +161,64 @@ def stiffen_lumped(
                     else:
                         phi = vec3(side.A[0, coordinate - 3], side.A[1, coordinate - 3], side.A[2, coordinate - 3])
                     column = 6 * side.body + coordinate
-                    still = vec3(real(0.0))
-                    for other in range(2):
-                        body = first
-                        sign = real(1.0)
-                        if other == 1:
-                            body = second
-                            sign = real(-1.0)
-                        own_dr = still
-                        own_phi = still
-                        if other == moves:
-                            own_dr = dr
-                            own_phi = phi
-                        if body.body >= 0:
-                            add_column(
-                                w, body.body, column, body.A, own_dr, own_phi, x - body.r, by.x, sign * f, sign * by.f,
-                                sign * resistance.total, sign * dM, system.tangent,
-                            )  # fmt: skip
-                moved += 1
+                    on_first = real(0.5) * (real(1.0) + sign)
+                    on_second = real(0.5) * (real(1.0) - sign)
+                    if first.body >= 0:
+                        add_column(
+                            w, first.body, column, first.A, on_first * dr, on_first * phi, x - first.r, by.x, f, by.f,
+                            resistance.total, dM, system.tangent,
+                        )  # fmt: skip
+                    if second.body >= 0:
+                        add_column(
+                            w, second.body, column, second.A, on_second * dr, on_second * phi, x - second.r, by.x, -f,
+                            -by.f, -resistance.total, -dM, system.tangent,
+                        )  # fmt: skip
+                    coordinate += 1
         place += 1
 
 
 @kernel
 def keep_lumped(run: Run, lumped: LumpedState):
-    """Per (world, point): the trial state becomes the accepted one; the tiny step of PROJECT is not stored."""
-    w, place = wp.tid()
+    """Per world, lanes over points: the trial state becomes the accepted one; the tiny step of PROJECT is not
+    stored."""
+    w, lane = wp.tid()
     if run.ctl[w].accept == 0 or run.ctl[w].mode == k.PROJECT:
         return
-    lumped.lumped_force[w, 0, place] = lumped.lumped_force[w, 1, place]
-    lumped.lumped_friction[w, 0, place] = lumped.lumped_friction[w, 1, place]
-    lumped.lumped_normal[w, 0, place] = lumped.lumped_normal[w, 1, place]
-    lumped.lumped_at[w, 0, place] = lumped.lumped_at[w, 1, place]
-    lumped.lumped_shear[w, 0, place] = lumped.lumped_shear[w, 1, place]
-    lumped.lumped_energy[w, 0, place] = lumped.lumped_energy[w, 1, place]
-    lumped.lumped_approach[w, 0, place] = lumped.lumped_approach[w, 1, place]
-    lumped.lumped_gained[w, 0, place] = lumped.lumped_gained[w, 1, place]
-    for i in range(2):
-        lumped.lumped_power[w, 0, place, i] = lumped.lumped_power[w, 1, place, i]
+    place = lane
+    while place < lumped.lumped_force.shape[2]:
+        lumped.lumped_force[w, 0, place] = lumped.lumped_force[w, 1, place]
+        lumped.lumped_friction[w, 0, place] = lumped.lumped_friction[w, 1, place]
+        lumped.lumped_normal[w, 0, place] = lumped.lumped_normal[w, 1, place]
+        lumped.lumped_at[w, 0, place] = lumped.lumped_at[w, 1, place]
+        lumped.lumped_shear[w, 0, place] = lumped.lumped_shear[w, 1, place]
+        lumped.lumped_energy[w, 0, place] = lumped.lumped_energy[w, 1, place]
+        lumped.lumped_approach[w, 0, place] = lumped.lumped_approach[w, 1, place]
+        lumped.lumped_gained[w, 0, place] = lumped.lumped_gained[w, 1, place]
+        for i in range(2):
+            lumped.lumped_power[w, 0, place, i] = lumped.lumped_power[w, 1, place, i]
+        place += wp.block_dim()
 
 
 @kernel
 def record_lumped(run: Run, saved: SavedLumped, lumped_load: wp.array2d(dtype=Load)):
-    """Per (world, point): NUMBERS of the accepted state."""
-    w, place = wp.tid()
+    """Per world, lanes over points: NUMBERS of the accepted state."""
+    w, lane = wp.tid()
     if run.ctl[w].record == 0:
         return
     at = run.ctl[w].saved % saved.saved_lumped.shape[1]
-    load = lumped_load[w, place]
-    f = load.force * load.touch.n + load.friction
-    v = tangential(load.touch.n, load.velocity)
-    for i in range(3):
-        saved.saved_lumped[w, at, place, i] = load.touch.x[i]
-        saved.saved_lumped[w, at, place, 3 + i] = f[i]
-        saved.saved_lumped[w, at, place, 6 + i] = load.friction[i]
-        saved.saved_lumped[w, at, place, 9 + i] = v[i]
-    saved.saved_lumped[w, at, place, 12] = -load.touch.gap
-    saved.saved_lumped[w, at, place, 13] = load.force
+    place = lane
+    while place < saved.saved_lumped.shape[2]:
+        load = lumped_load[w, place]
+        f = load.force * load.touch.n + load.friction
+        v = tangential(load.touch.n, load.velocity)
+        for i in range(3):
+            saved.saved_lumped[w, at, place, i] = load.touch.x[i]
+            saved.saved_lumped[w, at, place, 3 + i] = f[i]
+            saved.saved_lumped[w, at, place, 6 + i] = load.friction[i]
+            saved.saved_lumped[w, at, place, 9 + i] = v[i]
+        saved.saved_lumped[w, at, place, 12] = -load.touch.gap
+        saved.saved_lumped[w, at, place, 13] = load.force
+        place += wp.block_dim()
 
 
 @kernel

@@ -35,6 +35,12 @@ saturates at +-mu F and a stiffness k far above the inertia of the step, m/h^2, 
 side. So an iteration after which slip has reversed ignores the bound again. Friction beyond its bound is a residual
 (`balance`): the result of such an iteration is never accepted.
 
+**Slopes of equilibria.** The tangent of a^n leads an element that unloads to a (1 - 1/n), never to zero. But the last
+iteration has balanced the forces F_x that it expected, -> 0 of that element. So the slopes of a contact, of all its
+laminae, are reduced or raised in common to those of the chord from F to the expected sum: with p = max(F_x, 0)/F and
+the exponent m = a sum(dF/da)/F of the contact, a the largest approach, by (1 - p)/(m (1 - p^(1/m))). An element without
+a load then arrives in one step, and as F_x approaches F the chord becomes the tangent: convergence remains quadratic.
+
 In static steps there is no slip, and f is zero. dF and df for a small motion follow from those of `places`.
 """
 
@@ -79,6 +85,7 @@ class Load:
     force: real  # F
     by_approach: real  # dF/da
     by_rate: real  # dF/da_dot
+    expected: real  # F by the linearisation of the last iteration of an equilibrium, 0 if it was open
     regime: int
     friction: vec3  # f
     trial: vec3  # f_tr
@@ -175,113 +182,120 @@ def find_forces(
     run: Run, state: MotionState, trial: Trial, lumped: LumpedState, lumps: LumpedContacts,
     lumped_load: wp.array2d(dtype=Load),
 ):  # fmt: skip
-    """Per (world, point): the contact point at the trial state, the force there, and its energies."""
-    w, place = wp.tid()
+    """Per world, lanes over points: the contact point at the trial state, the force there, and its energies."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
-    contact = model.elements[0].lumped.contact[place]
-    first = side_in_world(model, w, model.elements[0].lumped.first[contact], trial)
-    second = side_in_world(model, w, model.elements[0].lumped.second[contact], trial)
-    out = Load()
-    out.touch = touch_of(model, place, first, second)
-    n = out.touch.n
-    x = out.touch.x
-    known = int(0)
-    if lumped.lumped_force[w, 0, place] > real(0.0):
-        known = int(1)
-    before = lumped.lumped_at[w, 0, place]
-    one = motion_of(first, w, x, before, known, state, trial)
-    two = motion_of(second, w, x, before, known, state, trial)
-    out.velocity = one.v + wp.cross(one.omega, x - first.r) - two.v - wp.cross(two.omega, x - second.r)
-    approach = -out.touch.gap
-    rate = -wp.dot(n, out.velocity)
-    push = push_of(model, contact, model.elements[0].lumped.share[place], approach)
-    factor = real(1.0) + model.elements[0].lumped.damping[contact] * rate
-    if factor > real(0.0):
-        out.force = push.force * factor
-        out.by_approach = push.slope * factor
-        out.by_rate = push.force * model.elements[0].lumped.damping[contact]
-    mu = model.elements[0].lumped.friction[contact]
-    creep = model.elements[0].lumped.slip_velocity[contact]
-    rubbed = real(0.0)
-    rub_power = real(0.0)
-    held = real(0.0)
-    old_energy = real(0.0)
-    dynamic = run.ctl[w].mode != k.STATIC
-    bounded = (run.ctl[w].mode != k.DYNAMIC and run.ctl[w].mode != k.LOADING) or run.ctl[w].iteration > 0
-    if mu > real(0.0) and creep == real(0.0) and dynamic:
-        out.shear = model.elements[0].lumped.shear[contact] * push.slope
-        out.shear_bend = model.elements[0].lumped.shear[contact] * push.bend
-        out.kept = real(1.0)
-        stiff = lumped.lumped_shear[w, 0, place]
-        if known != 0 and stiff > real(0.0):
-            f = lumped.lumped_friction[w, 0, place]
-            old = lumped.lumped_normal[w, 0, place]
-            old_energy = real(0.5) * wp.dot(f, f) / stiff
-            angle = real(0.5) * wp.dot(old, one.turn + two.turn)
-            out.spun = wp.cos(angle) * f + wp.sin(angle) * wp.cross(old, f)
-            out.turned = turned_with(old, n, out.spun)
-            if out.shear < stiff:
-                out.kept = out.shear / stiff
-                out.kept_bend = out.shear_bend / stiff
+    place = lane
+    while place < model.elements[0].lumped.places:
+        contact = model.elements[0].lumped.contact[place]
+        first = side_in_world(model, w, model.elements[0].lumped.first[contact], trial)
+        second = side_in_world(model, w, model.elements[0].lumped.second[contact], trial)
+        out = Load()
+        out.touch = touch_of(model, place, first, second)
+        n = out.touch.n
+        x = out.touch.x
+        known = int(0)
+        if lumped.lumped_force[w, 0, place] > real(0.0):
+            known = int(1)
+        before = lumped.lumped_at[w, 0, place]
+        one = motion_of(first, w, x, before, known, state, trial)
+        two = motion_of(second, w, x, before, known, state, trial)
+        out.velocity = one.v + wp.cross(one.omega, x - first.r) - two.v - wp.cross(two.omega, x - second.r)
+        approach = -out.touch.gap
+        rate = -wp.dot(n, out.velocity)
+        push = push_of(model, contact, model.elements[0].lumped.share[place], approach)
+        factor = real(1.0) + model.elements[0].lumped.damping[contact] * rate
+        if factor > real(0.0):
+            out.force = push.force * factor
+            out.by_approach = push.slope * factor
+            out.by_rate = push.force * model.elements[0].lumped.damping[contact]
+        if (run.ctl[w].mode == k.STATIC or run.ctl[w].mode == k.LOADING) and run.ctl[w].iteration > 0:
+            if lumped_load[w, place].force > real(0.0):
+                moved = approach + lumped_load[w, place].touch.gap
+                out.expected = lumped_load[w, place].force + lumped_load[w, place].by_approach * moved
+        mu = model.elements[0].lumped.friction[contact]
+        creep = model.elements[0].lumped.slip_velocity[contact]
+        rubbed = real(0.0)
+        rub_power = real(0.0)
+        held = real(0.0)
+        old_energy = real(0.0)
+        dynamic = run.ctl[w].mode != k.STATIC
+        bounded = (run.ctl[w].mode != k.DYNAMIC and run.ctl[w].mode != k.LOADING) or run.ctl[w].iteration > 0
+        if mu > real(0.0) and creep == real(0.0) and dynamic:
+            out.shear = model.elements[0].lumped.shear[contact] * push.slope
+            out.shear_bend = model.elements[0].lumped.shear[contact] * push.bend
+            out.kept = real(1.0)
+            stiff = lumped.lumped_shear[w, 0, place]
+            if known != 0 and stiff > real(0.0):
+                f = lumped.lumped_friction[w, 0, place]
+                old = lumped.lumped_normal[w, 0, place]
+                old_energy = real(0.5) * wp.dot(f, f) / stiff
+                angle = real(0.5) * wp.dot(old, one.turn + two.turn)
+                out.spun = wp.cos(angle) * f + wp.sin(angle) * wp.cross(old, f)
+                out.turned = turned_with(old, n, out.spun)
+                if out.shear < stiff:
+                    out.kept = out.shear / stiff
+                    out.kept_bend = out.shear_bend / stiff
+            if out.force > real(0.0):
+                out.slip = one.move + wp.cross(one.turn, one.lever) - two.move - wp.cross(two.turn, two.lever)
+                base = out.kept * out.turned
+                out.trial = base - out.shear * tangential(n, out.slip)
+                out.friction = out.trial
+                out.regime = STICKS
+                size = wp.length(out.trial)
+                last = lumped_load[w, place]
+                if run.ctl[w].iteration > 1 and last.regime == SLIPS and wp.dot(last.friction, out.trial) < real(0.0):
+                    bounded = False
+                if bounded and size > mu * out.force:
+                    out.regime = SLIPS
+                    out.friction = at_bound(out.trial, mu * out.force)
+                    mean = real(0.5) * (wp.dot(out.turned, out.trial) / size + mu * out.force)
+                    rubbed = wp.max(mean, real(0.0)) * (size - mu * out.force) / out.shear
+                held = real(0.5) * wp.dot(out.friction, out.friction) / out.shear
+                old_energy -= real(0.5) * wp.dot(base, base) / out.shear
+            rubbed += wp.max(old_energy, real(0.0))
+        if mu > real(0.0) and creep > real(0.0) and dynamic and out.force > real(0.0):
+            v = tangential(n, out.velocity)
+            speed = wp.length(v)
+            out.regime = CREEPS
+            least = creep
+            if bounded and speed > creep:
+                out.regime = RUBS
+                least = speed
+                mu = beyond_creep(model, contact, speed)[0]
+            out.friction = (-mu * out.force / least) * v
+            rub_power = -wp.dot(out.friction, v)
+        damp_power = (out.force - push.force) * rate
+        half = real(0.5) * run.clk[w].h
+        if run.ctl[w].mode == k.LOADING:  # there are no velocities
+            half = real(0.0)
+        lumps.lumped_taken[w, place, DAMPED] = half * (lumped.lumped_power[w, 0, place, DAMPED] + damp_power)
+        lumps.lumped_taken[w, place, RUBBED] = rubbed + half * (lumped.lumped_power[w, 0, place, RUBBED] + rub_power)
+        lumps.lumped_taken[w, place, GAINED] = real(0.0)
+        lumps.lumped_taken[w, place, AT_HAND] = real(0.0)
+        lumped.lumped_gained[w, 1, place] = lumped.lumped_gained[w, 0, place]
+        was = lumped.lumped_approach[w, 0, place]
+        if run.ctl[w].mode == k.DYNAMIC and wp.max(was, approach) > real(0.0):
+            had = push_of(model, contact, model.elements[0].lumped.share[place], was)
+            b = bounce_of(model, first, second, x, n, had, push, approach - was, rate, run.clk[w].h)
+            lumps.lumped_taken[w, place, GAINED] = b[0]
+            lumps.lumped_taken[w, place, AT_HAND] = b[2] * b[1]
+            lumped.lumped_gained[w, 1, place] = wp.max(lumped.lumped_gained[w, 0, place] + b[0], -b[1])
+        lumped.lumped_approach[w, 1, place] = approach
+        lumped.lumped_power[w, 1, place, DAMPED] = damp_power
+        lumped.lumped_power[w, 1, place, RUBBED] = rub_power
+        lumped.lumped_energy[w, 1, place] = push.energy + held
+        lumped.lumped_force[w, 1, place] = out.force
+        lumped.lumped_friction[w, 1, place] = out.friction
+        lumped.lumped_normal[w, 1, place] = n
+        lumped.lumped_at[w, 1, place] = x
+        lumped.lumped_shear[w, 1, place] = real(0.0)
         if out.force > real(0.0):
-            out.slip = one.move + wp.cross(one.turn, one.lever) - two.move - wp.cross(two.turn, two.lever)
-            base = out.kept * out.turned
-            out.trial = base - out.shear * tangential(n, out.slip)
-            out.friction = out.trial
-            out.regime = STICKS
-            size = wp.length(out.trial)
-            last = lumped_load[w, place]
-            if run.ctl[w].iteration > 1 and last.regime == SLIPS and wp.dot(last.friction, out.trial) < real(0.0):
-                bounded = False
-            if bounded and size > mu * out.force:
-                out.regime = SLIPS
-                out.friction = at_bound(out.trial, mu * out.force)
-                mean = real(0.5) * (wp.dot(out.turned, out.trial) / size + mu * out.force)
-                rubbed = wp.max(mean, real(0.0)) * (size - mu * out.force) / out.shear
-            held = real(0.5) * wp.dot(out.friction, out.friction) / out.shear
-            old_energy -= real(0.5) * wp.dot(base, base) / out.shear
-        rubbed += wp.max(old_energy, real(0.0))
-    if mu > real(0.0) and creep > real(0.0) and dynamic and out.force > real(0.0):
-        v = tangential(n, out.velocity)
-        speed = wp.length(v)
-        out.regime = CREEPS
-        least = creep
-        if bounded and speed > creep:
-            out.regime = RUBS
-            least = speed
-            mu = beyond_creep(model, contact, speed)[0]
-        out.friction = (-mu * out.force / least) * v
-        rub_power = -wp.dot(out.friction, v)
-    damp_power = (out.force - push.force) * rate
-    half = real(0.5) * run.clk[w].h
-    if run.ctl[w].mode == k.LOADING:  # there are no velocities
-        half = real(0.0)
-    lumps.lumped_taken[w, place, DAMPED] = half * (lumped.lumped_power[w, 0, place, DAMPED] + damp_power)
-    lumps.lumped_taken[w, place, RUBBED] = rubbed + half * (lumped.lumped_power[w, 0, place, RUBBED] + rub_power)
-    lumps.lumped_taken[w, place, GAINED] = real(0.0)
-    lumps.lumped_taken[w, place, AT_HAND] = real(0.0)
-    lumped.lumped_gained[w, 1, place] = lumped.lumped_gained[w, 0, place]
-    was = lumped.lumped_approach[w, 0, place]
-    if run.ctl[w].mode == k.DYNAMIC and wp.max(was, approach) > real(0.0):
-        had = push_of(model, contact, model.elements[0].lumped.share[place], was)
-        b = bounce_of(model, first, second, x, n, had, push, approach - was, rate, run.clk[w].h)
-        lumps.lumped_taken[w, place, GAINED] = b[0]
-        lumps.lumped_taken[w, place, AT_HAND] = b[2] * b[1]
-        lumped.lumped_gained[w, 1, place] = wp.max(lumped.lumped_gained[w, 0, place] + b[0], -b[1])
-    lumped.lumped_approach[w, 1, place] = approach
-    lumped.lumped_power[w, 1, place, DAMPED] = damp_power
-    lumped.lumped_power[w, 1, place, RUBBED] = rub_power
-    lumped.lumped_energy[w, 1, place] = push.energy + held
-    lumped.lumped_force[w, 1, place] = out.force
-    lumped.lumped_friction[w, 1, place] = out.friction
-    lumped.lumped_normal[w, 1, place] = n
-    lumped.lumped_at[w, 1, place] = x
-    lumped.lumped_shear[w, 1, place] = real(0.0)
-    if out.force > real(0.0):
-        lumped.lumped_shear[w, 1, place] = out.shear
-    lumped_load[w, place] = out
+            lumped.lumped_shear[w, 1, place] = out.shear
+        lumped_load[w, place] = out
+        place += wp.block_dim()
 
 
 @wp.struct
@@ -298,29 +312,15 @@ class Answer:
 
 @wp.func
 def answer_to(
-    model: Model,
-    contact: int,
-    old_normal: vec3,
-    load: Load,
-    first: Side,
-    second: Side,
-    one: Motion,
-    two: Motion,
-    moves: int,
-    coordinate: int,
-    vel: real,
-) -> Answer:
-    """For a unit of a coordinate of body `moves` (0 the first): 0 to 2 translation, 3 to 5 rotation, own axes."""
+    model: Model, contact: int, old_normal: vec3, load: Load, side: Side, own: Motion, sign: real, spin: vec3,
+    turn: vec3, coordinate: int, vel: real,
+) -> Answer:  # fmt: skip
+    """For a unit of a coordinate of the body of `side`: 0 to 2 translation, 3 to 5 rotation, own axes. sign: 1 of the
+    first body, -1 of the second; spin: angular velocity of the first relative to the second; turn: difference of their
+    rotations in the step, each times its `share`."""
     zero = vec3(real(0.0))
     unit = zero
     unit[coordinate % 3] = real(1.0)
-    side = first
-    own = one
-    sign = real(1.0)
-    if moves == 1:
-        side = second
-        own = two
-        sign = real(-1.0)
     # motion of the body by the coordinate, and of both bodies at the contact point
     dr = zero
     phi = zero
@@ -337,19 +337,19 @@ def answer_to(
     u = dr + wp.cross(phi, x - side.r)
     u1 = u
     u2 = zero
-    if moves == 1:
+    if sign < real(0.0):
         u1 = zero
         u2 = u
     # shift of the contact point and change of the normal
     shift = load.touch.Y * (sign * wp.cross(phi, n) + load.touch.H * (u2 - u1))
     ds = u1 + shift + (load.touch.between * wp.dot(n, u2 - u1)) * n
     dn = load.touch.H * (ds - u2)
-    if moves == 1:
+    if sign < real(0.0):
         dn += wp.cross(phi, n)
     # approach, its rate and the normal force
     da = wp.dot(n, u2 - u1)
     dv = sign * (vel * dr + wp.cross(domega, x - side.r) - wp.cross(own.omega, dr))
-    dv += wp.cross(one.omega - two.omega, ds)
+    dv += wp.cross(spin, ds)
     drate = -wp.dot(dn, load.velocity) - wp.dot(n, dv)
     dF = load.by_approach * da + load.by_rate * drate
     out = Answer()
@@ -362,7 +362,7 @@ def answer_to(
     # friction with stick: change of the slip, of the rotated old force, and of the trial force
     if load.regime == STICKS or load.regime == SLIPS:
         dslip = sign * (dr + wp.cross(dturn, own.lever) - own.share * wp.cross(own.turn, dr))
-        dslip += wp.cross(one.share * one.turn - two.share * two.turn, ds)
+        dslip += wp.cross(turn, ds)
         dtang = tangential(n, dslip) - wp.dot(n, load.slip) * dn - wp.dot(dn, load.slip) * n
         dangle = real(0.5) * wp.dot(old_normal, dturn)
         dspun = dangle * wp.cross(old_normal, load.spun)

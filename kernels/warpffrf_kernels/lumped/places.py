@@ -36,20 +36,14 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.lumped.form import depth_at, form_bend, formed_normal
-from warpffrf_kernels.surfaces.surface import (
-    axes_of,
-    distance_of,
-    gradient_of,
-    gradient_slope_of,
-    origin_of,
-    profile_of,
-)
+from warpffrf_kernels.surfaces.surface import axes_of, distance_of, expansion_of, gradient_of, origin_of, profile_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
 STEPS = wp.constant(40)  # of Newton's method; four or five suffice from the foot of a ball's or a roller's centre
 HALVINGS = wp.constant(30)  # of a step that would increase the sum of the distances
 ARRIVED = wp.constant(wp.float64(1.0e-15))  # sine between the normals: the error of the gap is its square
+NEAR = wp.constant(wp.float64(1.0e-8))  # of it: the next step, whose error is about its square, is the last
 # of the sum of the distances, over the size of the surfaces: a smaller increase in a step is round-off
 ROUND_OFF = wp.constant(wp.float64(1.0e-15))
 # of a step, if a surface has a form, whose slopes are of first order: the allowed increase of the sum, their square
@@ -126,20 +120,22 @@ def is_ball(model: Model, s: int) -> int:
 
 
 @wp.func
-def bend_at(model: Model, side: Side, x: vec3) -> mat33:
-    """Hessian of the distance, 1/m; for a ball also at its poles, where the chart is singular."""
+def expansion_at(model: Model, side: Side, x: vec3):
+    """`distance_at`, `normal_at` and the Hessian of the distance, 1/m; of a ball also at its poles, where the chart is
+    singular."""
     y = wp.transpose(side.Q) * (x - side.o)
     s = side.surface
+    d, n, H = expansion_of(model, s, y)
     if is_ball(model, s) != 0:
         h = wp.length(y)
-        if h == real(0.0):
-            return mat33()
-        e = (side.Q * y) / h
-        return (model.surfaces.side[s] / h) * (wp.identity(n=3, dtype=real) - wp.outer(e, e))
-    H = gradient_slope_of(model, s, y)
+        if h > real(0.0):
+            e = y / h
+            H = (model.surfaces.side[s] / h) * (wp.identity(n=3, dtype=real) - wp.outer(e, e))
     if model.elements[0].lumped.form_count[s] != 0:
+        d += depth_at(model, s, y)[0]
+        n = formed_normal(model, s, y, n)
         H = H + form_bend(model, s, y)
-    return side.Q * H * wp.transpose(side.Q)
+    return d, side.Q * n, side.Q * H * wp.transpose(side.Q)
 
 
 @wp.func
@@ -220,10 +216,8 @@ def nearest_points(model: Model, first: Side, second: Side) -> Touch:
         here = distance_at(model, first, x) + distance_at(model, second, x)
         if distance_at(model, first, other) + distance_at(model, second, other) < here:
             x = other
-    d1 = distance_at(model, first, x)
-    d2 = distance_at(model, second, x)
-    n1 = normal_at(model, first, x)
-    n2 = normal_at(model, second, x)
+    d1, n1, H1 = expansion_at(model, first, x)
+    d2, n2, H2 = expansion_at(model, second, x)
     size = model.surfaces.radius[first.surface] + model.surfaces.radius[second.surface]
     slopes = real(0.0)
     if model.elements[0].lumped.form_count[first.surface] != 0:
@@ -234,34 +228,33 @@ def nearest_points(model: Model, first: Side, second: Side) -> Touch:
     while step < STEPS:
         m = wp.normalize(n2 - n1)
         slope = n1 + n2
-        bend = inverse_across(bend_at(model, first, x) + bend_at(model, second, x), m, 1)
-        move = -(bend * slope) + real(0.5) * (d1 - d2) * m
-        if wp.length(slope) <= ARRIVED:
-            move = real(0.5) * (d1 - d2) * m
-            step = STEPS
+        move = real(0.5) * (d1 - d2) * m
+        if wp.length(slope) > ARRIVED:
+            move -= inverse_across(H1 + H2, m, 1) * slope
         halving = int(0)
+        if wp.length(slope) <= NEAR:
+            step = STEPS
+            halving = HALVINGS
+            x += move
         while halving < HALVINGS:
             y = x + move
-            e1 = distance_at(model, first, y)
-            e2 = distance_at(model, second, y)
-            if e1 + e2 <= d1 + d2 + ROUND_OFF * size + slopes * wp.length(move):
+            sum = distance_at(model, first, y) + distance_at(model, second, y)
+            if sum <= d1 + d2 + ROUND_OFF * size + slopes * wp.length(move):
                 x = y
-                d1 = e1
-                d2 = e2
                 halving = HALVINGS
             else:
                 move = real(0.5) * move
                 halving += 1
                 if halving == HALVINGS:
                     step = STEPS
-        n1 = normal_at(model, first, x)
-        n2 = normal_at(model, second, x)
+        d1, n1, H1 = expansion_at(model, first, x)
+        d2, n2, H2 = expansion_at(model, second, x)
         step += 1
     out = Touch()
     out.x = x
     out.n = wp.normalize(n2 - n1)
-    out.H = bend_at(model, second, x)
-    out.Y = inverse_across(bend_at(model, first, x) + out.H, out.n, 0)
+    out.H = H2
+    out.Y = inverse_across(H1 + H2, out.n, 0)
     out.gap = d1 + d2
     out.between = real(0.5)
     return out
@@ -270,42 +263,35 @@ def nearest_points(model: Model, first: Side, second: Side) -> Touch:
 @wp.func
 def nearest_of_lamina(model: Model, roller: Side, second: Side, z: real) -> Touch:
     """The point of the circle about the roller's axis at z [m] that is deepest in the second surface."""
-    e_0 = vec3(roller.Q[0, 0], roller.Q[1, 0], roller.Q[2, 0])
-    e_1 = vec3(roller.Q[0, 1], roller.Q[1, 1], roller.Q[2, 1])
     e_a = vec3(roller.Q[0, 2], roller.Q[1, 2], roller.Q[2, 2])
     R = profile_of(model, roller.surface, z)[0]
     c = roller.o + z * e_a
     n = normal_at(model, second, off_axis(model, second, c))
-    theta = wp.atan2(-wp.dot(n, e_1), -wp.dot(n, e_0))
-    e_r = wp.cos(theta) * e_0 + wp.sin(theta) * e_1
+    e_r = -wp.normalize(n - wp.dot(n, e_a) * e_a)
     e_t = wp.cross(e_a, e_r)
     x = c + R * e_r
-    n = normal_at(model, second, x)
-    H = bend_at(model, second, x)
+    d, n, H = expansion_at(model, second, x)
     curved = R * wp.dot(e_t, H * e_t) - wp.dot(n, e_r)  # of d_2 over the circle, over R
     step = int(0)
-    while step < STEPS:
-        slope = wp.dot(n, e_t)
-        if wp.abs(slope) <= ARRIVED:
+    while step < STEPS and wp.abs(wp.dot(n, e_t)) > ARRIVED:
+        turn = wp.clamp(-wp.dot(n, e_t) / wp.max(wp.abs(curved), FLAT), real(-0.5), real(0.5))
+        if wp.abs(wp.dot(n, e_t)) <= NEAR:
             step = STEPS
-        turn = wp.clamp(-slope / wp.max(wp.abs(curved), FLAT), real(-0.5), real(0.5))
-        before = distance_at(model, second, x)
-        halving = int(0)
-        while halving < HALVINGS:
-            r = wp.cos(theta + turn) * e_0 + wp.sin(theta + turn) * e_1
-            if distance_at(model, second, c + R * r) <= before + ROUND_OFF * R:
-                theta += turn
-                halving = HALVINGS
-            else:
-                turn = real(0.5) * turn
-                halving += 1
-                if halving == HALVINGS:
-                    step = STEPS
-        e_r = wp.cos(theta) * e_0 + wp.sin(theta) * e_1
+        else:
+            halving = int(0)
+            while halving < HALVINGS:
+                r = wp.cos(turn) * e_r + wp.sin(turn) * e_t
+                if distance_at(model, second, c + R * r) <= d + ROUND_OFF * R:
+                    halving = HALVINGS
+                else:
+                    turn = real(0.5) * turn
+                    halving += 1
+                    if halving == HALVINGS:
+                        step = STEPS
+        e_r = wp.normalize(wp.cos(turn) * e_r + wp.sin(turn) * e_t)
         e_t = wp.cross(e_a, e_r)
         x = c + R * e_r
-        n = normal_at(model, second, x)
-        H = bend_at(model, second, x)
+        d, n, H = expansion_at(model, second, x)
         curved = R * wp.dot(e_t, H * e_t) - wp.dot(n, e_r)
         step += 1
     out = Touch()
@@ -314,6 +300,6 @@ def nearest_of_lamina(model: Model, roller: Side, second: Side, z: real) -> Touc
     out.H = H
     if wp.abs(curved) > FLAT:
         out.Y = (R / curved) * wp.outer(e_t, e_t)
-    out.gap = distance_at(model, second, x)
+    out.gap = d
     out.between = real(0.0)
     return out

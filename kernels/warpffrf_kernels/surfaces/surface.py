@@ -24,8 +24,9 @@ profile, positive away from the axis. With d = rho - R_0 it is
     an arc (crown, sphere, groove)     sign(Rc) (d (d + 2 Rc) + zeta^2)/(h + |Rc|), h = sqrt((d + Rc)^2 + zeta^2),
                                        foot z = |Rc| zeta/h,
 
-exactly: the arc's centre lies at radius R_0 - Rc, and (h - |Rc|)(h + |Rc|) is free of cancellation. For a point beyond
-the centre of a hollow arc (sign(Rc) (d + Rc) < 0, side sign(Rc) = -1) the foot is the nearer end of the half circle.
+exactly: the arc's centre lies at radius R_0 - Rc, and (h - |Rc|)(h + |Rc|) is free of cancellation. A hollow arc (side
+sign(Rc) = -1) ends 135 degrees from its bottom, 45 degrees beyond the groove of a thrust bearing's washer: for a point
+beyond that (sign(Rc) (d + Rc) + |zeta| < 0) the foot is the nearer end. Beyond a half circle R(z) is another branch.
 Other profiles require the foot, the root of f(z) = zeta - z + (rho - R) R', by Newton's method; the error of the
 distance (rho - R - (zeta - z) R')/sqrt(1 + R'^2) is quadratic in the error of the foot. The gradient of the distance is
 the normal n at the foot. It rotates with the point: around the axis by n_rho/rho, along the meridian by kappa/(1 +
@@ -44,6 +45,7 @@ FOOT_TOLERANCE = wp.constant(wp.float64(1.0e-9))  # of the radius: the error of 
 STEEPEST = wp.constant(wp.float64(1.0e-6))  # of an arc's radius: minimum height over its ends, where the slope diverges
 LEAST_BEND = wp.constant(wp.float64(0.25))  # of 1 + R'^2: lower bound of Newton's slope, also past the evolute
 EVOLUTE = wp.constant(wp.float64(1.0e-12))  # of 1 + kappa d: nearer to the evolute the normal is undefined
+DIAGONAL = wp.constant(wp.float64(0.7071067811865476))  # cosine of the 45 degrees by which a hollow arc is longer
 CENTRE = wp.constant(wp.float64(1.0e-14))  # m: nearer to an arc's centre the direction is undefined
 EXTRUDED = wp.constant(2)  # `planar` of an extruded curve
 PIECES = wp.constant(24)  # Newton steps along a curve, each within a piece or to the next
@@ -291,13 +293,14 @@ def meridian_of(model: Model, s: int, rho: real, zeta: real) -> wp.vec4d:
             h = wp.sqrt((d + crown) * (d + crown) + zeta * zeta)
             distance = sign * (d * (d + real(2.0) * crown) + zeta * zeta) / (h + a)
             side = model.surfaces.side[s]
-            if side * sign < real(0.0) and sign * (d + crown) < real(0.0):
-                end = a
+            if side * sign < real(0.0) and sign * (d + crown) + wp.abs(zeta) < real(0.0):
+                end = DIAGONAL * a
                 if zeta < real(0.0):
-                    end = -a
-                away = wp.sqrt((d + crown) * (d + crown) + (zeta - end) * (zeta - end))
+                    end = -end
+                off = d + crown + sign * DIAGONAL * a
+                away = wp.sqrt(off * off + (zeta - end) * (zeta - end))
                 scale = side / wp.max(away, CENTRE)
-                return wp.vec4d(end, side * away, scale * (d + crown), scale * (zeta - end))
+                return wp.vec4d(end, side * away, scale * off, scale * (zeta - end))
             if h < CENTRE:
                 return wp.vec4d(real(0.0), distance, one, real(0.0))
             return wp.vec4d(a * zeta / h, distance, sign * (d + crown) / h, sign * zeta / h)
@@ -402,27 +405,30 @@ def foot_of(model: Model, s: int, x: vec3) -> Foot:
 
 
 @wp.func
-def gradient_slope_of(model: Model, s: int, x: vec3) -> mat33:
-    """Derivative [1/m] of `gradient_of` by x: symmetric, 0 along the normal; no circumferential part on the axis."""
+def expansion_of(model: Model, s: int, x: vec3):
+    """The signed distance, its gradient as `gradient_of`, and the derivative [1/m] of that by x: symmetric, 0 along the
+    normal; no circumferential part on the axis."""
     if model.surfaces.planar[s] == EXTRUDED:
         near = section_near(model, s, x[0], x[1])
         long = wp.length(near.slope)
         t = vec3(near.slope[0] / long, near.slope[1] / long, real(0.0))
+        normal = vec3(t[1], -t[0], real(0.0))
         off = (x[0] - near.point[0]) * t[1] - (x[1] - near.point[1]) * t[0]
         turn = (near.slope[0] * near.bend[1] - near.slope[1] * near.bend[0]) / (long * long * long)
         grown = real(1.0) + turn * off
         grown = wp.sign(grown) * wp.max(wp.abs(grown), EVOLUTE)
-        return turn / grown * wp.outer(t, t)
+        return off, normal, turn / grown * wp.outer(t, t)
     if model.surfaces.planar[s] != 0:
-        return mat33()
+        return x[0], vec3(real(1.0), real(0.0), real(0.0)), mat33()
     rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
-    if rho < CENTRE:
-        return mat33()
     foot = meridian_of(model, s, rho, x[2])
     side = model.surfaces.side[s]
+    if rho < CENTRE:
+        return side * foot[1], vec3(real(0.0), real(0.0), side * foot[3]), mat33()
     radial = vec3(x[0] / rho, x[1] / rho, real(0.0))
     around = vec3(-radial[1], radial[0], real(0.0))
-    along = foot[2] * vec3(real(0.0), real(0.0), real(1.0)) - foot[3] * radial
+    axial = vec3(real(0.0), real(0.0), real(1.0))
+    along = foot[2] * axial - foot[3] * radial
     crown = model.surfaces.crown[s]
     kappa = real(0.0)
     if model.surfaces.table_count[s] == 0 and model.surfaces.tangent[s] == real(0.0):
@@ -435,7 +441,15 @@ def gradient_slope_of(model: Model, s: int, x: vec3) -> mat33:
     scale = real(1.0) + kappa * foot[1]
     scale = wp.sign(scale) * wp.max(wp.abs(scale), EVOLUTE)
     bend = side * kappa / scale
-    return side * foot[2] / rho * wp.outer(around, around) + bend * wp.outer(along, along)
+    H = side * foot[2] / rho * wp.outer(around, around) + bend * wp.outer(along, along)
+    return side * foot[1], side * (foot[2] * radial + foot[3] * axial), H
+
+
+@wp.func
+def gradient_slope_of(model: Model, s: int, x: vec3) -> mat33:
+    """The third of `expansion_of`."""
+    distance, gradient, slope = expansion_of(model, s, x)
+    return slope
 
 
 @wp.func

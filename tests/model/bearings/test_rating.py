@@ -188,5 +188,6 @@ def test_factors_of_equivalent_static_loads() -> None:
 def test_bearings_at_a_right_angle_carry_no_radial_load() -> None:
     geometry = wf.bearings.catalogue("81110")
     assert geometry.load_factors(0.0, 1e4) == (0.0, 1.0)
+    assert wf.bearings.catalogue("51110").load_factors(1e-3, 1e4) == (0.0, 1.0)
     with pytest.raises(InputError, match="carries no radial load, and it has 500 N"):
         geometry.load_factors(500.0, 1e4)

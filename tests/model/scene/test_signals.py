@@ -233,3 +233,17 @@ def test_border() -> None:
     with pytest.raises(InputError, match="force"):
         signals.as_signal("much", "force")
     assert isinstance(signals.as_signal(3, "force"), signals.Constant)
+
+
+def test_a_short_path_visits_every_point_once() -> None:
+    rng = np.random.default_rng(4)
+    points = np.stack([rng.uniform(0.0, 1e4, 400), rng.uniform(-1.0, 1.0, 400), np.full(400, 7.0)], axis=1)
+    order = signals.short_path(points)
+    assert order[0] == 0 and sorted(order) == list(range(400))
+    scaled = points / [1e4, 2.0, 1.0]
+    steps = [np.linalg.norm(np.diff(one, axis=0), axis=1).sum() for one in (scaled, scaled[order])]
+    assert steps[1] < 1.5 * np.sqrt(400.0) < 0.2 * steps[0]  # about 0.9 root(n A) for the greedy path
+    assert signals.short_path([[2.0, 1.0]]).tolist() == [0]
+    for wrong, said in ((np.ones(2), "must have shape"), (np.zeros((0, 2)), "points is empty")):
+        with pytest.raises(InputError, match=said):
+            signals.short_path(wrong)

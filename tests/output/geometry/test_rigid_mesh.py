@@ -60,8 +60,32 @@ def rollers() -> wf.Result:
     return run(scene)
 
 
-def test_every_mesh_is_watertight_and_looks_outwards(balls: wf.Result, rollers: wf.Result) -> None:
-    for result in (balls, rollers):
+@pytest.fixture(scope="module", params=[0.5 * np.pi, -0.5 * np.pi])
+def thrust(request: pytest.FixtureRequest) -> wf.Result:
+    scene = wf.Scene()
+    geometry = wf.bearings.BallGeometry(
+        elements=8, ball_diameter=D, pitch_diameter=PITCH, contact_angle=request.param, bore=0.042, width=0.016
+    )
+    bearing = scene.add_bearing("t", geometry, outer=scene.ground)
+    scene.add(wf.joints.Fixed(scene.ground, bearing.inner, axis=(0, 1, 0)))
+    return run(scene)
+
+
+def test_washers_have_grooves(thrust: wf.Result) -> None:
+    meshes = rigid_meshes(thrust)
+    geometry: Any = thrust.bearing("t").geometry
+    for side, name, sense in (("inner", "t inner ring", -1.0), ("outer", "ground", 1.0)):
+        points = meshes[name].points
+        R, z = geometry.arc_centre(side, geometry.tracks[0])
+        on_arc = np.abs(np.hypot(across(points) - R, points[:, 1] - z) - geometry.groove(side)) < 1e-12
+        assert on_arc.sum() >= 33 * AROUND and across(points).min() == pytest.approx(0.021, rel=ROUND_OFF)
+        along = sense * np.sign(geometry.contact_angle) * points[:, 1]
+        assert along.min() > 0.0 and along.max() == pytest.approx(0.008, rel=ROUND_OFF)
+        assert along[on_arc].max() == pytest.approx(0.5 * D, rel=1e-9)
+
+
+def test_every_mesh_is_watertight_and_looks_outwards(balls: wf.Result, rollers: wf.Result, thrust: wf.Result) -> None:
+    for result in (balls, rollers, thrust):
         for name, mesh in rigid_meshes(result).items():
             assert is_watertight(mesh), name
             assert mesh.volume > 0.0 and not mesh.marker, name

@@ -3,13 +3,15 @@ and thrust bearings, whose rings move in parallel."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.optimize import brentq, root
 
 import warpffrf as wf
+from references.closed_forms.ball_bearing import BallBearing
 from references.closed_forms.rolling_bearings import Rows, iso_profiles, lamina_force, sjoevall, tapered
 from scenes.bearing_kinds import (
     ALPHA,
@@ -27,6 +29,7 @@ from scenes.bearing_kinds import (
     solved,
     tapered_bearing,
     tapered_row,
+    thrust_balls,
     two_rows_of_balls,
 )
 from warpffrf.model.bearings import BallGeometry, RollerGeometry
@@ -184,20 +187,83 @@ def test_thrust_rollers() -> None:
     assert modified.revolutions < as_radial.revolutions
 
 
-@pytest.mark.parametrize("angle", [14.0, -14.0, 0.0, 90.0])
-def test_rollers_roll_without_slip(angle: float) -> None:
-    """On both raceways: tapered ones along their whole length, those of thrust bearings in their middle."""
-    scene = wf.Scene()
-    geometry = RollerGeometry(
-        elements=8, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH, contact_angle=np.radians(angle)
+def between_washers(geometry: BallGeometry) -> Rows:
+    """Balls on grooves that are straight in the direction of rolling, as of an infinite pitch circle."""
+    r, D = geometry.groove("inner"), geometry.diameter
+    K = BallBearing(1, D, 1e6, r, r, 0.0, 210e9).one_contact(r, 1.0)
+    return Rows(
+        geometry.elements, (geometry.contact_angle,), 0.0, lambda d: K * np.maximum(0.5 * np.asarray(d), 0.0) ** 1.5
     )
+
+
+def test_thrust_balls() -> None:
+    geometry = thrust_balls()
+    _, found = solved(geometry, (0.0, 6e3))
+    for load, angle in ((found.inner_load, found.inner_angle), (found.outer_load, found.outer_angle)):
+        np.testing.assert_allclose(load[-1], 6e3 / 12, rtol=1e-6)
+        np.testing.assert_allclose(angle[-1], 0.5 * np.pi, rtol=1e-9)
+    row = between_washers(geometry)
+    approach: Any = brentq(lambda d: float(row.loads(0.0, d).sum()) - 6e3, 0.0, 1e-4, xtol=1e-14)
+    assert found.displacement[-1][2] == pytest.approx(approach, rel=1e-4)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.7])
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_thrust_balls_under_an_eccentric_load(share: float, sense: float) -> None:
+    """Sjoevall's distribution: the lever of the force over the pitch radius is J_r/J_a, at 0.6 with half the balls. The
+    sums over the balls are exact."""
+    geometry, R = replace(thrust_balls(16), contact_angle=sense * 0.5 * np.pi), 30 * MM
+    scene = wf.Scene()
+    bearing = scene.add_bearing("b", geometry, first=(0, 0, 1), outer=scene.ground)
+    slide = scene.add_rigid_body(1.0, np.eye(3), name="slide")
+    scene.add(wf.joints.Prismatic(scene.ground.at((0, 0, 0)), slide.at((0, 0, 0)), axis=(0, 1, 0)))
+    scene.add(wf.joints.Revolute(slide.at((0, 0, 0)), bearing.inner.at((0, 0, 0)), axis=(1, 0, 0)))
+    scene.add(wf.forces.PointForce(bearing.inner.at((0, 0, share * R)), (0.0, sense * 6e3, 0.0)))
+    result = wf.equilibrium(scene)
+    assert result.status == "completed", result.message
+    load, phi = result.bearing("b").outer_load[-1], geometry.angles
+    row = between_washers(geometry)
+
+    def taken(x: np.ndarray) -> np.ndarray:
+        return row.force(1e-5 * (x[0] + x[1] * np.cos(phi)))
+
+    def lacking(x: np.ndarray) -> list[float]:
+        return [np.sum(taken(x)) / 6e3 - 1.0, np.sum(taken(x) * np.cos(phi)) / 6e3 - share]
+
+    exact = taken(root(lacking, (1.0, 0.5), tol=1e-12).x)
+    assert np.abs(load - exact).max() < EXACT * exact.max()
+    eps: Any = brentq(lambda e: np.divide(*sjoevall(e, 1.5)) - share, 0.05, 5.0)
+    assert np.sum(load) / 16 / load.max() == pytest.approx(sjoevall(eps, 1.5)[1], rel=LOADS)
+
+
+def test_flexible_washers_of_balls_are_refused() -> None:
+    with pytest.raises(wf.InputError, match="contact_angle must lie between -1.4 and 1.4 rad, or be pi/2"):
+        replace(thrust_balls(), contact_angle=1.5)
+    scene = wf.Scene()
+    body = scene.add_rigid_body(1.0, np.eye(3), name="body")
+    shape = wf.surfaces.Groove(radius=0.02, groove_radius=5.35 * MM, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
+    washer = body.surface(shape, name="washer")
+    with pytest.raises(wf.InputError, match="balls between washers have lumped contacts; mount rigid washers"):
+        scene.add_bearing("b", thrust_balls(), inner=washer)
+
+
+@pytest.mark.parametrize("balls", [False, True])
+@pytest.mark.parametrize("angle", [14.0, -14.0, 0.0, 90.0])
+def test_elements_roll_without_slip(angle: float, balls: bool) -> None:
+    """On both raceways: tapered rollers along their whole length, those of thrust bearings, and balls, in their
+    middle."""
+    scene = wf.Scene()
+    common: Any = {"elements": 8, "pitch_diameter": PITCH, "contact_angle": np.radians(angle)}
+    geometry: Any = RollerGeometry(roller_diameter=D, roller_length=LENGTH, **common)
+    if balls:
+        geometry = BallGeometry(ball_diameter=D, **common)
     bearing = scene.add_bearing("b", geometry, axis=(0, 0, 1))
     bearing.roll(inner=100.0, outer=-30.0)
-    element, tau, nu = bearing.elements[0], geometry.inclination, float(geometry.taper or 0.0)
+    element, tau, nu = bearing.elements[0], geometry.inclination, float(getattr(geometry, "taper", None) or 0.0)
     out = bearing.place.outward(0.0)
-    axis = bearing.element_axis(0.0, geometry.tracks[0])
+    axis = np.cos(tau) * bearing.place.axis - np.sin(tau) * out
     across = np.cos(tau) * out + np.sin(tau) * bearing.place.axis
-    for x in (0.0,) if angle == 90.0 else (-0.5 * LENGTH, 0.0, 0.5 * LENGTH):
+    for x in (0.0,) if angle == 90.0 or balls else (-0.5 * LENGTH, 0.0, 0.5 * LENGTH):
         radius = 0.5 * D - np.sign(angle) * np.tan(nu) * x
         for sign, speed in ((-1.0, 100.0), (1.0, -30.0)):
             lever = x * axis + sign * radius * across

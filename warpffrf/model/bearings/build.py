@@ -1,6 +1,6 @@
 """Common part of the builders of ball and roller bearings: rings, elements, contacts, cage, in this order.
 
-Ball bearings: deep-groove, angular-contact, four-point, self-aligning and double-row ones. Roller bearings:
+Ball bearings: deep-groove, angular-contact, four-point, self-aligning, double-row and thrust ones. Roller bearings:
 cylindrical, needle, tapered, spherical, toroidal and thrust ones. A kind is a geometry
 (`warpffrf.model.bearings.geometry`).
 """
@@ -176,6 +176,11 @@ def add_bearing(
         raise InputError(f"{label}: rollers without a contact angle carry no axial preload; leave axial_preload out")
     place = Place.of(label, position, axis, first)
     if isinstance(geometry, BallGeometry):
+        if geometry.washers and (of.element_body is not None or SurfacePort in map(type, (inner, outer))):
+            raise InputError(
+                f"{label}: balls between washers have lumped contacts; mount rigid washers on interfaces of the "
+                "flexible bodies, outer=housing['seat'], and leave element_body out"
+            )
         bearing, kind = Bearing(name, "ball", geometry, place, of.both), _balls(of, place)
     else:
         bearing, kind = Bearing(name, "roller", geometry, place, of.both), _rollers(geometry, of, (inner, outer))

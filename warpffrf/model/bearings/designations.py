@@ -49,7 +49,6 @@ CODES = {"00": 10, "01": 12, "02": 15, "03": 17}  # of bores [mm]; others are a 
 ANGLES = {"C": 15.0, "AC": 25.0, "A": 30.0, "B": 40.0}  # degrees, by the suffix of angular contact ball bearings
 BARREL = 0.97  # crown radius of barrel-shaped rollers over the radius of their raceways
 DIMENSIONS = ("bore", "outside_diameter", "width")
-UNSUPPORTED = ("thrust ball",)
 
 # Kind -> general plan, and series:dimension series; the series of tapered roller bearings are tables of their own.
 CYLINDRICAL = ("10:10", "2:02", "22:22", "3:03", "23:23", "4:04")
@@ -108,14 +107,10 @@ def catalogue(designation: str, **overrides: Any) -> Any:
     designation: series and code of the bore, 00, 01, 02, 03 for 10, 12, 15, 17 mm, then a fifth of it, up to 200 mm.
     Angular contact ball bearings have the suffix C, AC, A or B (15, 25, 30, 40 degrees), or a contact_angle [rad].
     Rings of N, NU, NJ and NUP differ in their ribs, which `bearings.Flanges` describes. Raises `InputError` for an
-    unknown designation, naming the nearest ones, for kinds that are not supported yet, and for elements that do not
-    fit.
+    unknown designation, naming the nearest ones, and for elements that do not fit.
     """
     found = boundary(designation)
     label = f"catalogue: {found.designation!r}"
-    if found.kind in UNSUPPORTED:
-        others = ", ".join(kind for kind in RULES if kind not in UNSUPPORTED)
-        raise InputError(f"{label}: {found.kind} bearings are not supported yet; kinds that are: {others}")
     described = BallGeometry if found.kind.endswith("ball") else RollerGeometry
     if given := [name for name in DIMENSIONS if name in overrides]:
         raise InputError(

@@ -19,6 +19,7 @@ free contact angle under thrust is arccos(cos alpha_0 - s/(2 A)). Thrust on the 
 bearing together where alpha_0 is positive.
 
 A four-point bearing has two arcs on each ring, those of contact angles +alpha_0 and -alpha_0, which meet in the middle.
+Thrust ball bearings have alpha_0 = pi/2: the grooves of their washers have their centres on the pitch circle.
 
 **Roller bearing.** Rollers of the diameter D at their middle lie on the pitch circle, inclined by tau to the axis in
 the plane through it: their axes are a = cos tau e_a - sin tau e_r, and they touch the raceways at +-D/2 m from their
@@ -55,7 +56,7 @@ from warpffrf.model.surfaces import Shape
 from warpffrf.model.surfaces.form_deviations import Form
 
 SIDES = ("inner", "outer")
-STEEPEST = np.radians(80.0)  # contact angle up to which a groove that is open to the side carries
+STEEPEST = np.radians(80.0)  # contact angle up to which a groove that is open to the side carries; others are washers
 LARGEST_OSCULATION = 20.0  # groove radius over ball diameter, of a self-aligning outer ring; larger is no ratio
 LARGEST_DEVIATION = 1e-2  # of the diameter: beyond, it is the diameter itself
 FLAT = 0.5 * np.pi + 1e-9  # contact angle [rad] of a thrust bearing, with round-off
@@ -281,12 +282,12 @@ class BallGeometry(Geometry):
 
     elements: number of balls; ball_diameter, pitch_diameter [m]. osculation: groove radius over ball diameter, above
     0.5, one number or (inner, outer). contact_angle [rad], at which the balls just touch both rings, positive where
-    thrust on the inner ring along the axis presses the bearing together; or clearance [m], diametral, negative for an
-    interference, a radial preload or growth of rings, also with a contact angle. rows, row_spacing [m]: 2 and the
-    distance of the rows of a double-row bearing, of which the first has the contact angle and the second the opposite
-    one. four_point: whether balls of one row touch two arcs on either ring, at the contact angle and at the opposite
-    one. shoulders [m]: height over the bottom of the groove, one or (inner, outer), from which results compute the
-    truncated fraction of a patch.
+    thrust on the inner ring along the axis presses the bearing together, pi/2 of a thrust bearing; or clearance [m],
+    diametral, negative for an interference, a radial preload or growth of rings, also with a contact angle. rows,
+    row_spacing [m]: 2 and the distance of the rows of a double-row bearing, of which the first has the contact angle
+    and the second the opposite one. four_point: whether balls of one row touch two arcs on either ring, at the contact
+    angle and at the opposite one. shoulders [m]: height over the bottom of the groove, one or (inner, outer), from
+    which results compute the truncated fraction of a patch.
 
     inner_form, outer_form: form deviation of a rigid raceway around its axis, of `warpffrf.films`, positive where
     material is missing, angles from the first ball: films.LobedForm(5e-6, 2) is oval. diameter_deviations (elements,)
@@ -335,10 +336,10 @@ class BallGeometry(Geometry):
                 f"{self.label}: a four-point bearing has one row and a positive contact angle, of both arcs, got "
                 f"rows={self.rows} and contact_angle={self.contact_angle:g} rad; 0.6 rad (35 degrees) is usual"
             )
-        if abs(self.contact_angle) > STEEPEST:
+        if not (abs(self.contact_angle) <= STEEPEST or THRUST < abs(self.contact_angle) <= FLAT):
             raise InputError(
-                f"{self.label}: contact_angle must lie between -{STEEPEST:.3g} and {STEEPEST:.3g} rad, got "
-                f"{self.contact_angle:g}; angles are in radians, np.radians(40) is 0.698"
+                f"{self.label}: contact_angle must lie between -{STEEPEST:.3g} and {STEEPEST:.3g} rad, or be pi/2 of a "
+                f"thrust bearing, got {self.contact_angle:g}; angles are in radians, np.radians(40) is 0.698"
             )
         if self.contact_angle and self.clearance > 0.0:
             same = 2.0 * self.reach * (1.0 - np.cos(self.contact_angle))
@@ -396,6 +397,11 @@ class BallGeometry(Geometry):
     @property
     def tracks(self) -> tuple[Track, ...]:
         return (Track(0.0, 1.0), Track(0.0, -1.0)) if self.four_point else super().tracks
+
+    @property
+    def washers(self) -> bool:
+        """Whether the rings are those of a thrust bearing, whose grooves have their bottom at 90 degrees."""
+        return abs(self.contact_angle) > THRUST
 
     def groove(self, side: str) -> float:
         """Groove radius [m], side "inner" or "outer"."""

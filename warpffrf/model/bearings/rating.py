@@ -145,7 +145,8 @@ def ball_load_factors(count: int, diameter: float, angle: float, radial: float, 
     radial, axial, angle = abs(radial), abs(axial), abs(angle)
     if is_thrust(angle):
         _refuse_radial(angle, radial, axial)
-        return float(1.25 * np.tan(angle) * (1.0 - 2.0 / 3.0 * np.sin(angle))), 1.0
+        X = 0.0 if angle >= UPRIGHT else 1.25 * np.tan(angle) * (1.0 - 2.0 / 3.0 * np.sin(angle))
+        return float(X), 1.0
     relative = axial / (count * (diameter * MM) ** 2)
 
     def at(shallow: Any, steep: tuple[float, ...]) -> float:

@@ -3,7 +3,7 @@ their tangents, and what a step stores."""
 
 from __future__ import annotations
 
-from warpffrf.online.step.launches import threads
+from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant
 from warpffrf_kernels.lumped import balance, forces, moments
 from warpffrf_kernels.step import missed_contact
@@ -14,12 +14,12 @@ LUMPED = Participant(
     "lumped contacts",
     when="lumped",
     load=[
-        threads(forces.find_forces, "lumped_place"),
+        blocks(forces.find_forces),
         threads(moments.find_moments, RESISTING, when=RESISTING),
         threads(balance.push_lumped),
     ],
     assemble=[threads(balance.stiffen_lumped)],
     judge=[threads(missed_contact.refuse_leaps_of_places)],
-    keep=[threads(balance.keep_lumped, "lumped_place")],
-    record=[threads(balance.record_lumped, "lumped_place"), threads(balance.record_moments, RESISTING, when=RESISTING)],
+    keep=[blocks(balance.keep_lumped)],
+    record=[blocks(balance.record_lumped), threads(balance.record_moments, RESISTING, when=RESISTING)],
 )

@@ -106,7 +106,8 @@ def _largest_shear(ratio: float, poisson_ratio: float) -> Largest:
 def cut_off(geometry: BallGeometry, side: str, patches: Patches, angle: np.ndarray, shoulder: float) -> np.ndarray:
     """Fraction (T, Z) of the ellipse's force beyond a shoulder of the height [m]; see the module."""
     r = geometry.groove(side)
-    room = r * (np.arccos(np.clip(1.0 - shoulder / r, -1.0, 1.0)) - np.abs(angle))
+    off = np.abs(angle) - (0.5 * np.pi if geometry.washers else 0.0)
+    room = r * (np.arccos(np.clip(1.0 - shoulder / r, -1.0, 1.0)) - np.abs(off))
     a = patches.half_axis_across
     s = np.clip(np.divide(room, a, out=np.ones_like(a), where=a > 0.0), -1.0, 1.0)
     return np.where(a > 0.0, 0.25 * (2.0 + s) * (1.0 - s) ** 2, 0.0)

@@ -339,7 +339,7 @@ def _bearing(description: dict[str, Any], bodies: dict[str, BodyView]) -> list[t
 def _band(geometry: Any, track: Track, height: float, width: float) -> Lines:
     """Section of a cage around the row `track`, of half the height and half the width [m], inclined as its elements."""
     middle, tau = np.array([0.5 * geometry.pitch_diameter, track.z]), geometry.inclination * track.sense
-    if isinstance(geometry, BallGeometry):
+    if isinstance(geometry, BallGeometry) and not geometry.washers:
         tau = 0.0
     along, across = np.array([-np.sin(tau), np.cos(tau)]), np.array([np.cos(tau), np.sin(tau)])
     corners = [middle + i * width * along + j * height * across for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
@@ -362,6 +362,8 @@ def _ring(description: dict[str, Any], geometry: Any, side: str, body: BodyView)
     half = 0.5 * (geometry.default_width if geometry.width is None else geometry.width)
     if first.profile().planar:
         return _washer(geometry, center, first)
+    if isinstance(geometry, BallGeometry) and geometry.washers:
+        return _grooved_washer(geometry, side, center, first)
     low, high = -half, half
     if geometry.rows == 2 and geometry.width is None:
         low, high = low - 0.5 * geometry.row_spacing, high + 0.5 * geometry.row_spacing
@@ -441,6 +443,23 @@ def _washer(geometry: Any, center: np.ndarray, plane: Any) -> TriangleMesh:
     inside, outside = 0.5 * geometry.pitch_diameter + 0.5 * (1.0 + RIB) * geometry.roller_length * np.array([-1.0, 1.0])
     corners = [np.array(at) for at in ((inside, top), (outside, top), (outside, bottom), (inside, bottom))]
     return revolved(center, np.stack([plane.e_1, plane.e_a, plane.e_0]), _polygon(corners))
+
+
+def _grooved_washer(geometry: BallGeometry, side: str, center: np.ndarray, groove: Any) -> TriangleMesh:
+    """The washer of a thrust ball bearing, from its bore to its outside diameter, with a groove."""
+    D, pitch, r = geometry.diameter, geometry.pitch_diameter, geometry.groove(side)
+    height = pair(geometry.shoulders, "shoulders")[SIDES.index(side)]
+    across, along = geometry.arc_centre(side, geometry.tracks[0])
+    sense = -np.sign(along)  # from the balls to the washer
+    land = r - 0.5 * (1.0 - SHOULDER) * D if height is None else r - height  # from the arc's centre
+    angle = np.linspace(-1.0, 1.0, ALONG) * np.arccos(land / r)
+    inside = 0.5 * (max(pitch - DEEP * D, 0.0) if geometry.bore is None else geometry.bore)
+    outside = 0.5 * (pitch + DEEP * D if geometry.outside_diameter is None else geometry.outside_diameter)
+    back = sense * 0.5 * (geometry.default_width if geometry.width is None else geometry.width)
+    arc = across + r * np.sin(angle), along + sense * r * np.cos(angle)
+    face = float(arc[1][0])
+    line: Lines = [_face(inside, float(arc[0][0]), face), arc, _face(float(arc[0][-1]), outside, face)]
+    return revolved(center, groove.frame, _closed(line, ([outside, inside], [back, back])))
 
 
 def _roller(shapes: dict[str, Any], length: float) -> TriangleMesh:
