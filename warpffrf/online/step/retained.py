@@ -21,8 +21,8 @@ OUTER = Participant(
         blocks(inertia.couple_modes, when="inertia_mode"),
         blocks(membrane.stiffen_membranes, when="square_mode"),
         blocks(mean_work.couple_pulls, when="stiffened_row"),
-        threads(geometric_stiffness.stiffen, when='row'),
-        threads(geometric_stiffness.stiffen_applied, when='applied'),
+        blocks(geometric_stiffness.stiffen, when='row'),
+        blocks(geometric_stiffness.stiffen_applied, when='applied'),
     ],
     eliminate=[blocks(retained_solve.solve_retained, when='free_retained')],
     increase=[
