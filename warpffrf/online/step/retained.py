@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from warpffrf.online.step.launches import blocks, once, threads
+from warpffrf.online.step.launches import blocks, once
 from warpffrf.online.step.phases import Participant
 from warpffrf_kernels.bodies import inertia, mean_work, membrane
 from warpffrf_kernels.constraints import geometric_stiffness
@@ -14,7 +14,7 @@ from warpffrf_kernels.step import balance
 OUTER = Participant(
     "retained",
     load=[blocks(retained.pull, when="row")],
-    balance=[threads(balance.balance)],
+    balance=[blocks(balance.balance)],
     unbalanced=[once(retained.find_unbalanced)],
     assemble=[
         blocks(retained.condense),
