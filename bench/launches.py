@@ -1,13 +1,12 @@
-"""Launches of a step, and what each occupies: `python bench/launches.py [--json FILE] [--scenes NAME ...] [--heaviest N]`.
+"""Launches of a step, and what each occupies: `python bench/launches.py [--json FILE] [--scenes NAME ...]`.
 
 For each scene: how often a step launches each kernel, counted while the graph replays (loops by the rounds that they
 really took), and the threads of a launch in one world: entries of its axes, times the lanes of a block. A kernel with
-*one thread per world* has neither; one with *a loop of one lane* has a block, but walks through something with its first
-lane only while the others wait.
+*one thread* has neither; one with *one lane* has a block, but a loop that its first lane runs while the others wait.
 
-Of the kernels on which the CPU spends most of its time: registers, spilled bytes and shared memory for compute
-capability 9.0, as `ptxas -v` reports them of the PTX that NVRTC makes here; no GPU is needed. Without `ptxas` on the path
-(CUDA toolkit) this table is left out, and says so.
+Of the kernels on which the CPU spends most of its time (`--heaviest`): registers, spilled bytes and shared memory for
+compute capability 9.0, as `ptxas -v` reports them of the PTX that NVRTC makes here; no GPU is needed. Without `ptxas`
+on the path (CUDA toolkit) this table is left out. It takes minutes: up to one for each module.
 """
 
 from __future__ import annotations
@@ -29,11 +28,11 @@ from pathlib import Path
 from typing import Any
 
 import warp as wp
-from on_device import scenes
-from step.step_profile import Cycles, counted
 
 import warpffrf as wf
+from on_device import scenes
 from scenes.film_bearing import GROOVE, bearing, bore
+from step.step_profile import Cycles, counted
 from warpffrf.online import Engine
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.static_equilibrium import settle
@@ -45,7 +44,6 @@ from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.scalars import BLOCK
 
 STEP, WARM_UP, STEPS = 1e-4, 20, 40
-ROUNDS = 2  # of a kernel the least counts: other work on the machine only adds
 AT_REST = ("20 hinged rods", "oil film")  # start without an equilibrium
 ARCH = 90  # compute capability 9.0
 SHARED = 227 * 1024  # B of a block on it
@@ -109,10 +107,11 @@ def counts(scene: wf.Scene, static: bool) -> tuple[Program, dict[tuple[str, str]
     return engine.graph.program, cycles.found()
 
 
-def census(make: Callable[[], wf.Scene], static: bool) -> list[dict[str, Any]]:
-    """A row for each kernel of each phase: calls per step, threads, and the share of the time on the CPU."""
+def census(make: Callable[[], wf.Scene], static: bool, rounds: int) -> list[dict[str, Any]]:
+    """A row for each kernel of each phase: calls per step, threads, and the share of the time on the CPU, of which the
+    least of some rounds counts: other work on the machine only adds."""
     program, first = counts(make(), static)
-    found = [first, *(counts(make(), static)[1] for _ in range(ROUNDS - 1))]
+    found = [first, *(counts(make(), static)[1] for _ in range(rounds - 1))]
     least = {place: (max(min(one[place][0] for one in found), 0.0), calls) for place, (_, calls) in first.items()}
     total = sum(spent for spent, _ in least.values())
     rows = {}
@@ -170,7 +169,7 @@ def occupancy(kernels: dict[str, str]) -> list[dict[str, Any]]:
 
 @functools.cache
 def accepted() -> str:
-    """The newest version of PTX that `ptxas` reads: 9.0 for CUDA 13.0. NVRTC may write a newer one, with the same code."""
+    """The newest version of PTX that `ptxas` reads: 9.0 for CUDA 13.0. NVRTC may declare a newer one."""
     said = subprocess.run(["ptxas", "--version"], capture_output=True, text=True, check=True).stdout
     major, minor = re.findall(r"release (\d+)\.(\d+)", said)[0]
     return f"{int(major) - 4}.{minor}"
@@ -205,9 +204,9 @@ def compiled_module(name: str) -> dict[str, dict[str, int]]:
 
 def show(name: str, rows: list[dict[str, Any]], figures: dict[str, Any], most: int) -> None:
     """Print the table of a scene."""
-    print(f"\n{name}: {figures['launches']:.0f} launches per step of {figures['kernels']} kernels, "
-          f"median {figures['median_threads']:.0f} threads; one thread per world: {len(figures['one_thread'])} kernels, "
-          f"{figures['launches_of_one_thread']:.0f} launches; a loop of one lane: {len(figures['one_lane'])} kernels")  # fmt: skip
+    print(
+        f"\n{name}: {figures['launches']:.0f} launches per step, {figures['launches_of_one_thread']:.0f} of one thread"
+    )
     print(f"{'kernel':<44} {'phase':<20} {'over':<24} {'threads':>8} {'calls':>7} {'share':>7}")
     for row in sorted(rows, key=lambda row: -row["share"])[:most]:
         note = "  one thread" if row["one_thread"] else "  one lane" if row["one_lane"] else ""
@@ -219,19 +218,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
     parser.add_argument("--scenes", nargs="*", metavar="NAME", help="only these")
+    parser.add_argument("--rounds", type=int, default=2, help="runs of a scene")
     parser.add_argument("--heaviest", type=int, default=10, help="kernels whose registers are reported")
     parser.add_argument("--rows", type=int, default=400, help="kernels that are shown of a scene")
     given = parser.parse_args()
     made = all_scenes()
     tables, figures = {}, {}
     for name in given.scenes or made:
-        tables[name] = census(made[name], name not in AT_REST)
+        tables[name] = census(made[name], name not in AT_REST, given.rounds)
         figures[name] = summary(tables[name])
         show(name, tables[name], figures[name], given.rows)
     registers: list[dict[str, Any]] = []
-    if shutil.which("ptxas") is None:
+    if given.heaviest and shutil.which("ptxas") is None:
         print("\nregisters: not measured, there is no ptxas on the path")
-    else:
+    elif given.heaviest:
         registers = occupancy(heaviest(tables, given.heaviest))
         print(f"\n{'heaviest kernels, sm_90':<44} {'registers':>9} {'spilled B':>9} {'stack B':>8} {'shared B':>8}")
         for row in registers:
