@@ -13,7 +13,7 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha, run
 from warpffrf.online.engine import Engine
-from warpffrf.online.step.launches import blocks, threads
+from warpffrf.online.step.launches import blocks
 from warpffrf_kernels.constraints import geometric_stiffness, rows
 
 STEP = 1e-5  # of the central differences: truncation 1e-10, round-off 1e-11
@@ -189,7 +189,7 @@ def test_geometric_stiffness_agrees_with_differences(name: str) -> None:
     evaluate(r, A)
     x.tangent.zero_()
     program = evaluate.engine.graph.program
-    threads(geometric_stiffness.stiffen).go(program.arrays, program.sizes, program.device)
+    blocks(geometric_stiffness.stiffen).go(program.arrays, program.sizes, program.device)
     found = x.tangent.numpy()[0][:12, :12]
     tolerance = 1e-3 if "bushing" in name else 1e-8
     assert np.abs(found - expected).max() < tolerance * np.abs(expected).max()

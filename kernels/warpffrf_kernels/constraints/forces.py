@@ -129,33 +129,30 @@ def law(model: Model, w: int, g: int, i: int, residuals: Residuals, loads: LoadS
 
 
 @wp.func
-def group_energy(model: Model, w: int, h: real, residuals: Residuals, loads: LoadState) -> vec3:
-    """Stored energy of all groups, dissipation of their dampers in the step, and work of the skew parts."""
+def group_energy(model: Model, w: int, g: int, h: real, residuals: Residuals, loads: LoadState) -> vec3:
+    """Stored energy of a group, dissipation of its dampers in the step, and work of its skew part."""
     half = real(0.5)
     stored = real(0.0)
     taken = real(0.0)
     worked = real(0.0)
-    g = int(0)
-    while g < model.groups.count:
-        first = model.groups.start[g]
-        n = model.groups.size[g]
-        i = int(0)
-        while i < n:
-            c = residuals.coordinate[w, first + i] - model.rows.reference[first + i]
-            step = residuals.coordinate[w, first + i] - loads.stretch[w, first + i]
-            j = int(0)
-            while j < n:
-                K = model.groups.stiffness[g, i, j]
-                D = model.groups.damping[g, i, j]
-                other = residuals.coordinate[w, first + j] - model.rows.reference[first + j]
-                before = loads.stretch[w, first + j] - model.rows.reference[first + j]
-                stored += half * K * c * other
-                taken += D * step * (residuals.coordinate[w, first + j] - loads.stretch[w, first + j]) / h
-                skew = half * (K - model.groups.stiffness[g, j, i])
-                worked -= half * skew * (before + other) * step
-                j += 1
-            i += 1
-        g += 1
+    first = model.groups.start[g]
+    n = model.groups.size[g]
+    i = int(0)
+    while i < n:
+        c = residuals.coordinate[w, first + i] - model.rows.reference[first + i]
+        step = residuals.coordinate[w, first + i] - loads.stretch[w, first + i]
+        j = int(0)
+        while j < n:
+            K = model.groups.stiffness[g, i, j]
+            D = model.groups.damping[g, i, j]
+            other = residuals.coordinate[w, first + j] - model.rows.reference[first + j]
+            before = loads.stretch[w, first + j] - model.rows.reference[first + j]
+            stored += half * K * c * other
+            taken += D * step * (residuals.coordinate[w, first + j] - loads.stretch[w, first + j]) / h
+            skew = half * (K - model.groups.stiffness[g, j, i])
+            worked -= half * skew * (before + other) * step
+            j += 1
+        i += 1
     return vec3(stored, taken, worked)
 
 

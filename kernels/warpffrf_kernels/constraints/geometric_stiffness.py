@@ -41,6 +41,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.core.scratch import Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import LoadState
+from warpffrf_kernels.linear.sparse_factor import Pattern
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -57,11 +58,11 @@ class Change:
 
 @wp.struct
 class Pull:
-    """A row's force and couple on its second marker, and their derivatives."""
+    """Force and couple of rows on their second marker, and their derivatives; P_a = -carried^."""
 
     P: vec3
     Q: vec3
-    P_a: mat33
+    carried: vec3
     P_x: mat33
     Q_a: mat33
     Q_b: mat33
@@ -137,13 +138,19 @@ def add_change(
 
 
 @wp.func
+def hats(a: vec3, b: vec3) -> mat33:
+    """a^ b^."""
+    return wp.outer(b, a) - wp.dot(a, b) * wp.identity(n=3, dtype=real)
+
+
+@wp.func
 def pull_of(kind: int, pull: real, f: vec3, t: vec3, R_a: mat33, R_b: mat33, i: int, j: int, length: real) -> Pull:
     """For a row of multiplier `pull` and wrench (f, t) on markers with the axes R_a, R_b."""
     out = Pull()
     out.P = pull * f
     out.Q = pull * t
     if kind == k.TRANSLATION or kind == k.BUSHING:
-        out.P_a = -hat(out.P)
+        out.carried = out.P
     if kind == k.BUSHING:
         out.Q_a = real(-0.5) * hat(out.Q)
         out.Q_b = out.Q_a
@@ -151,10 +158,10 @@ def pull_of(kind: int, pull: real, f: vec3, t: vec3, R_a: mat33, R_b: mat33, i: 
         one = wp.identity(n=3, dtype=real)
         out.P_x = (pull / wp.max(length, real(1.0e-300))) * (one - wp.outer(f, f))
     if kind == k.DIRECTION:
-        U = hat(vec3(R_a[0, i], R_a[1, i], R_a[2, i]))
-        W = hat(vec3(R_b[0, j], R_b[1, j], R_b[2, j]))
-        out.Q_a = -pull * (W * U)
-        out.Q_b = pull * (U * W)
+        u = vec3(R_a[0, i], R_a[1, i], R_a[2, i])
+        w = vec3(R_b[0, j], R_b[1, j], R_b[2, j])
+        out.Q_a = -pull * hats(w, u)
+        out.Q_b = pull * hats(u, w)
     if kind == k.TWIST:
         u = vec3(R_a[0, i], R_a[1, i], R_a[2, i])
         w = vec3(R_b[0, i], R_b[1, i], R_b[2, i])
@@ -177,10 +184,11 @@ def pull_of(kind: int, pull: real, f: vec3, t: vec3, R_a: mat33, R_b: mat33, i: 
         N = along_p * along_p + along_q * along_q
         n = along_q * p - along_p * q
         u = wp.cross(e, n) / N
-        steep = hat(e) * (wp.outer(p, wp.cross(e, q)) - wp.outer(q, wp.cross(e, p)))
-        steep = steep - wp.outer(u, real(2.0) * (along_p * wp.cross(e, p) + along_q * wp.cross(e, q)))
-        by_turned = (sign * pull / N) * (hat(n) * hat(e) + steep)
-        by_held = (sign * pull / N) * (-(hat(e) * hat(n)) - steep)
+        e_p = wp.cross(e, p)
+        e_q = wp.cross(e, q)
+        steep = wp.outer(e_p, e_q) - wp.outer(e_q, e_p) - wp.outer(u, real(2.0) * (along_p * e_p + along_q * e_q))
+        by_turned = (sign * pull / N) * (hats(n, e) + steep)
+        by_held = (-sign * pull / N) * (hats(e, n) + steep)
         out.Q_a = by_held
         out.Q_b = by_turned
         if kind == k.SECOND_ANGLE:
@@ -189,19 +197,58 @@ def pull_of(kind: int, pull: real, f: vec3, t: vec3, R_a: mat33, R_b: mat33, i: 
     return out
 
 
+@wp.func
+def pull_of_joint(
+    model: Model, w: int, first: int, end: int, R_a: mat33, R_b: mat33, length: real, pattern: Pattern,
+    loads: LoadState, residuals: Residuals,
+):  # fmt: skip
+    """The sum over the rows of a list from entry `first` that have the same markers, and the entry after the last one:
+    the rows of a joint have, so that its motions are evaluated once."""
+    a = model.rows.a[pattern.row[first]]
+    b = model.rows.b[pattern.row[first]]
+    out = Pull()
+    at = first
+    row = pattern.row[first]
+    while at < end and model.rows.a[row] == a and model.rows.b[row] == b:
+        lam = loads.lam[w, row]
+        if lam != real(0.0):
+            f = vec3(residuals.row_wrench[w, row, 0], residuals.row_wrench[w, row, 1], residuals.row_wrench[w, row, 2])
+            t = vec3(residuals.row_wrench[w, row, 3], residuals.row_wrench[w, row, 4], residuals.row_wrench[w, row, 5])
+            own = pull_of(model.rows.kind[row], lam, f, t, R_a, R_b, model.rows.i[row], model.rows.j[row], length)
+            out.P = out.P + own.P
+            out.Q = out.Q + own.Q
+            out.carried = out.carried + own.carried
+            out.P_x = out.P_x + own.P_x
+            out.Q_a = out.Q_a + own.Q_a
+            out.Q_b = out.Q_b + own.Q_b
+        at += 1
+        if at < end:
+            row = pattern.row[at]
+    return out, at
+
+
 @kernel
-def stiffen(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, system: RetainedSystem):
-    """Per world: add the geometric stiffness of all rows to the retained matrix."""
-    w = wp.tid()
+def stiffen(
+    run: Run, trial: Trial, loads: LoadState, residuals: Residuals, system: RetainedSystem,
+    patterns: wp.array(dtype=Pattern),
+):  # fmt: skip
+    """Lanes over the columns of bodies: add the geometric stiffness of all rows to the retained matrix. On a GPU up to
+    six lanes share the columns of a body; the only lane of the CPU sums the rows of each joint once for all of them."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
         return
+    pattern = patterns[0]
+    shares = wp.min(wp.block_dim(), 6)
     one = wp.identity(n=3, dtype=real)
-    row = int(0)
-    while row < model.rows.count:
-        if loads.lam[w, row] != real(0.0):
-            a = model.rows.a[row]
-            b = model.rows.b[row]
+    item = lane
+    while item < shares * model.bodies.count:
+        body = item / shares
+        end = pattern.row_start[body + 1]
+        at = pattern.row_start[body]
+        while at < end:
+            a = model.rows.a[pattern.row[at]]
+            b = model.rows.b[pattern.row[at]]
             body_a = model.markers.body[a]
             body_b = model.markers.body[b]
             A_a = one
@@ -226,24 +273,21 @@ def stiffen(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, syst
             d_b = A_b * arm_on_interface(model, b, trial.interface_motion, w)
             c_a = r_b + d_b - r_a
             c = c_a - d_a
-            f = vec3(residuals.row_wrench[w, row, 0], residuals.row_wrench[w, row, 1], residuals.row_wrench[w, row, 2])
-            t = vec3(residuals.row_wrench[w, row, 3], residuals.row_wrench[w, row, 4], residuals.row_wrench[w, row, 5])
-            p = pull_of(
-                model.rows.kind[row], loads.lam[w, row], f, t,
-                A_a * axes_on_interface(model, a, trial.interface_motion, w),
-                A_b * axes_on_interface(model, b, trial.interface_motion, w), model.rows.i[row], model.rows.j[row],
-                wp.length(c),
-            )  # fmt: skip
+            R_a = A_a * axes_on_interface(model, a, trial.interface_motion, w)
+            R_b = A_b * axes_on_interface(model, b, trial.interface_motion, w)
+            p, after = pull_of_joint(model, w, at, end, R_a, R_b, wp.length(c), pattern, loads, residuals)
+            at = after
             modes_a = modes_here(model, run.ctl, w, body_a, f_a)
             modes_b = modes_here(model, run.ctl, w, body_b, f_b)
-            for side in range(2):
-                body = body_a
+            side = int(0)
+            while side < 2:
                 modes = modes_a
+                moved = body_a
                 if side == 1:
-                    body = body_b
                     modes = modes_b
-                coordinate = int(0)
-                while body >= 0 and coordinate < 6 + modes:
+                    moved = body_b
+                coordinate = item % shares
+                while moved == body and coordinate < 6 + modes:
                     by_a = Change()
                     by_b = Change()
                     if side == 0:
@@ -251,7 +295,7 @@ def stiffen(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, syst
                     else:
                         by_b = change_by(model, trial.slope, w, f_b, A_b, d_b, lever_b, coordinate)
                     column = column_of(model, body, coordinate)
-                    dP = p.P_a * by_a.marker + p.P_x * (by_b.point - by_a.point)
+                    dP = p.P_x * (by_b.point - by_a.point) - wp.cross(p.carried, by_a.marker)
                     dQ = p.Q_a * by_a.marker + p.Q_b * by_b.marker
                     if body_b >= 0:
                         M = wp.cross(d_b, p.P) + p.Q
@@ -269,14 +313,16 @@ def stiffen(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, syst
                             model, trial, w, body_a, f_a, modes_a, A_a, lever_a, by_a.body, -p.P, -dP, M, dM, N, dN,
                             column, system,
                         )  # fmt: skip
-                    coordinate += 1
-        row += 1
+                    coordinate += shares
+                side += 1
+        item += wp.block_dim()
 
 
 @kernel
 def stiffen_applied(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, system: RetainedSystem):
-    """Per world, in static steps: add the geometric stiffness of point forces and torques to the retained matrix."""
-    w = wp.tid()
+    """Lanes over the columns of a body, in static steps: add the geometric stiffness of point forces and torques to the
+    retained matrix. A column is always that of the same lane."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0 or not is_static(run.ctl, w):
         return
@@ -316,7 +362,7 @@ def stiffen_applied(run: Run, trial: Trial, loads: LoadState, residuals: Residua
         A = trial.axes[w, body]
         d = A * arm
         modes = modes_here(model, run.ctl, w, body, interface)
-        coordinate = int(0)
+        coordinate = lane
         while coordinate < 6 + modes:
             by = change_by(model, trial.slope, w, interface, A, d, lever, coordinate)
             dF = none
@@ -330,31 +376,32 @@ def stiffen_applied(run: Run, trial: Trial, loads: LoadState, residuals: Residua
                 model, trial, w, body, interface, modes, A, lever, by.body, -F, -dF, -M, -dM, -T, -dT,
                 column_of(model, body, coordinate), system,
             )  # fmt: skip
-            coordinate += 1
-        if modes > 0 and model.interfaces.stiffening_start[interface] >= 0:
-            bend_modes(model, w, body, interface, wp.transpose(A) * F, lever, wp.transpose(A) * T, system.tangent)
+            if coordinate >= 6 and model.interfaces.stiffening_start[interface] >= 0:
+                bend_modes(
+                    model, w, body, interface, coordinate - 6, wp.transpose(A) * F, lever, wp.transpose(A) * T,
+                    system.tangent,
+                )  # fmt: skip
+            coordinate += wp.block_dim()
         i += 1
 
 
 @wp.func
 def bend_modes(
-    model: Model, w: int, body: int, interface: int, f: vec3, lever: vec3, torque: vec3, tangent: wp.array3d(dtype=real)
-):
-    """Change of B of an interface with the modes, times a force at `lever` and a torque there (body axes)."""
+    model: Model, w: int, body: int, interface: int, j: int, f: vec3, lever: vec3, torque: vec3,
+    tangent: wp.array3d(dtype=real),
+):  # fmt: skip
+    """Change of B of an interface with mode j, times a force at `lever` and a torque there (body axes)."""
     count = model.bodies.inertia_count[body]
     t = wp.cross(lever, f) + torque
     first = model.interfaces.stiffening_start[interface]
+    column = column_of(model, body, 6 + j)
     i = int(0)
     while i < count:
         row = column_of(model, body, 6 + i)
-        j = int(0)
-        while j < count:
-            total = real(0.0)
-            for c in range(3):
-                at = first + (c * count + i) * count + j
-                total += f[c] * model.interfaces.stiffening[at]
-                total += t[c] * model.interfaces.stiffening[at + 3 * count * count]
-            column = column_of(model, body, 6 + j)
-            tangent[w, row, column] = tangent[w, row, column] + total
-            j += 1
+        total = real(0.0)
+        for c in range(3):
+            at = first + (c * count + i) * count + j
+            total += f[c] * model.interfaces.stiffening[at]
+            total += t[c] * model.interfaces.stiffening[at + 3 * count * count]
+        tangent[w, row, column] = tangent[w, row, column] + total
         i += 1

@@ -137,9 +137,20 @@ def is_topic(kind: Any) -> bool:
 def kernel(function: Any) -> wp.Kernel:
     """Warp kernel whose topics are passed by address, each in an array of length one: a graph on the CPU looks up all
     arrays of each launch, including those within structs. The body sees the structs."""
+    return wp.Kernel(function, code_transformers=[ByAddress(_take_addresses(function))])
+
+
+def kernel_in_place(function: Any) -> wp.Kernel:
+    """As `kernel`, for a kernel that reads from many topics: their fields, and those of `model = run.models[w]`, are
+    loaded where they are used. Loaded at the top they occupy more registers than a GPU has."""
+    return wp.Kernel(function, code_transformers=[InPlace(_take_addresses(function))])
+
+
+def _take_addresses(function: Any) -> list[str]:
+    """Annotates each topic of a kernel as an array of one, and returns their names."""
     topics = {name: kind for name, kind in inspect.get_annotations(function).items() if is_topic(kind)}
     function.__annotations__ |= {name: wp.array(dtype=kind) for name, kind in topics.items()}
-    return wp.Kernel(function, code_transformers=[ByAddress(topics)])
+    return list(topics)
 
 
 class ByAddress(ast.NodeTransformer):
@@ -156,3 +167,19 @@ class ByAddress(ast.NodeTransformer):
 
     def visit_Name(self, node: ast.Name) -> ast.Name:
         return ast.copy_location(ast.Name(f"{node.id}_", node.ctx), node) if node.id in self.names else node
+
+
+class InPlace(ast.NodeTransformer):
+    """Replaces `run` by `run[0]`, and `model` by `run[0].models[w]` in place of assigning it."""
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self.names = {name: f"{name}[0]" for name in names} | {"model": "run[0].models[w]"}
+
+    def visit_Assign(self, node: ast.Assign) -> Any:
+        if ast.unparse(node) == "model = run.models[w]":
+            return None
+        return self.generic_visit(node)
+
+    def visit_Name(self, node: ast.Name) -> Any:
+        source = self.names.get(node.id)
+        return ast.copy_location(ast.parse(source, mode="eval").body, node) if source else node

@@ -40,6 +40,7 @@ from warpffrf_kernels.core.contact_scratch import (
 )
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve
+from warpffrf_kernels.core.lanes import most
 from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
@@ -498,11 +499,14 @@ def press_with_tractions(
 
 @kernel
 def count_rounds(run: Run, tangential: FrictionSolve):
-    """One thread: whether the bounds of any world still follow its pressures."""
-    open_worlds = int(0)
-    w = int(0)
+    """Lanes over all worlds: whether the bounds of any world still follow its pressures."""
+    one, lane = wp.tid()
+    open_worlds = real(0.0)
+    w = lane
     while w < run.ctl.shape[0]:
         if run.ctl[w].run != 0 and run.ctl[w].changes == 0:
-            open_worlds += tangential.answer_state[w, OPEN]
-        w += 1
-    run.rubbing[0] = open_worlds
+            open_worlds = wp.max(open_worlds, real(tangential.answer_state[w, OPEN]))
+        w += wp.block_dim()
+    open_worlds = most(open_worlds)
+    if lane == 0:
+        run.rubbing[0] = int(open_worlds)

@@ -25,6 +25,7 @@ import warp as wp
 from warpffrf_kernels.bodies.interfaces import compliance, modal_line, pulled, side_of
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.lanes import most
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, vec3
@@ -188,20 +189,24 @@ def advance_rest(run: Run, system: RetainedSystem, loads: LoadState, trial: Tria
 
 @kernel
 def find_unbalanced(run: Run):
-    """One thread for all worlds: whether the iteration of any world continues."""
-    running = int(0)
-    w = int(0)
+    """Lanes over all worlds: whether the iteration of any world continues."""
+    one, lane = wp.tid()
+    running = real(0.0)
+    w = lane
     while w < run.ctl.shape[0]:
-        running += run.ctl[w].run
-        w += 1
-    run.running[0] = running
+        running = wp.max(running, real(run.ctl[w].run))
+        w += wp.block_dim()
+    running = most(running)
+    if lane == 0:
+        run.running[0] = int(running)
 
 
 @kernel
 def count_iteration(run: Run):
-    """One thread for all worlds: iteration counters, and the condition of the loop."""
-    running = int(0)
-    w = int(0)
+    """Lanes over all worlds: iteration counters, and the condition of the loop."""
+    one, lane = wp.tid()
+    running = real(0.0)
+    w = lane
     while w < run.ctl.shape[0]:
         if run.ctl[w].run != 0:
             run.ctl[w].moved = 0
@@ -218,6 +223,8 @@ def count_iteration(run: Run):
                 run.ctl[w].run = 0
             if run.ctl[w].failure != 0:
                 run.ctl[w].run = 0
-            running += run.ctl[w].run
-        w += 1
-    run.running[0] = running
+            running = wp.max(running, real(run.ctl[w].run))
+        w += wp.block_dim()
+    running = most(running)
+    if lane == 0:
+        run.running[0] = int(running)

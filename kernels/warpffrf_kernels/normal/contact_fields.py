@@ -9,6 +9,7 @@ import warp as wp
 
 from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry
 from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.lanes import most, totals, values
 from warpffrf_kernels.core.model import LINE_OF_CENTRES, PATCH, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
@@ -273,9 +274,9 @@ def load_modes(
 def sum_contact(
     run: Run, geometry: ContactGeometry, contact: ContactState, fields: ContactFields, residuals: Residuals
 ):
-    """Per world: contact wrench on A of every pair, its contact energy s.G.s/2, and the largest residual gap of active
-    nodes (as a fraction of the penetration, and the penetration)."""
-    w = wp.tid()
+    """Lanes over nodes: contact wrench on A of every pair, its contact energy s.G.s/2, and the largest residual gap of
+    active nodes (as a fraction of the penetration, and the penetration)."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
@@ -283,11 +284,9 @@ def sum_contact(
     depth = real(0.0)
     pair = int(0)
     while pair < model.pairs.count:
-        energy = real(0.0)
-        for i in range(6):
-            geometry.pair_wrench[w, pair, i] = real(0.0)
+        found = values(real(0.0))  # wrench and energy
         rows = model.surfaces.rows[model.pairs.first[pair]]
-        m = (geometry.window[w, pair, 0] + model.window.half) * rows
+        m = (geometry.window[w, pair, 0] + model.window.half) * rows + lane
         while m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
             if contact.active[w, pair, m] != 0 and geometry.area[w, pair, m] > real(0.0):
                 s = contact.pressure[w, pair, m]
@@ -295,13 +294,21 @@ def sum_contact(
                     whole = geometry.wrench[w, pair, m, i]
                     if model.pairs.family[pair] != LINE_OF_CENTRES:
                         whole += geometry.more_wrench[w, pair, m, i]
-                    geometry.pair_wrench[w, pair, i] = geometry.pair_wrench[w, pair, i] + s * whole
-                energy += real(0.5) * s * (fields.opened[w, pair, m] - fields.gap[w, pair, m])
+                    found[i] += s * whole
+                found[6] += real(0.5) * s * (fields.opened[w, pair, m] - fields.gap[w, pair, m])
                 worst = wp.max(worst, wp.abs(fields.opened[w, pair, m]) / geometry.area[w, pair, m])
                 depth = wp.max(depth, wp.abs(fields.gap[w, pair, m]) / geometry.area[w, pair, m])
-            m += 1
-        contact.pair_energy[w, pair, 1] = energy
+            m += wp.block_dim()
+        found = totals(found)
+        if lane == 0:
+            for i in range(6):
+                geometry.pair_wrench[w, pair, i] = found[i]
+            contact.pair_energy[w, pair, 1] = found[6]
         pair += 1
+    worst = most(worst)
+    depth = most(depth)
+    if lane != 0:
+        return
     residuals.gap_defect[w, 0] = real(0.0)
     residuals.gap_defect[w, 1] = real(0.0)
     if depth > real(0.0):

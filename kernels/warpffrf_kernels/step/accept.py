@@ -116,13 +116,13 @@ def keep_modes(
 
 @kernel
 def keep_rest(run: Run, residuals: Residuals, loads: LoadState):
-    """Per world: accepts or restores the remaining quantities."""
-    w = wp.tid()
+    """Lanes over rows, forces, bodies, modes and lines: accepts or restores the remaining quantities."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0:
         return
     accept = run.ctl[w].accept != 0 and run.ctl[w].mode != k.PROJECT  # its multipliers are impulses over the tiny step
-    row = int(0)
+    row = lane
     while row < model.rows.count:
         if accept:
             loads.lam0[w, row] = loads.lam[w, row]
@@ -130,21 +130,23 @@ def keep_rest(run: Run, residuals: Residuals, loads: LoadState):
             loads.stretch[w, row] = residuals.coordinate[w, row]
         else:
             loads.lam[w, row] = loads.lam0[w, row]
-        row += 1
+        row += wp.block_dim()
     if not accept:
         return
-    i = int(0)
+    i = lane
     while i < model.external[0].forces.count:
         loads.applied[w, 0, i] = loads.applied[w, 1, i]
         loads.applied_at[w, 0, i] = loads.applied_at[w, 1, i]
-        i += 1
-    i = int(0)
+        i += wp.block_dim()
+    i = lane
     while i < 6 * model.bodies.count:
         loads.load[w, 0, i] = loads.load[w, 1, i]
-        i += 1
-    i = int(0)
+        i += wp.block_dim()
+    i = lane
     while i < model.modes.count:
         loads.load_on_modes[w, 0, i] = loads.load_on_modes[w, 1, i]
-        i += 1
-    for line in range(k.LINES):
-        run.energy[w, 0, line] = run.energy[w, 1, line]
+        i += wp.block_dim()
+    i = lane
+    while i < k.LINES:
+        run.energy[w, 0, i] = run.energy[w, 1, i]
+        i += wp.block_dim()

@@ -10,8 +10,9 @@ import warp as wp
 from warpffrf_kernels.bodies.interfaces import marker_of
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.contact_scratch import ContactGeometry
-from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.declaration import kernel_in_place
 from warpffrf_kernels.core.film_scratch import FilmScratch
+from warpffrf_kernels.core.lanes import most, mosts, total, values
 from warpffrf_kernels.core.matched_scratch import MatchedScratch
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
@@ -61,18 +62,21 @@ def arm_of(model: Model, row: int) -> real:
 
 
 @wp.func
-def inertia_left(model: Model, w: int, acc: real, extent: real, scale: real, modal_scale: real, trial: Trial) -> real:
+def inertia_left(
+    model: Model, w: int, lane: int, acc: real, extent: real, scale: real, modal_scale: real, trial: Trial
+) -> real:
     """Largest inertia force of a proximal step, of bodies over `scale`, of modes over `modal_scale`, excluding motion
-    below round-off: `STILL` of the increments of the load step, or `ROUNDED` of `extent` [m]."""
-    most = real(0.0)
-    b = int(0)
+    below round-off: `STILL` of the increments of the load step, or `ROUNDED` of `extent` [m]. Lanes over bodies and
+    modes."""
+    longest = real(0.0)
+    b = lane
     while b < model.bodies.count:
         gyration = gyration_of(model.bodies.inertia[b], model.bodies.mass[b])
-        most = wp.max(most, wp.length(trial.dx[w, b]) + gyration * wp.length(trial.psi[w, b]))
-        b += 1
-    still = acc * wp.max(STILL * most, ROUNDED * extent)
+        longest = wp.max(longest, wp.length(trial.dx[w, b]) + gyration * wp.length(trial.psi[w, b]))
+        b += wp.block_dim()
+    still = acc * wp.max(STILL * most(longest), ROUNDED * extent)
     left = real(0.0)
-    b = int(0)
+    b = lane
     while b < model.bodies.count:
         J = model.bodies.inertia[b]
         m = model.bodies.mass[b]
@@ -81,18 +85,19 @@ def inertia_left(model: Model, w: int, acc: real, extent: real, scale: real, mod
             left = wp.max(left, m * wp.length(trial.v1_rate[w, b]) / scale)
         if gyration * wp.length(trial.omega1_rate[w, b]) > still:
             left = wp.max(left, wp.length(J * trial.omega1_rate[w, b]) / (gyration * scale))
-        b += 1
-    most = real(0.0)
-    n = int(0)
+        b += wp.block_dim()
+    longest = real(0.0)
+    n = lane
     while n < model.modes.count:
-        most = wp.max(most, wp.abs(trial.dq[w, n]))
-        n += 1
-    n = int(0)
+        longest = wp.max(longest, wp.abs(trial.dq[w, n]))
+        n += wp.block_dim()
+    longest = most(longest)
+    n = lane
     while n < model.modes.count:
-        if wp.abs(trial.qd1_rate[w, n]) > acc * STILL * most:
+        if wp.abs(trial.qd1_rate[w, n]) > acc * STILL * longest:
             left = wp.max(left, wp.abs(trial.qd1_rate[w, n]) / modal_scale)
-        n += 1
-    return left
+        n += wp.block_dim()
+    return most(left)
 
 
 @wp.func
@@ -110,24 +115,49 @@ def matched_stiffness_of(
 @wp.func
 def stiffest_place(model: Model, w: int, group: int, matched_stiffness: wp.array(dtype=real)) -> real:
     """Largest K_tt of the joint interfaces of a group [N/m]; 0 if none has a second body or the ground."""
-    most = real(0.0)
+    stiffest = real(0.0)
     contact = model.elements[0].matched[0].matched_start[group]
     while contact < model.elements[0].matched[0].matched_start[group + 1]:
         at = model.elements[0].matched[0].rigid_column[contact]
         if at >= 0:
             for i in range(3):
-                most = wp.max(most, matched_stiffness_of(model, w, group, at + i, matched_stiffness))
+                stiffest = wp.max(stiffest, matched_stiffness_of(model, w, group, at + i, matched_stiffness))
         contact += 1
-    return most
+    return stiffest
 
 
-@kernel
+@wp.func
+def settle(run: Run, residuals: Residuals, model: Model, w: int, worst: real, sum: real, switching: bool):
+    """By one lane: whether the iteration of a world continues, and with which matrix."""
+    residuals.residual_history[w, wp.min(run.ctl[w].iteration, residuals.residual_history.shape[1] - 1)] = worst
+    if not wp.isfinite(worst + sum):
+        run.ctl[w].failure = run.ctl[w].failure | k.NOT_FINITE
+        run.ctl[w].run = 0
+        return
+    run.ctl[w].refresh = 0
+    if worst > REFRESH_ABOVE or switching:
+        run.ctl[w].refresh = 1
+    elif (
+        run.ctl[w].iteration > 1
+        and worst
+        > SLOW * residuals.residual_history[w, wp.min(run.ctl[w].iteration, residuals.residual_history.shape[1]) - 1]
+    ):
+        run.ctl[w].refresh = 1
+    done = worst <= model.limits.residual_tolerance and not switching
+    if done and (run.ctl[w].reassemble == 0 or model.pairs.count == 0):
+        run.ctl[w].run = 0
+    elif run.ctl[w].iteration >= model.limits.max_iterations * (1 + run.ctl[w].round):
+        run.ctl[w].failure = run.ctl[w].failure | k.NOT_CONVERGED
+        run.ctl[w].run = 0
+
+
+@kernel_in_place
 def balance(
     run: Run, trial: Trial, loads: LoadState, residuals: Residuals, geometry: ContactGeometry, pairs: ContactState,
     lumped: LumpedState, oil: FilmScratch, tableau: MatchedScratch, q1: wp.array2d(dtype=real),
 ):  # fmt: skip
-    """Per world: convergence check. Residual forces with contact, row defects, spring laws, open gaps under pressure
-    and flows of films, all as fractions.
+    """Convergence check, lanes over the parts of each kind. Residual forces with contact, row defects, spring laws,
+    open gaps under pressure and flows of films, all as fractions.
 
     The scale of forces is the largest of weight, inertia and gyroscopic force, multiplier and contact force; that of
     modal forces is the largest contact load, of all pairs and of each, elastic and inertia force; that of lengths is
@@ -135,19 +165,27 @@ def balance(
     penetration). Load steps include the forces at their start: one that ends without forces retains the round-off of
     those.
     """
-    w = wp.tid()
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].iteration == 0:
         return
+    acc = run.clk[w].retained.acc
     scale = NONE
     modal_scale = NONE
+    extent = model.length
+    residual = real(0.0)  # largest unbalanced force [N]
+    apart = real(0.0)  # largest defect of a joint [m]
+    open_load = real(0.0)  # largest unbalanced load of a mode
+    worst = real(0.0)  # of what is a fraction already
+    sum = real(0.0)  # a maximum drops NaN, a sum keeps it
     loading = run.ctl[w].mode == k.LOADING
-    b = int(0)
+    b = lane
     while b < model.bodies.count:
         m = model.bodies.mass[b]
         J = model.bodies.inertia[b]
+        # a torque is measured by the equivalent force at the radius of gyration
         gyration = gyration_of(J, m)
-        nothing = NO_FORCE * run.clk[w].retained.acc * model.length
+        nothing = NO_FORCE * acc * model.length
         scale = wp.max(scale, m * nothing)
         modal_scale = wp.max(modal_scale, wp.sqrt(m) * nothing)
         scale = wp.max(scale, m * (wp.length(model.gravity) + wp.length(trial.v1_rate[w, b])))
@@ -157,15 +195,20 @@ def balance(
         scale = wp.max(scale, turning / gyration)
         # accelerations are differences of increments: smaller values are round-off
         travel = wp.length(trial.dx[w, b]) + gyration * wp.length(trial.psi[w, b])
-        scale = wp.max(scale, ROUND_OFF * run.clk[w].retained.acc * m * travel)
+        scale = wp.max(scale, ROUND_OFF * acc * m * travel)
         for c in range(3):
             scale = wp.max(scale, wp.abs(loads.load[w, 1, 6 * b + c]))
             scale = wp.max(scale, wp.abs(loads.load[w, 1, 6 * b + 3 + c]) / gyration)
             if loading:
                 scale = wp.max(scale, wp.abs(loads.load[w, 0, 6 * b + c]))
                 scale = wp.max(scale, wp.abs(loads.load[w, 0, 6 * b + 3 + c]) / gyration)
-        b += 1
-    i = int(0)
+        extent = wp.max(extent, wp.length(trial.r1[w, b]))
+        f = vec3(residuals.residual[w, 6 * b], residuals.residual[w, 6 * b + 1], residuals.residual[w, 6 * b + 2])
+        t = vec3(residuals.residual[w, 6 * b + 3], residuals.residual[w, 6 * b + 4], residuals.residual[w, 6 * b + 5])
+        residual = wp.max(residual, wp.max(wp.length(f), wp.length(t) / gyration))
+        sum += wp.length(f) + wp.length(t)
+        b += wp.block_dim()
+    i = lane
     # forces that cancel on a body, such as those of a bolt, leave round-off
     while i < model.external[0].forces.count:
         force = wp.length(loads.applied[w, 1, i])
@@ -176,23 +219,8 @@ def balance(
             for c in range(3):
                 pull += force * model.interfaces.reach[interface, c]
             modal_scale = wp.max(modal_scale, CANCELLED * pull)
-        i += 1
-    extent = model.length
-    b = int(0)
-    while b < model.bodies.count:
-        extent = wp.max(extent, wp.length(trial.r1[w, b]))
-        b += 1
-    length = model.length
-    if residuals.gap_defect[w, 1] > real(0.0):
-        length = wp.min(length, wp.max(residuals.gap_defect[w, 1], SHORT * extent))
-    contact = int(0)
-    while contact < model.elements[0].matched[0].count:
-        if tableau.matched_depth[w, contact] > real(0.0):
-            length = wp.min(length, wp.max(tableau.matched_depth[w, contact], SHORT * extent))
-        contact += 1
-    worst = real(0.0)
-    sum = residuals.gap_defect[w, 0]  # a maximum drops NaN, a sum keeps it
-    row = int(0)
+        i += wp.block_dim()
+    row = lane
     while row < model.rows.count:
         size = wp.abs(loads.lam[w, row])
         if loading:
@@ -209,38 +237,45 @@ def balance(
                     gyration = gyration_of(model.bodies.inertia[b], model.bodies.mass[b])
                     scale = wp.max(scale, size * wp.length(t) / gyration)
         if residuals.softness[w, row] == real(0.0):
-            worst = wp.max(worst, wp.abs(residuals.defect[w, row]) * arm_of(model, row) / length)
-        row += 1
-    pair = int(0)
+            apart = wp.max(apart, wp.abs(residuals.defect[w, row]) * arm_of(model, row))
+        sum += residuals.defect[w, row]
+        for side in range(2):  # forces of joints that cancel on the modes leave round-off
+            interface = model.markers.interface[marker_of(model, row, side)]
+            if interface >= 0:
+                pull = real(0.0)
+                for c in range(6):
+                    pull += wp.abs(residuals.row_pull[w, 2 * row + side, c]) * model.interfaces.reach[interface, c]
+                modal_scale = wp.max(modal_scale, CANCELLED * wp.abs(loads.lam[w, row]) * pull)
+        row += wp.block_dim()
+    pair = lane
     while pair < model.pairs.count:
         f = vec3(geometry.pair_wrench[w, pair, 0], geometry.pair_wrench[w, pair, 1], geometry.pair_wrench[w, pair, 2])
         scale = wp.max(scale, wp.length(f))
         if loading:
             f = vec3(pairs.pair_force[w, pair, 0, 0], pairs.pair_force[w, pair, 0, 1], pairs.pair_force[w, pair, 0, 2])
             scale = wp.max(scale, wp.length(f))
-        pair += 1
-    beyond = real(0.0)  # friction beyond its bound, see `lumped.forces`
-    place = int(0)
+        pair += wp.block_dim()
+    place = lane
     while place < model.elements[0].lumped.places:
         contact = model.elements[0].lumped.contact[place]
-        if model.elements[0].lumped.slip_velocity[contact] == real(0.0):
+        if model.elements[0].lumped.slip_velocity[contact] == real(0.0):  # beyond its bound, see `lumped.forces`
             bound = model.elements[0].lumped.friction[contact] * lumped.lumped_force[w, 1, place]
-            beyond = wp.max(beyond, wp.length(lumped.lumped_friction[w, 1, place]) - bound)
+            residual = wp.max(residual, wp.length(lumped.lumped_friction[w, 1, place]) - bound)
         scale = wp.max(scale, lumped.lumped_force[w, 1, place])
         if loading:
             scale = wp.max(scale, lumped.lumped_force[w, 0, place])
-        place += 1
-    switching = int(0)  # films whose active set has changed, or whose increment was reduced
-    film = int(0)
+        place += wp.block_dim()
+    switching = real(0.0)  # of films whose active set has changed, or whose increment was reduced
+    film = lane
     while film < model.elements[0].films[0].count:
         scale = wp.max(
             scale, wp.length(vec3(oil.film_sums[w, film, 0], oil.film_sums[w, film, 1], oil.film_sums[w, film, 2]))
         )
         worst = wp.max(worst, oil.film_off[w, film])
         sum += oil.film_off[w, film]
-        switching += oil.film_changed[w, film]
-        film += 1
-    contact = int(0)
+        switching += real(oil.film_changed[w, film])
+        film += wp.block_dim()
+    contact = lane
     while contact < model.elements[0].matched[0].matched:
         c = model.elements[0].matched[0].rigid_column[contact]
         if c >= 0:
@@ -252,41 +287,29 @@ def balance(
             )
             for i in range(3):
                 scale = wp.max(scale, CELLS * tableau.matched_sum[w, c + i])
-        contact += 1
+        contact += wp.block_dim()
+    shallow = model.length  # least depth of the joint interfaces that are pressed
+    stiffest = real(0.0)
+    stiffest_mode = real(0.0)  # geometric mean with the stiffness of its group
     contact = int(0)
-    while contact < model.elements[0].matched[0].count:
+    while contact < model.elements[0].matched[0].count:  # few; lanes over the motion coordinates of each
+        if tableau.matched_depth[w, contact] > real(0.0):
+            shallow = wp.min(shallow, tableau.matched_depth[w, contact])
         stiffness = stiffest_place(model, w, contact, tableau.matched_stiffness)
-        off_place = ROUNDED * extent / model.limits.residual_tolerance
-        scale = wp.max(scale, off_place * stiffness)
-        n = model.elements[0].matched[0].column_start[contact]
+        stiffest = wp.max(stiffest, stiffness)
+        n = model.elements[0].matched[0].column_start[contact] + lane
         while n < model.elements[0].matched[0].column_start[contact + 1]:
             if model.elements[0].matched[0].column_mode[n] >= 0:
                 mode_stiffness = matched_stiffness_of(model, w, contact, n, tableau.matched_stiffness)
-                modal_scale = wp.max(modal_scale, off_place * wp.sqrt(stiffness * mode_stiffness))
-            n += 1
+                stiffest_mode = wp.max(stiffest_mode, wp.sqrt(stiffness * mode_stiffness))
+                modal_scale = wp.max(
+                    modal_scale, wp.max(wp.abs(tableau.matched_push[w, n]), CELLS * tableau.matched_sum[w, n])
+                )
+            n += wp.block_dim()
         worst = wp.max(worst, CLOSER * tableau.matched_off[w, contact])
         sum += tableau.matched_off[w, contact]
         contact += 1
-    row = int(0)
-    while row < model.rows.count:  # a spring's force against its law; a stretch of round-off size is accepted
-        if residuals.softness[w, row] != real(0.0):
-            arm = arm_of(model, row)
-            given = wp.max(scale * wp.abs(residuals.softness[w, row]) * arm, SHORT * extent / arm)
-            worst = wp.max(worst, wp.abs(residuals.defect[w, row]) / given)
-        sum += residuals.defect[w, row]
-        row += 1
-    b = int(0)
-    while b < model.bodies.count:
-        f = vec3(residuals.residual[w, 6 * b], residuals.residual[w, 6 * b + 1], residuals.residual[w, 6 * b + 2])
-        t = vec3(residuals.residual[w, 6 * b + 3], residuals.residual[w, 6 * b + 4], residuals.residual[w, 6 * b + 5])
-        # a torque is measured by the equivalent force at the radius of gyration
-        gyration = gyration_of(model.bodies.inertia[b], model.bodies.mass[b])
-        worst = wp.max(worst, wp.max(wp.length(f), wp.length(t) / gyration) / scale)
-        sum += wp.length(f) + wp.length(t)
-        b += 1
-    worst = wp.max(worst, wp.max(residuals.gap_defect[w, 0], beyond / scale))
-    open_load = real(0.0)
-    n = int(0)
+    n = lane
     while n < model.modes.count:
         modal_scale = wp.max(modal_scale, wp.abs(loads.load_on_modes[w, 1, n]))
         contact_load = loads.modal_load[w, 1, n]
@@ -296,61 +319,47 @@ def balance(
             before = wp.abs(model.modes.stiffness[n] * (q1[w, n] - trial.dq[w, n]))
             before = wp.max(before, wp.max(wp.abs(loads.load_on_modes[w, 0, n]), wp.abs(loads.modal_load[w, 0, n])))
             modal_scale = wp.max(modal_scale, before)
-        modal_scale = wp.max(
-            modal_scale, wp.max(wp.abs(trial.qd1_rate[w, n]), ROUND_OFF * run.clk[w].retained.acc * travel)
-        )
+        modal_scale = wp.max(modal_scale, wp.max(wp.abs(trial.qd1_rate[w, n]), ROUND_OFF * acc * travel))
         open_load = wp.max(open_load, wp.abs(residuals.modal_residual[w, n]))
         sum += residuals.modal_residual[w, n]
-        n += 1
+        n += wp.block_dim()
     pair = int(0)
     while pair < model.pairs.count:  # loads of pairs that cancel on the modes leave round-off
-        n = int(0)
+        n = lane
         while n < model.pairs.most_modes:
             modal_scale = wp.max(modal_scale, wp.abs(pairs.pair_modal[w, pair, 1, n]))
-            n += 1
+            n += wp.block_dim()
         pair += 1
-    n = int(0)
+    n = lane
     while n < oil.film_modal.shape[1] and model.elements[0].films[0].count > 0:
         modal_scale = wp.max(modal_scale, wp.abs(oil.film_modal[w, n]))
-        n += 1
-    n = int(0)
-    while n < model.elements[0].matched[0].column_start[model.elements[0].matched[0].count]:
-        if model.elements[0].matched[0].column_mode[n] >= 0:
-            modal_scale = wp.max(
-                modal_scale, wp.max(wp.abs(tableau.matched_push[w, n]), CELLS * tableau.matched_sum[w, n])
-            )
-        n += 1
-    row = int(0)
-    while row < model.rows.count:  # forces of joints that cancel on the modes leave round-off
-        for side in range(2):
-            interface = model.markers.interface[marker_of(model, row, side)]
-            if interface >= 0:
-                pull = real(0.0)
-                for c in range(6):
-                    pull += wp.abs(residuals.row_pull[w, 2 * row + side, c]) * model.interfaces.reach[interface, c]
-                modal_scale = wp.max(modal_scale, CANCELLED * wp.abs(loads.lam[w, row]) * pull)
-        row += 1
-    worst = wp.max(worst, open_load / modal_scale)
+        n += wp.block_dim()
+    found = mosts(values(scale, modal_scale, extent, residual, apart, open_load, stiffest_mode, switching))
+    extent = found[2]
+    off_place = ROUNDED * extent / model.limits.residual_tolerance
+    scale = wp.max(found[0], off_place * stiffest)
+    modal_scale = wp.max(found[1], off_place * found[6])
+    length = model.length
+    if residuals.gap_defect[w, 1] > real(0.0):
+        length = wp.min(length, wp.max(residuals.gap_defect[w, 1], SHORT * extent))
+    if shallow < model.length:
+        length = wp.min(length, wp.max(shallow, SHORT * extent))
+    row = lane
+    while row < model.rows.count:  # a spring's force against its law; a stretch of round-off size is accepted
+        if residuals.softness[w, row] != real(0.0):
+            arm = arm_of(model, row)
+            given = wp.max(scale * wp.abs(residuals.softness[w, row]) * arm, SHORT * extent / arm)
+            worst = wp.max(worst, wp.abs(residuals.defect[w, row]) / given)
+        row += wp.block_dim()
+    worst = most(worst)
+    worst = wp.max(wp.max(worst, found[4] / length), wp.max(found[3] / scale, found[5] / modal_scale))
+    worst = wp.max(worst, residuals.gap_defect[w, 0])
+    sum = total(sum) + residuals.gap_defect[w, 0]
+    left = real(0.0)
     if loading:
-        run.clk[w].force = scale
-        run.clk[w].left = inertia_left(model, w, run.clk[w].retained.acc, extent, scale, modal_scale, trial)
-    residuals.residual_history[w, wp.min(run.ctl[w].iteration, residuals.residual_history.shape[1] - 1)] = worst
-    if not wp.isfinite(worst + sum):
-        run.ctl[w].failure = run.ctl[w].failure | k.NOT_FINITE
-        run.ctl[w].run = 0
-        return
-    run.ctl[w].refresh = 0
-    if worst > REFRESH_ABOVE or switching > 0:
-        run.ctl[w].refresh = 1
-    elif (
-        run.ctl[w].iteration > 1
-        and worst
-        > SLOW * residuals.residual_history[w, wp.min(run.ctl[w].iteration, residuals.residual_history.shape[1]) - 1]
-    ):
-        run.ctl[w].refresh = 1
-    done = worst <= model.limits.residual_tolerance and switching == 0
-    if done and (run.ctl[w].reassemble == 0 or model.pairs.count == 0):
-        run.ctl[w].run = 0
-    elif run.ctl[w].iteration >= model.limits.max_iterations * (1 + run.ctl[w].round):
-        run.ctl[w].failure = run.ctl[w].failure | k.NOT_CONVERGED
-        run.ctl[w].run = 0
+        left = inertia_left(model, w, lane, acc, extent, scale, modal_scale, trial)
+    if lane == 0:
+        if loading:
+            run.clk[w].force = scale
+            run.clk[w].left = left
+        settle(run, residuals, model, w, worst, sum, found[7] > real(0.0))

@@ -29,6 +29,7 @@ from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.contact_scratch import LumpedContacts
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.integration import is_static, is_whole
+from warpffrf_kernels.core.lanes import most, mosts, totals, values
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.core.scratch import ImpulsiveContact, RetainedSystem, Trial
@@ -64,58 +65,56 @@ def decide(
     run: Run, trial: Trial, contact: ContactState, impulses: ImpulsiveContact, lumped: LumpedState,
     lumps: LumpedContacts, system: RetainedSystem,
 ):  # fmt: skip
-    """Per world: accept or reject the attempt, and choose the next step."""
-    w = wp.tid()
+    """Accept or reject the attempt, and choose the next step: lanes over pairs, places and bodies, then the first."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0:
         return
-    total = real(0.0)
-    for line in range(k.LINES):
-        total += run.energy[w, 1, line]
-    if not wp.isfinite(total):
-        run.ctl[w].failure = run.ctl[w].failure | k.NOT_FINITE
-    event = int(0)
-    impulse = int(0)
-    idle = int(0)
-    again = int(0)
-    calm = int(1)
-    touching = int(0)
+    closing = real(0.0)  # of flags: 1 if it is so for any pair or place
+    touched = real(0.0)
+    resting = real(0.0)
+    struck_now = real(0.0)
+    restless = real(0.0)
+    wanted = real(0.0)
     made = real(0.0)
-    pair = int(0)
+    pair = lane
     while pair < model.pairs.count:
         before = is_closed(contact.pair_force, w, pair, 0)
         after = is_closed(contact.pair_force, w, pair, 1)
         if before != after and contact.impulsive[w, pair] != k.IDLE:
-            event = int(1)
+            closing = real(1.0)
         if before or after:
-            touching = int(1)
+            touched = real(1.0)
             if contact.impulsive[w, pair] == k.IDLE:
-                idle = int(1)
+                resting = real(1.0)
             if contact.impulsive[w, pair] == k.IMPULSIVE:
-                impulse = int(1)
+                struck_now = real(1.0)
                 made += impulses.created_now[w, pair]
         if model.modes.dynamic_count > 0 and impulses.unsettled[w, pair] != 0:
-            calm = int(0)
+            restless = real(1.0)
         if impulses.wanted[w, pair] != 0:
-            again = int(1)
-        pair += 1
-    struck = int(0)  # 1 if a lumped contact is part of an impact
+            wanted = real(1.0)
+        pair += wp.block_dim()
+    bouncing = real(0.0)  # 1 if a lumped contact is part of an impact
     bounced = real(0.0)
     pressed = real(0.0)
     given = real(0.0)
-    place = int(0)
+    place = lane
     while place < model.elements[0].lumped.places:
         before = lumped.lumped_force[w, 0, place] > real(0.0)
         after = lumped.lumped_force[w, 1, place] > real(0.0)
         if before != after:
-            event = int(1)
-            struck = int(1)
+            bouncing = real(1.0)
         bounced += lumped.lumped_energy[w, 1, place] - lumped.lumped_energy[w, 0, place]
         given += lumps.lumped_taken[w, place, GAINED]
         pressed = wp.max(pressed, wp.max(lumped.lumped_force[w, 0, place], lumped.lumped_force[w, 1, place]))
-        place += 1
+        place += wp.block_dim()
+    flags = mosts(values(closing, touched, resting, struck_now, restless, wanted, bouncing, pressed))
+    sums = totals(values(made, bounced, given, real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)))
+    given = sums[2]
+    pressed = flags[7]
     share = real(0.0)  # gain of a bouncing lumped contact over its allowed gain
-    place = int(0)
+    place = lane
     while place < model.elements[0].lumped.places:
         own = lumps.lumped_taken[w, place, AT_HAND]
         if (
@@ -127,7 +126,30 @@ def decide(
             gain = wp.min(given, wp.min(gain, kept + gain))
             spare = wp.max(real(0.5) * (MOST_GAINED - kept / own), LEAST_GAIN * model.limits.energy_tolerance)
             share = wp.max(share, gain / (own * wp.min(model.limits.energy_tolerance, spare)))
-        place += 1
+        place += wp.block_dim()
+    move = real(0.0)
+    b = lane
+    while b < model.bodies.count:
+        move = wp.max(move, wp.length(trial.dx[w, b]))
+        b += wp.block_dim()
+    share = most(share)
+    move = most(move)
+    if lane != 0:
+        return
+    total = real(0.0)
+    for line in range(k.LINES):
+        total += run.energy[w, 1, line]
+    if not wp.isfinite(total):
+        run.ctl[w].failure = run.ctl[w].failure | k.NOT_FINITE
+    event = int(wp.max(flags[0], flags[6]))
+    touching = int(flags[1])
+    idle = int(flags[2])
+    impulse = int(flags[3])
+    calm = 1 - int(flags[4])
+    again = int(flags[5])
+    struck = int(flags[6])
+    made = sums[0]
+    bounced = sums[1]
     dynamic = run.ctl[w].mode == k.DYNAMIC
     loading = run.ctl[w].mode == k.LOADING
     run.ctl[w].commit = 0
@@ -242,11 +264,6 @@ def decide(
     run.clk[w].time = run.clk[w].next_time
     run.clk[w].done_step = run.clk[w].h
     if not dynamic:
-        move = real(0.0)
-        b = int(0)
-        while b < model.bodies.count:
-            move = wp.max(move, wp.length(trial.dx[w, b]))
-            b += 1
         run.clk[w].move = move
     if not dynamic and not loading:
         run.ctl[w].step = run.ctl[w].step + 1
@@ -289,12 +306,15 @@ def decide(
 
 @kernel
 def count_attempts(run: Run):
-    """One thread for all worlds: whether any world has steps left in this chunk, and attempts left."""
-    running = int(0)
-    w = int(0)
+    """Lanes over all worlds: whether any world has steps left in this chunk, and attempts left."""
+    one, lane = wp.tid()
+    running = real(0.0)
+    w = lane
     while w < run.ctl.shape[0]:
         run.budget[w] = run.budget[w] - 1
         if run.ctl[w].status == 0 and run.ctl[w].step < run.ctl[w].target and run.budget[w] > 0:
-            running = 1
-        w += 1
-    run.more[0] = running
+            running = real(1.0)
+        w += wp.block_dim()
+    running = most(running)
+    if lane == 0:
+        run.more[0] = int(running)

@@ -73,7 +73,7 @@ CONTACT = Participant(
         blocks(contact_fields.load_modes, "pair", when=GRID_NODES),
         blocks(fields.load_modes, "pair", when=PATCH),
     ],
-    sum=[threads(contact_fields.sum_contact), threads(fields.guard_patches, when=PATCH)],
+    sum=[blocks(contact_fields.sum_contact), threads(fields.guard_patches, when=PATCH)],
     push=[blocks(impulsive_contact.push_bodies)],
     mean=[threads(impulsive_means.balance_means)],
     assemble_compliance=[

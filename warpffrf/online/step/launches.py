@@ -101,5 +101,5 @@ def threads(kernel: Any, *over: str, when: str = "", **given: str | int) -> Laun
 
 
 def once(kernel: Any, when: str = "", **given: str | int) -> Launch:
-    """One thread for all worlds."""
-    return Launch(kernel, ("one",), when, False, given)
+    """One block of lanes for all worlds."""
+    return Launch(kernel, ("one",), when, True, given)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from warpffrf.online.step.launches import once, threads
+from warpffrf.online.step.launches import blocks, once, threads
 from warpffrf.online.step.phases import Participant
 from warpffrf_kernels.step import energy_watch, ledger, record, step_control
 
 LEDGER = Participant(
     "ledger",
-    book=[threads(ledger.balance_energy)],
+    book=[blocks(ledger.balance_energy)],
     watch=[threads(energy_watch.watch_energy)],
     close_row=[threads(record.close_row)],
     count=[once(step_control.count_attempts)],

@@ -46,14 +46,14 @@ MOTION = Participant(
         blocks(local_error.project_velocities, when="projected_row"),
     ],
     estimate=[threads(local_error.estimate_error, when="adaptive_world")],
-    decide=[threads(step_control.decide)],
+    decide=[blocks(step_control.decide)],
     keep=[
         blocks(accept.keep_bodies),
         blocks(accept.keep_modes, when="mode"),
         blocks(local_error.correct_algorithmic, when="projected_row"),
         blocks(mean_work.keep_lags, when="mean_mode"),
         blocks(mean_work.keep_pulls, when="stiffened_interface"),
-        threads(accept.keep_rest),
+        blocks(accept.keep_rest),
     ],
     record=[blocks(record.record_motion)],
 )

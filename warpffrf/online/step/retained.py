@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from warpffrf.online.step.launches import blocks, once, threads
+from warpffrf.online.step.launches import blocks, once
 from warpffrf.online.step.phases import Participant
 from warpffrf_kernels.bodies import inertia, mean_work, membrane
 from warpffrf_kernels.constraints import geometric_stiffness
@@ -14,15 +14,15 @@ from warpffrf_kernels.step import balance
 OUTER = Participant(
     "retained",
     load=[blocks(retained.pull, when="row")],
-    balance=[threads(balance.balance)],
+    balance=[blocks(balance.balance)],
     unbalanced=[once(retained.find_unbalanced)],
     assemble=[
         blocks(retained.condense),
         blocks(inertia.couple_modes, when="inertia_mode"),
         blocks(membrane.stiffen_membranes, when="square_mode"),
         blocks(mean_work.couple_pulls, when="stiffened_row"),
-        threads(geometric_stiffness.stiffen, when='row'),
-        threads(geometric_stiffness.stiffen_applied, when='applied'),
+        blocks(geometric_stiffness.stiffen, when='row'),
+        blocks(geometric_stiffness.stiffen_applied, when='applied'),
     ],
     eliminate=[blocks(retained_solve.solve_retained, when='free_retained')],
     increase=[
