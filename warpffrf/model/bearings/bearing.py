@@ -34,7 +34,8 @@ class Bearing(reprs.Shown):
     inner, outer: bodies of the rings, or the ground. contacts: by "inner_1", "outer_1", ... and of pockets; joints: by
     "pocket_1", "cage_axle", "inner_seat" of a ring that is mounted on an interface; forces: "preload_inner",
     "preload_outer". name: as given; element_surface: name of the surface of each element. cage: its body, drive: of its
-    speed, None without; pockets: bodies on interfaces of a flexible cage, which carry its walls. geometry: as given; place: its position and axes; materials: of the elements and of the rings.
+    speed, None without; pockets: by interface of a flexible cage, bodies that are fixed there and carry its walls.
+    geometry: as given; place: its position and axes; materials: of the elements and of the rings.
     """
 
     name: str
@@ -46,7 +47,7 @@ class Bearing(reprs.Shown):
     inner: Body | Ground = field(default_factory=Ground)
     outer: Body | Ground = field(default_factory=Ground)
     cage: Body | None = None
-    pockets: list[Body] = field(default_factory=list)
+    pockets: dict[str, Body] = field(default_factory=dict)
     drive: Drive | None = None
     contacts: dict[str, LumpedContact | Contact] = field(default_factory=dict)
     joints: dict[str, Joint] = field(default_factory=dict)
@@ -62,7 +63,7 @@ class Bearing(reprs.Shown):
     @property
     def between(self) -> list[Body]:
         """The bodies between the rings: elements, cage and its pockets."""
-        return [*self.elements, *([] if self.cage is None else [self.cage]), *self.pockets]
+        return [*self.elements, *([] if self.cage is None else [self.cage]), *self.pockets.values()]
 
     def element_center(self, angle: float, track: Track) -> np.ndarray:
         """Centre (3,) [m], world, of an element at `angle` [rad] in the row `track` at the initial pose."""
@@ -173,7 +174,7 @@ class Bearing(reprs.Shown):
 
     def describe(self) -> dict[str, Any]:
         """Plain data that results files store and results are evaluated from."""
-        moving = [self.cage, *self.pockets] if self.cage is not None and self.pockets else []
+        moving = self.between[len(self.elements) :] if self.pockets else []
         return {
             "name": self.name, "kind": self.kind, "geometry": self.geometry.describe(),
             "center": self.place.center.tolist(), "axes": self.place.axes.tolist(),
@@ -181,7 +182,8 @@ class Bearing(reprs.Shown):
             "elements": [self.elements[i].name for i, _ in self.geometry.contacts], "inner": self.inner.name,
             "outer": self.outer.name, "poses": {body.name: _pose(body) for body in (self.inner, self.outer, *moving)},
             "inertia": [self._across(self.elements[i]) for i, _ in self.geometry.contacts],
-            "cage": None if self.cage is None else self.cage.name, "pockets": [body.name for body in self.pockets],
+            "cage": None if self.cage is None else self.cage.name,
+            "pockets": {interface: body.name for interface, body in self.pockets.items()},
             "contacts": {key: contact.name for key, contact in self.contacts.items()},
             "rings_first": [c.name for c in self.contacts.values() if c.a.body in (self.inner, self.outer)],
             "joints": {key: joint.name for key, joint in self.joints.items()},

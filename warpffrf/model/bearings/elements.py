@@ -231,8 +231,9 @@ class PocketCage(Cage):
     of elements in their pockets. guided: whether the cage is kept on the axis by a joint without friction, as on a land
     of the guide; else its pockets alone support it, which is possible for balls. body: a body of the scene at the pose
     of the bearing that is the cage, None for a rigid ring of the `mass`. A flexible one, of `mesh.cage` or another
-    mesh, has an interface on each pocket for balls, on each bar or wall for rollers, within half an element's diameter
-    of the walls, "average" ones so that they stay elastic; and one with its middle in the centre, where it is guided.
+    mesh, has an interface on each pocket for balls, on each bar or wall for rollers, and one around the axis that
+    guides it, "average" ones so that they stay elastic.
+
     Contacts are `bearing.contacts["pocket_3"]`, of rollers ["pocket_3_front"] and ["pocket_3_back"]; what fixes walls
     to the interface "bar_3" of a flexible body is `bearing.joints["seat_bar_3"]`.
     """
@@ -316,10 +317,11 @@ class PocketCage(Cage):
 
 def interface_at(body: Body, at: np.ndarray, bearing: Bearing) -> str:
     """Name of the interface of a flexible cage that is nearest to a point (3,) [m, world]. Raises `InputError` for one
-    that is further than half a diameter of an element away."""
+    that is further away than half a ball, or half the distance of two rollers, whose bars are thinner."""
+    reach = 0.5 * (bearing.geometry.diameter if bearing.kind == "ball" else bearing.geometry.apart)
     away = {name: np.linalg.norm(body.to_world(one.point) - at) for name, one in body.flexible.interfaces.items()}
     name = min(away, key=lambda name: away[name], default="")
-    if name and away[name] <= 0.5 * bearing.geometry.diameter:
+    if name and away[name] <= reach:
         return name
     needed = "each pocket" if bearing.kind == "ball" else "each bar"
     raise InputError(
@@ -332,15 +334,14 @@ def interface_at(body: Body, at: np.ndarray, bearing: Bearing) -> str:
 def _seat(scene: Scene, bearing: Bearing, body: Body, at: np.ndarray) -> Body:
     """The rigid body on the interface of the flexible `body` of a cage that is nearest to a point (3,) [m, world]."""
     interface = interface_at(body, at, bearing)
-    key = f"seat_{interface}"
-    if key not in bearing.joints:
+    if interface not in bearing.pockets:
         mass, place = SMALL * body.mass, body.to_world(body.flexible.interfaces[interface].point)
         inertia = (mass * (0.5 * bearing.geometry.diameter) ** 2,) * 3
         part = scene.add_rigid_body(mass, inertia, name=f"{bearing.name} cage {interface}", position=place)
-        fixed = Fixed(body[interface], part, axis=bearing.place.axis, name=f"{bearing.name} cage seat {interface}")
-        bearing.joints[key] = scene.add(fixed)
-        bearing.pockets.append(part)
-    return bearing.joints[key].b.body
+        fixed = Fixed(body[interface], part, axis=bearing.place.axis, name=f"{bearing.name} seat {interface}")
+        bearing.joints[f"seat_{interface}"] = scene.add(fixed)
+        bearing.pockets[interface] = part
+    return bearing.pockets[interface]
 
 
 STANDING = PrescribedCage()  # where no cage is given

@@ -37,7 +37,6 @@ from typing import Any
 import numpy as np
 
 
-
 @dataclass(frozen=True)
 class Rolling:
     """Speeds [rad/s] of an element: `orbit` about the axis, and its rotation, `radial` outward and `axial` along the

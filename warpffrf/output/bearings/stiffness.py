@@ -155,7 +155,7 @@ def _refuse_rings(scene: Scene, bearing: Bearing) -> None:
 
 def _carriers(bearing: Bearing) -> list[Body]:
     """What the walls of the cage belong to: its body, of a flexible one those on its interfaces."""
-    return bearing.pockets or bearing.between[len(bearing.elements) :]
+    return list(bearing.pockets.values()) or bearing.between[len(bearing.elements) :]
 
 
 def _turned(body: Any, rest: dict[str, Any]) -> Rotation:
