@@ -12,7 +12,7 @@ from scipy.sparse.linalg import eigsh, splu
 
 import warpffrf as wf
 from references.finite_elements.meshes import matrices
-from references.finite_elements.shaft_in_housing import Elastic, rigid, seat
+from references.finite_elements.shaft_in_housing import Elastic, seat
 
 MM = 1e-3
 COUNT, D, PITCH, PLAY = 8, 8 * MM, 48 * MM, 0.05 * MM  # elements; m: diameter and length, pitch circle, clearance
@@ -109,7 +109,7 @@ def test_a_stiff_cage_moves_as_a_rigid_one() -> None:
     off = {of: np.abs(speeds[of] - speeds[None]).max() for of in (STIFF, SOFT)}
     force = {of: np.abs(forces[of] - forces[None]).max() / np.abs(forces[None]).max() for of in (STIFF, SOFT)}
     print(f"speed off by {off[STIFF]:.2g}, forces by {force[STIFF]:.2g}; soft {off[SOFT]:.2g}, {force[SOFT]:.2g}")
-    assert off[STIFF] < 5e-4 and force[STIFF] < 2.5e-2
+    assert off[STIFF] < 5e-4 and force[STIFF] < 1e-2
     assert off[SOFT] > 10.0 * off[STIFF] and force[SOFT] > 5.0 * force[STIFF]
 
 
@@ -155,10 +155,9 @@ def test_a_fast_cage_expands() -> None:
     found = np.array([moved[-1, 0] for moved in result.bearing("b").cage_deflection.values()])
     K, M = matrices(mesh, RING)
     out = mesh.points * [1.0, 0.0, 1.0]
-    R = rigid(mesh.points, np.zeros(3))
-    held = sp.csr_matrix(np.sqrt(1e3) * (M @ R))
-    u = splu(sp.csc_matrix(K + held @ held.T)).solve(speed**2 * (M @ out.reshape(-1)))
-    full = (seat(mesh, "pocket_1", np.array([RADIUS, 0.0, 0.0])).T @ u)[0]
+    u = splu(sp.csc_matrix(K + M)).solve(speed**2 * (M @ out.reshape(-1)))  # M holds it softly; the load is in balance
+    places = {name: np.array([x, 0.0, 0.0]) for name, x in (("pocket_1", RADIUS), ("pocket_5", -RADIUS))}
+    full = 0.5 * float(np.subtract(*[(seat(mesh, name, at).T @ u)[0] for name, at in places.items()]))
     ring = RING.density * speed**2 * RADIUS**3 / RING.youngs_modulus
     print(f"{1e6 * found.mean():.5f} um, finite elements {1e6 * full:.5f} um, ring {1e6 * ring:.5f} um")
     np.testing.assert_allclose(found, full, rtol=1e-3)
@@ -168,10 +167,10 @@ def test_a_fast_cage_expands() -> None:
 def test_a_cage_rings_in_its_oval_mode() -> None:
     """Two opposite pockets are struck; sqrt(36/5 E I/(rho A R^4)) of a thin ring, and finite elements."""
     scene, bearing, mesh = thin(0.0, 0.0)
-    strike = wf.signals.Table([0.0, 1e-4, 2e-4], [0.0, 1.0, 0.0], hold=True)  # N
+    strike = wf.signals.Table([0.0, 1e-4, 2e-4], [0.0, 0.1, 0.0], hold=True)  # N: pockets keep clear of the balls
     for name, sign in (("pocket_1", 1.0), ("pocket_5", -1.0)):
         scene.add(wf.forces.PointForce(bearing.pockets[name], (strike, (sign, 0, 0)), name=name))
-    result = wf.simulate(scene, 1.5e-2, step=2e-5, progress=False)
+    result = wf.simulate(scene, 1e-2, step=2e-5, progress=False)
     assert result.status == "completed", result.message
     moved = result.bearing("b").cage_deflection
     oval = moved["pocket_1"][:, 0] - moved["pocket_3"][:, 0]
@@ -183,5 +182,5 @@ def test_a_cage_rings_in_its_oval_mode() -> None:
     E, rho = RING.youngs_modulus, RING.density
     ring = float(np.sqrt(7.2 * E * THICK**2 / 12.0 / rho) / RADIUS**2 / (2.0 * np.pi))
     print(f"{found:.3f} Hz over {len(at) - 1} periods, finite elements {full:.3f} Hz, ring {ring:.3f} Hz")
-    assert found == pytest.approx(full, rel=1e-2)
+    assert found == pytest.approx(full, rel=2e-3)
     assert full == pytest.approx(ring, rel=2e-2)
