@@ -143,6 +143,39 @@ spacing = 0.01
         loaded(tmp_path, text.replace('"roller"', '"rollers"').replace('kind = "rollers"', 'kind = "roller"') + roller)
 
 
+FLEXIBLE_CAGE = """
+[meshes.cage]
+kind = "cage"
+inner_radius = 0.023
+outer_radius = 0.027
+width = 0.014
+pockets = 8
+pocket_width = 0.0102
+pocket_length = 0.0102
+around = [1, 1]
+axial = [1, 1]
+order = 1
+
+[reduced_bodies.cage]
+mesh = "cage"
+material = "steel"
+interfaces = { ends = "average", %s }
+
+[bodies.cage]
+body = "cage"
+"""
+
+
+def test_a_flexible_cage(tmp_path: Path) -> None:
+    walls = ", ".join(f'pocket_{i + 1} = "average"' for i in range(8))
+    text = BALL.replace("clearance = 2e-4", 'clearance = 2e-4, body = "cage"') + FLEXIBLE_CAGE % walls
+    scene = loaded(tmp_path, text)
+    bearing = scene.bearing("a")
+    assert bearing.cage is next(body for body in scene.bodies if body.name == "cage") and len(bearing.pockets) == 8
+    with pytest.raises(InputError, match=r"\[bearings.a\].*cage' has no interface near"):
+        loaded(tmp_path, text.replace('pocket_4 = "average"', 'bar_4 = "average"'))
+
+
 MOUNTED = """
 [materials.steel]
 youngs_modulus = 210e9

@@ -253,7 +253,7 @@ class Builder:
             with self._blamed(("bearings", name), table):
                 arguments = self._arguments(("bearings", name), table, form)
                 bearing = self._keep("bearings", name, form.call(self.scene, name, **arguments))
-                for body in (bearing.inner, bearing.outer, bearing.cage, *bearing.elements):
+                for body in (bearing.inner, bearing.outer, *bearing.between):
                     self.made.setdefault("bodies", {}).setdefault(body.name, body)
         for section in sorted(self.items, key=lambda section: section not in FIRST_ITEMS):
             for name, table in values.get(section, {}).items():

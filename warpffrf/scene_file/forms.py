@@ -397,6 +397,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
             "roller": form_of("roller", mesh.roller, {}),
             "box": form_of("box", mesh.box, {}),
             "grid": form_of("grid", mesh.grid, {}),
+            "cage": form_of("cage", mesh.cage, {}),
             "read": form_of("mesh file", mesh.read, paths),
             "from_matrices": form_of("matrices", mesh.from_matrices, paths, ("name",)),
             "cut": form_of("cut", cut, {"mesh": "meshes"}),

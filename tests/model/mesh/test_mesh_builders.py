@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from references.finite_elements.meshes import facet_shares
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh import ball, block, ring, roller, sleeve
+from warpffrf.model.mesh import ball, block, cage, ring, roller, sleeve
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
 from warpffrf.model.surfaces import ProfiledCylinder, Sphere
 
@@ -286,3 +287,36 @@ def test_boundaries_that_do_not_fill_the_width_are_refused(lines):
 def test_boundaries_next_to_a_tread_are_refused():
     with pytest.raises(InputError, match="tread"):
         roller(0.05, 0.015, 0.02, sectors=24, layers=3, axial=[-0.01, 0.0, 0.01], tread=0.005)
+
+
+def test_cage_has_parallel_walls() -> None:
+    """Volume and areas in closed form: a window takes length (r w/2 sqrt(1 - (w/2r)^2) + r^2 asin(w/2r)) of r_o less
+    that of r_i; sectors are alike."""
+    inside, outside, width, w, length, count = 22e-3, 26e-3, 12e-3, 8.1e-3, 8.5e-3, 10
+    mesh = cage(inside, outside, width, pockets=count, pocket_width=w, pocket_length=length, layers=2)
+    mesh.check()
+    h, r = 0.5 * w, np.array([inside, outside])
+    window = length * np.diff(h * np.sqrt(r**2 - h**2) + r**2 * np.arcsin(h / r))[0]
+    tube = np.pi * (outside**2 - inside**2) * width
+    assert mesh.volume() == pytest.approx(tube - count * window, rel=1e-5)
+    areas = {}
+    for name in ("bar_3", "pocket_1", "ends"):
+        ((kind, facets),) = mesh.facets(name).blocks.items()
+        areas[name] = facet_shares(kind, mesh.points[facets])[0].sum()
+    wall = length * np.diff(np.sqrt(r**2 - h**2))[0]
+    around = 2.0 * window / length
+    assert areas["bar_3"] == pytest.approx(2.0 * wall, rel=1e-9)
+    assert areas["pocket_1"] == pytest.approx(2.0 * wall + around, rel=1e-5)
+    assert areas["ends"] == pytest.approx(2.0 * tube / width, rel=1e-5)
+    bar = mesh.points[mesh.facet_sets["bar_1"].node_set].mean(axis=0)
+    assert np.arctan2(-bar[2], bar[0]) == pytest.approx(np.pi / count)  # behind the first pocket, at +x
+    assert mesh.cyclic is not None and mesh.cyclic.sectors == count
+    for options, said in (
+        ({"pocket_width": 14e-3}, "10 pockets of pocket_width 0.014 leave no bars"),
+        ({"pocket_length": 12e-3}, "leaves no rings"),
+        ({"inner_radius": 27e-3}, "must be smaller than outer_radius"),
+        ({"around": 3}, "cage: around"),
+    ):
+        sizes: dict[str, Any] = {"pocket_width": w, "pocket_length": length, "inner_radius": inside, **options}
+        with pytest.raises(InputError, match=said):
+            cage(outer_radius=outside, width=width, pockets=count, **sizes)

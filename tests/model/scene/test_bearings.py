@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import warpffrf as wf
 from warpffrf.model.bearings import (
@@ -37,6 +38,7 @@ ROLLERS: dict[str, Any] = {"elements": 12, "roller_diameter": 0.01, "roller_leng
 OPTIONS: dict[str, type] = {"contact": RollingContact, "materials": Materials}
 BALL_BEARING = flat(add_bearing, geometry=BallGeometry, **OPTIONS)  # as of scene files
 ROLLER_BEARING = flat(add_bearing, geometry=RollerGeometry, **OPTIONS)
+STEEL = wf.Material(210e9, 0.3, 7850.0)
 SKEW = np.array([1.0, 2.0, 2.0]) / 3.0
 
 
@@ -153,9 +155,56 @@ def test_pockets_surround_elements() -> None:
         assert contact.gap() == pytest.approx(0.1e-3, rel=1e-9)
 
 
+def window_cage(scene: Scene, walls: str, **pose: Any) -> Body:
+    """For the rollers or the balls here, at a pose."""
+    count, radius, size = (12, 0.03, 0.0102) if walls == "bar" else (8, 0.025, 0.0102)
+    mesh = wf.mesh.cage(
+        radius - 2e-3, radius + 2e-3, 0.016, pockets=count, pocket_width=size, pocket_length=0.0122, around=(1, 1),
+        axial=(1, 1), order=1,
+    )  # fmt: skip
+    walls_of = [name for name in mesh.facet_sets if name.startswith(walls)]
+    interfaces = dict.fromkeys(["ends", *walls_of], "average")
+    return scene.add_body(wf.reduce(mesh, STEEL, interfaces=interfaces, modes=0, progress=False), name="cage", **pose)
+
+
+def test_walls_of_a_flexible_cage_are_on_its_interfaces() -> None:
+    """At any pose: a bar between two rollers carries the front of one pocket and the back of the next, a pocket its
+    ball; all of it begins to rotate with the cage."""
+    pose: dict[str, Any] = {"position": (0.1, 0.2, 0.3)}
+    turned = Rotation.from_euler("z", -90.0, degrees=True)  # y to x, x to -y
+    scene = Scene()
+    held = window_cage(scene, "bar", rotation=turned.as_quat(), **pose)
+    cage = PocketCage(0.2e-3, body=held)
+    bearing = roller(scene, cage=cage, axis=(1, 0, 0), first=(0, -1, 0), outer=scene.ground, **pose)
+    assert bearing.cage is held and list(bearing.pockets) == [f"bar_{i}" for i in (1, 12, *range(2, 12))]
+    part = bearing.pockets["bar_3"]
+    assert list(part.surfaces) == ["pocket 3 front", "pocket 4 back"] and part.mass < 1e-5 * held.mass
+    for i in range(1, 13):
+        for name in ("front", "back"):
+            contact: Any = bearing.contacts[f"pocket_{i}_{name}"]
+            assert contact.gap() == pytest.approx(0.1e-3, rel=1e-9)
+    rolled = bearing.roll(100.0)
+    for body in (held, part):
+        np.testing.assert_allclose(body.velocity, np.cross((rolled.orbit, 0, 0), body.position - pose["position"]))
+        np.testing.assert_allclose(body.angular_velocity, (rolled.orbit, 0, 0))
+
+    scene = Scene()
+    bearing = ball(scene, cage=PocketCage(0.2e-3, body=window_cage(scene, "pocket"), guided=False))
+    assert len(bearing.pockets) == 8 and "cage_axle" not in bearing.joints
+    assert bearing.contacts["pocket_5"].nearest().gap == pytest.approx(0.1e-3)  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def refused_cage(make: Any, walls: str, **options: Any) -> None:
+    scene = Scene()
+    make(scene, cage=PocketCage(0.2e-3, body=window_cage(scene, walls), **options))
+
+
 @pytest.mark.parametrize(
     ("make", "said"),
     [
+        (lambda: ball(cage=PocketCage(1e-4, body=3)), r"body must be a body of the scene, .* got 3"),  # type: ignore[arg-type]
+        (lambda: refused_cage(roller, "bar", mass=0.1), "body 'cage' has a mass of its own; leave mass out"),
+        (lambda: refused_cage(ball, "bar"), r"body 'cage' has no interface near \(0.025, 0, 0\) m; .* each pocket"),
         (lambda: ball(elements=20), r"20 elements .* overlap .* use at most 15 elements, .*0\.06392 m or more"),
         (lambda: ball(pitch_diameter=0.015), "leave no inner ring on a pitch circle"),
         (lambda: ball(osculation=0.5), "osculation of the inner ring.* must be above 0.5"),

@@ -85,8 +85,9 @@ def test_rolling_that_cannot_be_is_named() -> None:
     _, bearing = preloaded(PrescribedCage())
     with pytest.raises(InputError, match="the outer ring is the ground, which is fixed"):
         bearing.roll(10.0, 5.0)
-    with pytest.raises(InputError, match='control must be "inner" or "outer"'):
-        bearing.roll(10.0, control="both")
+    for control in ("both", "cage"):
+        with pytest.raises(InputError, match=f'control must be "inner" or "outer".* got \'{control}\''):
+            bearing.roll(10.0, control=control)
 
 
 def test_centrifugal_load_and_speeds_at_10000_rpm(fast: Result) -> None:

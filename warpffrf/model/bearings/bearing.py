@@ -36,9 +36,10 @@ class Bearing(reprs.Shown):
     inner, outer: bodies of the rings, or the ground. contacts: by "inner_1", "outer_1", ... and of pockets; joints: by
     "pocket_1", "cage_axle", "inner_seat" of a ring that is mounted on an interface; forces: "preload_inner",
     "preload_outer". name: as given; element_surface: name of the surface of each element. cage: its body, drive: of its
-    speed, None without. geometry: as given; place: its position and axes; materials: of the elements and of the rings.
-    distributed: numbers, from 1, of the flexible elements where others are rigid, else None; load: the force [N] by
-    which they were chosen, None where they are named.
+    speed, None without; pockets: by interface of a flexible cage, bodies that are fixed there and carry its walls.
+    geometry: as given; place: its position and axes; materials: of the elements and of the rings. distributed: numbers,
+    from 1, of the flexible elements where others are rigid, else None; load: the force [N] by which they were chosen,
+    None where they are named.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Bearing(reprs.Shown):
     inner: Body | Ground = field(default_factory=Ground)
     outer: Body | Ground = field(default_factory=Ground)
     cage: Body | None = None
+    pockets: dict[str, Body] = field(default_factory=dict)
     drive: Drive | None = None
     contacts: dict[str, LumpedContact | Contact] = field(default_factory=dict)
     joints: dict[str, Joint] = field(default_factory=dict)
@@ -63,6 +65,11 @@ class Bearing(reprs.Shown):
             "name": self.name, "kind": f"{len(self.elements)} {self.kind}s", "inner": self.inner.name,
             "outer": self.outer.name, "cage": None if self.cage is None else self.cage.name,
         }  # fmt: skip
+
+    @property
+    def between(self) -> list[Body]:
+        """The bodies between the rings: elements, cage and its pockets."""
+        return [*self.elements, *([] if self.cage is None else [self.cage]), *self.pockets.values()]
 
     def element_center(self, angle: float, track: Track) -> np.ndarray:
         """Centre (3,) [m], world, of an element at `angle` [rad] in the row `track` at the initial pose."""
@@ -126,6 +133,10 @@ class Bearing(reprs.Shown):
         label = f"bearing {self.name!r}: roll"
         speeds = {"inner": require_number(inner, f"{label}: inner [rad/s]"),
                   "outer": require_number(outer, f"{label}: outer [rad/s]")}  # fmt: skip
+        if control not in SIDES:
+            raise InputError(
+                f'{label}: control must be "inner" or "outer", the raceway on which balls do not pivot, got {control!r}'
+            )
         nominal = self._contact_angle(angle, "roll")
         found = self._rolling(inner, outer, nominal, control)
         for side, speed in speeds.items():
@@ -144,8 +155,8 @@ class Bearing(reprs.Shown):
             out /= np.linalg.norm(out)
             element.velocity = found.orbit * np.cross(axis, element.position - self.place.center)
             element.angular_velocity = of_row.radial * out + of_row.axial * axis
-        if self.cage is not None:
-            self._turn(self.cage, found.orbit)
+        for body in self.between[len(self.elements) :]:
+            self._turn(body, found.orbit)
         if self.drive is not None:
             carrier = self.joints["cage_axle"].a.body
             known = {id(getattr(self, side)): speed for side, speed in speeds.items()}
@@ -169,14 +180,16 @@ class Bearing(reprs.Shown):
 
     def describe(self) -> dict[str, Any]:
         """Plain data that results files store and results are evaluated from."""
+        moving = self.between[len(self.elements) :] if self.pockets else []
         return {
             "name": self.name, "kind": self.kind, "geometry": self.geometry.describe(),
             "center": self.place.center.tolist(), "axes": self.place.axes.tolist(),
             "moduli": [m.plane_strain_modulus for m in self.materials],
             "elements": [self.elements[i].name for i, _ in self.geometry.contacts], "inner": self.inner.name,
-            "outer": self.outer.name, "poses": {ring.name: _pose(ring) for ring in (self.inner, self.outer)},
+            "outer": self.outer.name, "poses": {body.name: _pose(body) for body in (self.inner, self.outer, *moving)},
             "inertia": [self._across(self.elements[i]) for i, _ in self.geometry.contacts],
             "cage": None if self.cage is None else self.cage.name,
+            "pockets": {interface: body.name for interface, body in self.pockets.items()},
             "contacts": {key: contact.name for key, contact in self.contacts.items()},
             "rings_first": [c.name for c in self.contacts.values() if c.a.body in (self.inner, self.outer)],
             "joints": {key: joint.name for key, joint in self.joints.items()},
@@ -229,7 +242,7 @@ def _shaft(bearings: list[Bearing], items: list[Any], body: Body) -> tuple[set[A
     for _ in SIDES:  # from a ring to its shaft, and to the other rings
         group |= {p.body for seat in _seats(bearings) for p in seat.ports if any(q.body in group for q in seat.ports)}
     on = [bearing for bearing in bearings if bearing.inner in group or bearing.outer in group]
-    within = group.union(*(bearing.elements for bearing in on), (bearing.cage for bearing in on))
+    within = group.union(*(bearing.between for bearing in on))
     links = [{port.body for port in item.ports} for item in items]
     return group, on, any(link & group and link - within for link in links)
 
@@ -296,7 +309,7 @@ def loose_ring(bearings: list[Bearing], items: list[Any], body: Body) -> str:
     """Text about a bearing that `body` is part of and one of whose rings is supported by its elements only, so that it
     carries no load for the other ring; "" where there is none. `items`: all that connects bodies."""
     for bearing in bearings:
-        within = [*bearing.elements, *([] if bearing.cage is None else [bearing.cage])]
+        within = bearing.between
         for side, other in ((bearing.outer, bearing.inner), (bearing.inner, bearing.outer)):
             if not isinstance(side, Body) or not isinstance(other, Body) or body not in (*within, side, other):
                 continue

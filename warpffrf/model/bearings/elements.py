@@ -17,7 +17,9 @@ no equilibrium. A kind of cage is a class with `hold`, which adds its parts to t
     PrescribedCage    elements at equal angles in a frame whose rotation is prescribed: at rest, or with a given speed
     PocketCage        a body that rotates as elements push it: each has play in a pocket, and friction there
 
-A pocket of `PocketCage` is a cup around a ball, and two planes before and behind a roller.
+A pocket of `PocketCage` is a cup around a ball, and two planes before and behind a roller. On a flexible cage, which
+has no points, the walls belong to small rigid bodies that are fixed to its interfaces: each wall to the nearest one, as
+the pockets of a cage for balls or the bars between rollers.
 """
 
 from __future__ import annotations
@@ -31,12 +33,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from warpffrf.model import laws, surfaces
+from warpffrf.model import rotation as rot
 from warpffrf.model.bearings.geometry import Geometry, Track
 from warpffrf.model.bearings.parts import RollingContact, contact_of
 from warpffrf.model.bodies import Body, Port, PortLike, as_port
-from warpffrf.model.errors import InputError, require_array, require_number
+from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction import FrictionLike
-from warpffrf.model.joints import Drive, LineInPlane, PointInPlane, Revolute
+from warpffrf.model.joints import Drive, Fixed, LineInPlane, PointInPlane, Revolute
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.reduced.body import ReducedBody
@@ -170,6 +173,7 @@ def centre_of(element: Body, label: str) -> Port:
 
 LIGHT = 0.2  # of the mass of all elements: a cage of sheet steel
 POCKET_STIFFNESS = 1e9  # N/m^1.5: 10 N press 5 um into it
+SMALL = 1e-6  # of the mass of a flexible cage: that of what carries the walls of a pocket
 POCKET_LAMINAE = 5  # of a roller on the wall of its pocket, so that a skewed one is realigned
 
 
@@ -209,10 +213,10 @@ class Cage(ABC):
         if guide is None:
             outer = bearing.outer
             guide = scene.ground.at(center) if outer.reduced is not None else outer.at(outer.to_user(center))
+        held = body.at(body.to_user(center)) if body.reduced is None else body[interface_at(body, center, bearing)]
         axle = Revolute(
-            as_port(guide, label), body.at((0.0, 0.0, 0.0)), axis=bearing.place.axis, point=center,
-            name=f"{bearing.name} cage axle",
-        )  # fmt: skip
+            as_port(guide, label), held, axis=bearing.place.axis, point=center, name=f"{bearing.name} cage axle"
+        )
         bearing.joints["cage_axle"] = scene.add(axle)
         return axle
 
@@ -253,9 +257,13 @@ class PocketCage(Cage):
     law: of the force of a rigid element in a pocket, a lumped law: of a ball None for PowerForce(1e9, 1.5), of a
     roller, whose laminae each meet the wall, None for PalmgrenLine; flexible ones have distributed contact. friction:
     of elements in their pockets. guided: whether the cage is kept on the axis by a joint without friction, as on a land
-    of the guide; else its pockets alone support it, which is possible for balls. inertia: its diagonal (3,) [kg m2]
-    across the axis twice and about it, None for that of a ring.
-    Contacts are `bearing.contacts["pocket_3"]`, of rollers ["pocket_3_front"] and ["pocket_3_back"].
+    of the guide; else its pockets alone support it, which is possible for balls. body: a body of the scene at the pose
+    of the bearing that is the cage, None for a rigid ring of the `mass`. A flexible one, of `mesh.cage` or another
+    mesh, has an interface on each pocket for balls, on each bar or wall for rollers, and one around the axis that
+    guides it, "average" ones so that they stay elastic.
+
+    Contacts are `bearing.contacts["pocket_3"]`, of rollers ["pocket_3_front"] and ["pocket_3_back"]; what fixes walls
+    to the interface "bar_3" of a flexible body is `bearing.joints["seat_bar_3"]`.
     """
 
     clearance: float
@@ -263,12 +271,12 @@ class PocketCage(Cage):
     law: LumpedLaw | None = None
     friction: FrictionLike = 0.0
     guided: bool = True
-    inertia: tuple[float, float, float] | None = None
+    body: Body | None = None
     kind: ClassVar[str] = "pocket_cage"
 
     def hold(self, scene: Scene, bearing: Bearing) -> None:
         """Add the cage to `scene` and `bearing`. Raises `InputError` for pockets that overlap, or smaller than the
-        elements."""
+        elements, and for a body without interfaces for them."""
         label = f"bearing {bearing.name!r}: PocketCage"
         play = require_number(self.clearance, f"{label}: clearance [m]")
         D, apart = bearing.geometry.diameter, bearing.geometry.apart
@@ -286,20 +294,36 @@ class PocketCage(Cage):
             raise InputError(
                 f"{label}: rollers do not guide a cage along their axes or against tilting; leave guided=True"
             )
-        body = self.ring(scene, bearing)
-        if self.inertia is not None:
-            across, other, about = require_array(self.inertia, f"{label}: inertia", (3,))
-            body.inertia = bearing.place.axes.T @ np.diag([across, other, about]) @ bearing.place.axes
+        bearing.cage = body = self._given(label) or self.ring(scene, bearing)
         if self.guided:
             self.axle(scene, bearing, body)
         for i, element in enumerate(bearing.elements, start=1):
-            for name, shape in self._walls(bearing, body, i, 0.5 * (D + play)).items():
-                wall = body.surface(shape, name=name.replace("_", " "))
+            for name, (at, outward) in self._walls(bearing, i, 0.5 * (D + play)).items():
+                carrier = body if body.reduced is None else _seat(scene, bearing, body, at)
+                turn = rot.matrix(carrier.rotation).T
+                middle, axis = carrier.to_user(at), turn @ bearing.place.axis
+                shape = (
+                    surfaces.Cup(radius=0.5 * (D + play), axis_point=middle, axis_direction=axis)
+                    if bearing.kind == "ball"
+                    else surfaces.Plane(origin=middle, outward=turn @ outward, direction=axis)
+                )
                 contact = contact_of(
-                    element[bearing.element_surface], wall, self._law(bearing), RollingContact(friction=self.friction),
+                    element[bearing.element_surface], carrier.surface(shape, name=name.replace("_", " ")),
+                    self._law(bearing), RollingContact(friction=self.friction),
                     f"{bearing.name} {name.replace('_', ' ')}",
                 )  # fmt: skip
                 bearing.contacts[name] = scene.add(contact)
+
+    def _given(self, label: str) -> Body | None:
+        """`body`. Raises `InputError` for one that is no body, and for a mass that is given, too."""
+        if self.body is not None and not isinstance(self.body, Body):
+            raise InputError(
+                f"{label}: body must be a body of the scene, scene.add_body(reduced, name=...), or None, got "
+                f"{self.body!r}"
+            )
+        if self.body is not None and self.mass is not None:
+            raise InputError(f"{label}: body {self.body.name!r} has a mass of its own; leave mass out")
+        return self.body
 
     def _law(self, bearing: Bearing) -> LumpedLaw:
         if self.law is not None:
@@ -309,18 +333,43 @@ class PocketCage(Cage):
         return laws.PowerForce(POCKET_STIFFNESS, 1.5)
 
     @staticmethod
-    def _walls(bearing: Bearing, body: Body, i: int, half: float) -> dict[str, surfaces.Shape]:
-        """Cage surfaces that element i may contact, user axes of the cage: name -> shape."""
-        place, (angle, track) = bearing.place, bearing.geometry.places[i - 1]
-        around, middle = place.around(angle), bearing.element_center(angle, track) - place.center
+    def _walls(bearing: Bearing, i: int, half: float) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Walls of the pocket of element i: name -> middle (3,) [m] and direction (3,) towards the element, world."""
+        angle, track = bearing.geometry.places[i - 1]
+        around, center = bearing.place.around(angle), bearing.element_center(angle, track)
         if bearing.kind == "ball":
-            return {f"pocket_{i}": surfaces.Cup(radius=half, axis_point=middle, axis_direction=place.axis)}
-        return {
-            f"pocket_{i}_{name}": surfaces.Plane(
-                origin=middle + sign * half * around, outward=-sign * around, direction=place.axis
-            )
-            for name, sign in (("front", 1.0), ("back", -1.0))
-        }
+            return {f"pocket_{i}": (center, np.zeros(3))}
+        sides = (("front", 1.0), ("back", -1.0))
+        return {f"pocket_{i}_{name}": (center + sign * half * around, -sign * around) for name, sign in sides}
+
+
+def interface_at(body: Body, at: np.ndarray, bearing: Bearing) -> str:
+    """Name of the interface of a flexible cage that is nearest to a point (3,) [m, world]. Raises `InputError` for one
+    that is further away than half a ball, or half the distance of two rollers, whose bars are thinner."""
+    reach = 0.5 * (bearing.geometry.diameter if bearing.kind == "ball" else bearing.geometry.apart)
+    away = {name: np.linalg.norm(body.to_world(one.point) - at) for name, one in body.flexible.interfaces.items()}
+    name = min(away, key=lambda name: away[name], default="")
+    if name and away[name] <= reach:
+        return name
+    needed = "each pocket" if bearing.kind == "ball" else "each bar"
+    raise InputError(
+        f"bearing {bearing.name!r}: PocketCage: body {body.name!r} has no interface near "
+        f"({', '.join(f'{x:.4g}' for x in at)}) m; add it at the pose of the bearing, and reduce it with interfaces on "
+        f"{needed}, and one that guides it, around the axis"
+    )
+
+
+def _seat(scene: Scene, bearing: Bearing, body: Body, at: np.ndarray) -> Body:
+    """The rigid body on the interface of the flexible `body` of a cage that is nearest to a point (3,) [m, world]."""
+    interface = interface_at(body, at, bearing)
+    if interface not in bearing.pockets:
+        mass, place = SMALL * body.mass, body.to_world(body.flexible.interfaces[interface].point)
+        inertia = (mass * (0.5 * bearing.geometry.diameter) ** 2,) * 3
+        part = scene.add_rigid_body(mass, inertia, name=f"{bearing.name} cage {interface}", position=place)
+        fixed = Fixed(body[interface], part, axis=bearing.place.axis, name=f"{bearing.name} seat {interface}")
+        bearing.joints[f"seat_{interface}"] = scene.add(fixed)
+        bearing.pockets[interface] = part
+    return bearing.pockets[interface]
 
 
 STANDING = PrescribedCage()  # where no cage is given

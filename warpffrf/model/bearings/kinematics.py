@@ -36,9 +36,6 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.bearings.geometry import SIDES
-from warpffrf.model.errors import InputError
-
 
 @dataclass(frozen=True)
 class Rolling:
@@ -66,10 +63,7 @@ def rolling(
     diameter: float, pitch: float, inner: float, outer: float, angles: tuple[float, float], control: str = "outer"
 ) -> Rolling:
     """Without slip on rings of the speeds `inner` and `outer` [rad/s] at the contact angles (inner, outer) [rad], not
-    pivoting on the raceway `control`, "inner" or "outer", or, of a roller, about its own axis against the "cage".
-    Raises `InputError` for another name."""
-    if control not in (*SIDES, "cage"):
-        raise InputError(f'rolling: control must be "inner" or "outer", the raceway without pivoting, got {control!r}')
+    pivoting on the raceway `control`, "inner" or "outer", or, of a roller, about its own axis against the "cage"."""
     (c_i, c_o), (s_i, s_o) = np.cos(angles), np.sin(angles)
     R, r = 0.5 * pitch, 0.5 * diameter
     speed, c, s = (inner, c_i, s_i) if control == "inner" else (outer, c_o, s_o)

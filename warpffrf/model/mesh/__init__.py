@@ -7,6 +7,7 @@ from warpffrf.model.mesh.files.reader import read
 from warpffrf.model.mesh.periodicity import Cyclic
 from warpffrf.model.mesh.shapes.ball import ball
 from warpffrf.model.mesh.shapes.boxes import block, box, grid
+from warpffrf.model.mesh.shapes.cage import cage
 from warpffrf.model.mesh.shapes.revolved import ring, sleeve
 from warpffrf.model.mesh.shapes.roller import roller
 
@@ -19,6 +20,7 @@ __all__ = [
     "ball",
     "block",
     "box",
+    "cage",
     "from_matrices",
     "grid",
     "read",

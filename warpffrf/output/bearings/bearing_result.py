@@ -27,6 +27,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
 from warpffrf.model.oils import Oil
 from warpffrf.online.history.history import BodyHistory, History
+from warpffrf.output.bearings import cage
 from warpffrf.output.bearings.duty import duty_life
 from warpffrf.output.bearings.films import Films, film_thickness
 from warpffrf.output.bearings.patches import (
@@ -220,18 +221,13 @@ class BearingResult(reprs.Shown):
     def cage_force(self) -> np.ndarray:
         """(T, Z) N, of the cage on the elements in the circumferential direction, positive if it drives them forward; 0
         without cage."""
-        found = np.zeros((len(self.time), len(self.elements)))
-        around = np.stack([-self._directions[..., 1], self._directions[..., 0], 0.0 * self._directions[..., 0]], -1)
-        for i in range(len(self.elements)):
-            total = np.zeros((len(self.time), 3))
-            key = f"pocket_{i + 1}"
-            if key in self.description["joints"]:
-                total += self.history.joints[self.description["joints"][key]].force
-            for name, contact in self.description["contacts"].items():
-                if name == key or name.startswith(f"{key}_"):
-                    total += self.history.lumped_contacts[contact].force
-            found[:, i] = np.einsum("tk,tki,ti->t", around[:, i], self.axes, total)
-        return found
+        return cage.force(self)
+
+    @cached_property
+    def cage_deflection(self) -> dict[str, np.ndarray]:
+        """Interface with walls of a flexible cage, "bar_3" -> (T, 3) m: its displacement against the mean motion of the
+        cage, outward, around and along the axis; empty for other cages."""
+        return cage.deflections(self)
 
     @cached_property
     def cut_off(self) -> dict[str, np.ndarray]:
@@ -596,4 +592,5 @@ def printed(bearing: BearingResult, row: int) -> tuple[list[str], dict[str, list
     if "friction [W]" in shown:
         torque = f"{bearing.friction_torque[row]:.5g} N m on the inner ring"
         lines.append(f"friction: {torque}, {shown['friction [W]'].sum():.5g} W")
+    lines += cage.sentences(bearing, row)
     return lines, {name: ["-" if np.isnan(x) else f"{x:.5g}" for x in values] for name, values in shown.items()}

@@ -128,8 +128,8 @@ def _reaction(scene: Scene, name: str, history: History, row: int, move: np.ndar
     shift = frame.T @ move[:3]
     moved.position = pivot + turn.apply(moved.position - pivot) + shift
     moved.rotation = (turn * Rotation.from_quat(moved.rotation)).as_quat()
-    for body in (moved, still, bearing.cage):
-        if body is not None and body.index != GROUND_INDEX and body.reduced is None:
+    for body in (moved, still, *_carriers(bearing)):
+        if body.index != GROUND_INDEX and body.reduced is None:
             at = body.position
             alone.add(Fixed(alone.ground.at(at), body.at((0.0, 0.0, 0.0)), name=f"hold {body.name}"))
     found = find_equilibrium(alone)
@@ -167,6 +167,11 @@ def _refuse_rings(scene: Scene, bearing: Bearing) -> None:
             )
 
 
+def _carriers(bearing: Bearing) -> list[Body]:
+    """What the walls of the cage belong to: its body, of a flexible one those on its interfaces."""
+    return list(bearing.pockets.values()) or bearing.between[len(bearing.elements) :]
+
+
 def _turned(body: Any, rest: dict[str, Any]) -> Rotation:
     """Rotation of a ring's body, at the pose of the saved step, since the initial one."""
     return Rotation.from_quat(body.rotation) * Rotation.from_quat(rest[body.name]["rotation"]).inv()
@@ -178,7 +183,7 @@ def _alone(scene: Scene, name: str, history: History, row: int) -> Scene:
     shared = {id(body.reduced): body.reduced for body in scene.bodies if body.reduced is not None}
     alone = copy.deepcopy(scene, shared)
     bearing = alone.bearing(name)
-    parts = [b for b in (bearing.inner, bearing.outer, bearing.cage, *bearing.elements) if b is not None]
+    parts = [bearing.inner, bearing.outer, *_carriers(bearing), *bearing.elements]
     alone.gravity = np.zeros(3)
     alone.bodies = [body for body in alone.bodies if any(body is part for part in parts)]
     for i, body in enumerate(alone.bodies):

@@ -101,6 +101,7 @@ class _Scene:
     def meshes(self, size: float | None) -> dict[str, RigidMesh]:
         """See `rigid_meshes`."""
         view = self.view
+        hidden = {name for bearing in view.bearings.values() for name in bearing["pockets"].values()}  # in a cage
         parts: dict[str, list[TriangleMesh]] = {}
         done: set[tuple[str, str]] = set()
         for bearing in view.bearings.values():
@@ -111,7 +112,7 @@ class _Scene:
         for body in (*self.bodies.values(), self._ground()):
             open_shapes = {s: shape for s, shape in body.shapes.items() if (body.name, s) not in done}
             planes = {s: shape for s, shape in open_shapes.items() if shape.profile().planar}
-            flat += [(body.name, s, shape) for s, shape in planes.items()]
+            flat += [(body.name, s, shape) for s, shape in planes.items() if body.name not in hidden]
             done |= {(body.name, s) for s in planes}
             round_ones = {s: shape for s, shape in open_shapes.items() if s not in planes}
             found = self._round(body, round_ones)
@@ -125,6 +126,8 @@ class _Scene:
             parts.setdefault(name, []).append(below(shape, self.touched.get((name, surface), []), size))
         meshes, within = {}, {n for b in view.bearings.values() for n in (*b["elements"], b["cage"])}
         for body in self.bodies.values():
+            if body.name in hidden:
+                continue
             center, marker = body.center_of_mass, body.name not in parts
             some = parts.pop(body.name, []) or [ball(center, np.eye(3), MARKER * size, 24)]
             ends = [] if body.name in within else [anchor.point for anchor in view.anchors if anchor.body == body.name]
