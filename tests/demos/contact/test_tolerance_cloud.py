@@ -95,7 +95,8 @@ def test_loads_of_an_aligned_bearing() -> None:
     round_one = displacement(clearance, 0.0)
     J_r, _ = sjoevall(0.5 * (1.0 - 0.5 * clearance / round_one), 10.0 / 9.0)
     alone = 1e3 * demo.largest_load(wf.equilibrium(demo.build(clearance, 0.0, 0.0), progress=False))
-    assert alone == pytest.approx(demo.LOAD / (COUNT * J_r), rel=JOINED)
+    straight = demo.LOAD / (COUNT * J_r)
+    assert straight < alone < (1.0 + JOINED) * straight
 
 
 def test_bearings_as_worlds_have_the_bits_of_each_alone(tmp_path: Path) -> None:
