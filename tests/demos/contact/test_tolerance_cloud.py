@@ -22,7 +22,6 @@ SIGMA = {"clearance": 5e-6, "ovality": 1e-6, "tilt": 5e-4}
 BALANCE = 1e-3  # of loads and displacements: displacement over the radius of the raceway, as rings approach in space
 ALIGNED = 0.01  # likewise under misalignment of up to 1.4 mrad, of which each roller takes half to first order
 JOINED = 0.08  # of Sjoevall's integral for straight rollers: a profile leaves 6.4 % more to the most loaded one
-)
 LINEAR = 0.03  # of the whole variance: curvature of the response over three standard deviations, and the surface
 PSI = 2.0 * np.pi * np.arange(COUNT) / COUNT
 
