@@ -21,9 +21,7 @@ STORE = "tolerance_cloud.sweep"
 SIGMA = {"clearance": 5e-6, "ovality": 1e-6, "tilt": 5e-4}
 BALANCE = 1e-3  # of loads and displacements: displacement over the radius of the raceway, as rings approach in space
 ALIGNED = 0.01  # likewise under misalignment of up to 1.4 mrad, of which each roller takes half to first order
-JOINED = (
-    0.03  # of Sjoevall's integral, for a sum over eighteen rollers with a profile that shortens lightly loaded ones
-)
+JOINED = 0.08  # of Sjoevall's integral for straight rollers: a profile leaves 6.4 % more to the most loaded one
 LINEAR = 0.03  # of the whole variance: curvature of the response over three standard deviations, and the surface
 PSI = 2.0 * np.pi * np.arange(COUNT) / COUNT
 
@@ -95,7 +93,8 @@ def test_loads_of_an_aligned_bearing() -> None:
     round_one = displacement(clearance, 0.0)
     J_r, _ = sjoevall(0.5 * (1.0 - 0.5 * clearance / round_one), 10.0 / 9.0)
     alone = 1e3 * demo.largest_load(wf.equilibrium(demo.build(clearance, 0.0, 0.0), progress=False))
-    assert alone == pytest.approx(demo.LOAD / (COUNT * J_r), rel=JOINED)
+    straight = demo.LOAD / (COUNT * J_r)
+    assert straight < alone < (1.0 + JOINED) * straight
 
 
 def test_bearings_as_worlds_have_the_bits_of_each_alone(tmp_path: Path) -> None:
