@@ -14,7 +14,8 @@ from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha, run
 from warpffrf.online.engine import Engine
 from warpffrf.online.step.launches import blocks
-from warpffrf_kernels.constraints import geometric_stiffness, rows
+from warpffrf_kernels.constraints import rows
+from warpffrf_kernels.linear import geometric_stiffness
 
 STEP = 1e-5  # of the central differences: truncation 1e-10, round-off 1e-11
 RNG = np.random.default_rng(3)

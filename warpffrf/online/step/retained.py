@@ -5,9 +5,8 @@ from __future__ import annotations
 from warpffrf.online.step.launches import blocks, once
 from warpffrf.online.step.phases import Participant
 from warpffrf_kernels.bodies import inertia, mean_work, membrane
-from warpffrf_kernels.constraints import geometric_stiffness
 from warpffrf_kernels.impulsive import impulsive_contact
-from warpffrf_kernels.linear import retained, retained_solve
+from warpffrf_kernels.linear import geometric_stiffness, retained, retained_solve
 from warpffrf_kernels.normal import contact_solve
 from warpffrf_kernels.step import balance
 
