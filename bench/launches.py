@@ -30,8 +30,9 @@ from typing import Any
 import warp as wp
 
 import warpffrf as wf
-from on_device import scenes
+from on_device import pair, pendulums, rollers
 from scenes.film_bearing import GROOVE, bearing, bore
+from scenes.planets import planets
 from step.step_profile import Cycles, counted
 from warpffrf.online import Engine
 from warpffrf.online.start.consistent import start_consistently
@@ -71,7 +72,14 @@ def lumped() -> wf.Scene:
 
 def all_scenes() -> dict[str, Callable[[], wf.Scene]]:
     """What is counted, by name."""
-    return {**scenes(), "oil film": film, "bearing of 20 balls, lumped": lumped}
+    return {
+        "20 hinged rods": lambda: pendulums(small=False),
+        "two rollers": lambda: pair(0.0),
+        "two rollers, friction": lambda: pair(0.3),
+        "nine rollers, friction": lambda: planets(rollers()[0], 8, 100e3, friction=0.3, creepage=2e-3),
+        "oil film": film,
+        "bearing of 20 balls, lumped": lumped,
+    }
 
 
 def walks_alone(kernel: Any) -> bool:
