@@ -223,6 +223,8 @@ def test_beyond_the_centre_of_a_groove() -> None:
     assert chart[:, 1] == pytest.approx([end, -end])
     assert chart[:, 2] == pytest.approx([np.hypot(end - 0.003, end - 0.002)] * 2)
     assert np.linalg.norm(gradient, axis=1) == pytest.approx([1.0, 1.0])
+    far = charted(s, np.array([[0.04 - 0.0065 - 0.01, 0.0, 0.011]]))[0, 0, 2]  # in the bore, not in the ring
+    assert far == pytest.approx(np.hypot(0.01 - end, 0.011 - end))
     angle = np.radians([60.0, 90.0, 110.0, -134.0])
     off = 0.006 * np.stack([np.cos(angle), 0.0 * angle, np.sin(angle)], axis=1)
     chart, gradient, _ = np.moveaxis(charted(s, off + [0.04 - 0.0065, 0.0, 0.0]), 1, 0)

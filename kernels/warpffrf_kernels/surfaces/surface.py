@@ -26,7 +26,8 @@ profile, positive away from the axis. With d = rho - R_0 it is
 
 exactly: the arc's centre lies at radius R_0 - Rc, and (h - |Rc|)(h + |Rc|) is free of cancellation. A hollow arc (side
 sign(Rc) = -1) ends 135 degrees from its bottom, 45 degrees beyond the groove of a thrust bearing's washer: for a point
-beyond that (sign(Rc) (d + Rc) + |zeta| < 0) the foot is the nearer end. Beyond a half circle R(z) is another branch.
+beyond that (sign(Rc) (d + Rc) + |zeta| < 0), or beyond the centre and not near the arc, as of a ball that comes from
+outside, the foot is the nearer end. Beyond a half circle R(z) is another branch.
 Other profiles require the foot, the root of f(z) = zeta - z + (rho - R) R', by Newton's method; the error of the
 distance (rho - R - (zeta - z) R')/sqrt(1 + R'^2) is quadratic in the error of the foot. The gradient of the distance is
 the normal n at the foot. It rotates with the point: around the axis by n_rho/rho, along the meridian by kappa/(1 +
@@ -45,6 +46,7 @@ FOOT_TOLERANCE = wp.constant(wp.float64(1.0e-9))  # of the radius: the error of 
 STEEPEST = wp.constant(wp.float64(1.0e-6))  # of an arc's radius: minimum height over its ends, where the slope diverges
 LEAST_BEND = wp.constant(wp.float64(0.25))  # of 1 + R'^2: lower bound of Newton's slope, also past the evolute
 EVOLUTE = wp.constant(wp.float64(1.0e-12))  # of 1 + kappa d: nearer to the evolute the normal is undefined
+DEEPEST = wp.constant(wp.float64(1.5))  # of an arc's radius: largest distance from its centre beyond the half circle
 DIAGONAL = wp.constant(wp.float64(0.7071067811865476))  # cosine of the 45 degrees by which a hollow arc is longer
 CENTRE = wp.constant(wp.float64(1.0e-14))  # m: nearer to an arc's centre the direction is undefined
 EXTRUDED = wp.constant(2)  # `planar` of an extruded curve
@@ -293,7 +295,8 @@ def meridian_of(model: Model, s: int, rho: real, zeta: real) -> wp.vec4d:
             h = wp.sqrt((d + crown) * (d + crown) + zeta * zeta)
             distance = sign * (d * (d + real(2.0) * crown) + zeta * zeta) / (h + a)
             side = model.surfaces.side[s]
-            if side * sign < real(0.0) and sign * (d + crown) + wp.abs(zeta) < real(0.0):
+            off_arc = sign * (d + crown) + wp.abs(zeta) < real(0.0)
+            if side * sign < real(0.0) and (off_arc or (sign * (d + crown) < real(0.0) and h > DEEPEST * a)):
                 end = DIAGONAL * a
                 if zeta < real(0.0):
                     end = -end

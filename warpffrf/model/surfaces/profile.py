@@ -14,10 +14,9 @@ a cone of half angle alpha the distance is d = (rho - R(z)) cos(alpha) and z_f =
 
     d = (h - 1)/kappa = (e (kappa e + 2) + kappa z^2)/(h + 1),      z_f = z/h,
 
-free of cancellation for a flat arc, kappa -> 0. A *hollow* arc ends 135 degrees from its bottom, 45 degrees beyond the
-groove of a thrust bearing's washer; beyond (1 + kappa e + |kappa z| < 0) the nearest point is its end, z_f =
-+-|Rc|/sqrt(2). Of the part beyond 90 degrees only the foot is known, not R(z). With a table F(s) = s - z + (R(s) - rho)
-R'(s) = 0 is solved by Newton from the best of the table's nodes.
+free of cancellation for a flat arc, kappa -> 0. Where a point lies beyond the centre of a *hollow* arc (1 + kappa e <
+0) the nearest point is the end of the half circle, z_f = +-|Rc|. With a table F(s) = s - z + (R(s) - rho) R'(s) = 0 is
+solved by Newton from the best of the table's nodes.
 """
 
 from __future__ import annotations
@@ -129,9 +128,9 @@ class SurfaceProfile:
         d = (e * (kappa * e + 2.0) + kappa * z**2) / (h + 1.0)
         z_foot = z / np.where(h > 0.0, h, 1.0)
         if self.side * kappa < 0.0:
-            beyond = kappa * e + 1.0 + abs(kappa) * np.abs(z) < 0.0
-            end = np.where(z < 0.0, -1.0, 1.0) * abs(self.crown) * np.sqrt(0.5)
-            away = np.hypot(e + self.crown * (1.0 + np.sqrt(0.5)), z - end) * self.side
+            beyond = kappa * e + 1.0 < 0.0
+            end = np.where(z < 0.0, -1.0, 1.0) * abs(self.crown)
+            away = np.hypot(e + self.crown, z - end) * self.side
             z_foot, d = np.where(beyond, end, z_foot), np.where(beyond, away, d)
         return z_foot, d
 
