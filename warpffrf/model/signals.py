@@ -506,6 +506,7 @@ def _is_number(word: str) -> bool:
     return True
 
 
+@named_arguments
 def short_path(points: Matrix) -> np.ndarray:
     """An order (n,) of the `points` (n, k) of a spectrum, such as their forces, for load steps of `static`, which take
     fewer iterations if they are short: the first point, then always the nearest one that is left. Columns count by

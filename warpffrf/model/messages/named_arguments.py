@@ -96,6 +96,8 @@ def _of_options(name: str, known: Sequence[str], parameters: Iterable[Parameter]
     for meant in (name, *RENAMED.get(name, ()), *get_close_matches(name, [*known, *inner], n=1)):
         if meant in inner:
             return f"; it belongs to {inner[meant]}"
+        if meant in known:
+            return ""
     return ""
 
 

@@ -23,6 +23,7 @@ from scipy.interpolate import PPoly
 
 from warpffrf.model import signals
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.surfaces.curve import Curve
 
 COUNT = 720  # knots, half a degree apart; pieces end at those of the law too
@@ -30,6 +31,7 @@ SAME = 1e-9  # rad: knots nearer than that are one, and values of a turn's ends 
 GAUSS = 8  # points of Gauss's rule between two knots
 
 
+@named_arguments
 def cam(lift: Any, *, base_radius: float, roller_radius: float | None = None) -> Curve:
     """The section of a cam that moves its follower along a line through its axis by `lift`.
 
