@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from demos import cam_follower
 from references.oscillator import errors
 from scenes import mechanisms as made
 from studies.bodies.free_flight import AFTER_TEN, rigid_flight
@@ -88,3 +89,41 @@ def hht_integrator() -> Iterator[Row]:
         yield Row(f"root {number} at infinity", ours, theirs, 5e-4, scale=1.0)
     e = errors(integrator.coefficients, [1000, 2000])
     yield Row("order", float(np.log2(e[0] / e[1])), 2.0, 0.01, scale=1.0)
+
+
+@case(
+    ROOM, "law of the cam, 4-5-6-7; N cos(alpha) = m omega² s'' + k s + F_0 of a rigid follower, which is 0 at the jump"
+)
+def cam_and_roller_follower() -> Iterator[Row]:
+    """An elastic roller on a rigid cam, the envelope of its positions; the jump by halving, within 0.25 %"""
+    size = cam_follower.QUICK
+    body = cam_follower.roller(size)
+    mass = cam_follower.MASS + body.mass
+    jump = cam_follower.jump_speed(mass)
+
+    def turned(part: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Angles of the cam, lifts and forces of a revolution at this part of the jump speed."""
+        result = cam_follower.run(body, part * jump, size, progress=False)
+        if result.status != "completed":
+            raise RuntimeError(result.message)
+        height = result.body("follower").position[:, 2] - cam_follower.BASE - cam_follower.ROLLER
+        return part * jump * result.time, height, np.linalg.norm(result.contact("contact").force, axis=1)
+
+    angle, height, force = turned(1.0 / 3.0)
+    for degrees in (140.0, 160.0, 180.0, 210.0):
+        i = int(np.argmin(np.abs(angle - np.radians(degrees))))
+        lift = 1e3 * cam_follower.lift(angle[i : i + 1])[0][0]
+        yield Row(f"lift at {degrees:g}°", 1e3 * height[i], lift, 1e-3, "mm", 1e3 * cam_follower.LIFT)
+        rigid = float(cam_follower.force(angle[i : i + 1], jump / 3.0, mass)[0])
+        yield Row(f"contact force at {degrees:g}°, a third of the jump speed", force[i], rigid, 0.01, "N")
+    angle, _, force = turned(0.98)
+    rigid = float(cam_follower.force(angle, 0.98 * jump, mass).max())
+    yield Row("largest contact force, 0.98 of the jump speed", float(force.max()), rigid, 0.01, "N")
+    low, high = 0.98, 1.02
+    while high - low > 0.005:
+        middle = 0.5 * (low + high)
+        if np.any(turned(middle)[2] == 0.0):
+            high = middle
+        else:
+            low = middle
+    yield Row("jump speed", 0.5 * (low + high) * jump, jump, 0.02, "rad/s")

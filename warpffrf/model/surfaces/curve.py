@@ -83,7 +83,8 @@ class Curve:
     def through(cls, points: Any, *, closed: bool = False) -> Curve:
         """The smooth curve (a spline, C2) through points (n, 2) [m] in the order of the material to the left.
 
-        closed: it returns to the first point, which is not repeated.
+        closed: it returns to the first point, which is not repeated. Raises `InputError` for fewer than three points,
+        two that are the same, and a curve that intersects itself.
         """
         points = require_array(points, "curve: points", (None, 2))
         if len(points) < 3:
@@ -110,7 +111,8 @@ class Curve:
         """Arcs and straight lines that continue one another without a kink.
 
         start (2,) [m]; heading [rad], direction of the first tangent from +x; pieces: (length [m], radius [m]) of each,
-        the radius positive where the curve turns to the left (convex), infinite for a line.
+        the radius positive where the curve turns to the left (convex), infinite for a line. Raises `InputError` for
+        lengths that are not positive, a radius of 0, and a curve that intersects itself, or does not close.
         """
         at, angle = require_array(start, "curve: start", (2,)).copy(), require_number(heading, "curve: heading")
         u, points, headings = [0.0], [at.copy()], [angle]

@@ -31,7 +31,7 @@ class Extruded(Shape):
     axis_point (3,) [m]: the origin of the curve's coordinates; axis_direction (3,); x_direction (3,): that of the
     curve's x, projected across the axis, by default +x, or +y where the axis is near x. User frame of the body.
     Nothing is fitted: `fit_tolerance` [m], 1e-5 of the curve's extent where None, is how far nodes of a mesh may lie
-    off it.
+    off it. Raises `InputError` for a `curve` that is none, and an x_direction along the axis.
     """
 
     curve: Any = None
