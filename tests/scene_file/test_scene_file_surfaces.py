@@ -80,6 +80,10 @@ KINDS = {
     "ring": 'kind = "ring", radius = 0.05, groove_radius = 0.01',
     "cup": 'kind = "cup", radius = 0.01',
     "conical_bore": 'kind = "conical_bore", radius = 0.05, half_angle = -0.1',
+    "extruded": (
+        'kind = "extruded", curve = { kind = "cam", base_radius = 0.02, roller_radius = 0.008, '
+        'lift = { kind = "table", times = [0, 1, 2, 3, 6.2831853], values = [0, 2e-3, 2e-3, 0, 0], cubic = true } }'
+    ),
     "plane": 'kind = "plane", origin = [0, 0, 1], outward = [0, 0, -1]',
 }  # fmt: skip
 
@@ -92,7 +96,14 @@ def wheel_with(surface: str) -> str:
 
 
 def _lines(surface: str) -> list[str]:
-    return [part.strip() for part in re.split(r",\s*(?=\w+ =)", surface)]
+    """Its keys, one a line; tables within it stay whole."""
+    found: list[str] = []
+    for part in re.split(r",\s*(?=\w+ =)", surface):
+        if found and found[-1].count("{") > found[-1].count("}"):
+            found[-1] += f", {part}"
+        else:
+            found.append(part.strip())
+    return found
 
 
 def test_every_kind_of_surface_can_be_written() -> None:
@@ -184,3 +195,21 @@ def test_errors_name_the_line_and_the_cure(old: str, new: str, said: str) -> Non
     with pytest.raises(wf.InputError, match=re.escape(said)) as caught:
         scene_of(text)
     assert str(caught.value).startswith(f"scene.toml:{line}: "), caught.value
+
+
+@pytest.mark.parametrize(
+    "curve",
+    [
+        '{ kind = "through", points = [[0.05, 0], [0, 0.04], [-0.05, 0], [0, -0.04]], closed = true }',
+        '{ kind = "arcs", start = [0, 0], heading = 0.1, pieces = [[0.02, inf], [0.01, 0.05]] }',
+    ],
+)
+def test_curves_of_extruded_surfaces(curve: str) -> None:
+    text = f'[ground.face]\nkind = "extruded"\naxis_direction = [1, 0, 0]\ncurve = {curve}\n'
+    shape = scene_of(text).scene.ground["face"].surface.shape
+    known = (
+        wf.surfaces.Curve.through([[0.05, 0.0], [0.0, 0.04], [-0.05, 0.0], [0.0, -0.04]], closed=True)
+        if "through" in curve
+        else wf.surfaces.Curve.arcs((0.0, 0.0), 0.1, [(0.02, np.inf), (0.01, 0.05)])
+    )
+    assert shape.curve.describe() == known.describe()
