@@ -142,7 +142,7 @@ class Builder:
             )
         if isinstance(value, dict) and "kind" in value:
             kinds = contact_kinds() if role == "shapes" else laws or self.values
-            kinds = shape_kinds() if path[2:3] == ("surfaces",) else kinds
+            kinds = shape_kinds() if path[2:3] == ("surfaces",) and len(path) == 4 else kinds
             form = choose(self.source, path, value, kinds)
             self._check_table(path, value, form)
         elif isinstance(value, dict) or isinstance(value, list):
