@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -38,7 +39,8 @@ def loads(sinks: float, clearance: float, ovality: float, tilt: float = 0.0) -> 
 
 def displacement(clearance: float, ovality: float, tilt: float = 0.0) -> float:
     """d [m] at which the rollers carry the load."""
-    return float(brentq(lambda d: loads(d, clearance, ovality, tilt) @ np.cos(PSI) - demo.LOAD, 0.0, 1e-3, xtol=1e-15))
+    found: Any = brentq(lambda d: loads(d, clearance, ovality, tilt) @ np.cos(PSI) - demo.LOAD, 0.0, 1e-3, xtol=1e-15)
+    return float(found)
 
 
 def linear_indices() -> dict[str, float]:

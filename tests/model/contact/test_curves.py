@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from warpffrf.model import signals
 from warpffrf.model.errors import InputError
@@ -53,7 +53,7 @@ def test_feet_are_the_nearest_points() -> None:
     curve = Curve.through(r[:, None] * np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1), closed=True)
     points = np.random.default_rng(0).uniform(-0.06, 0.06, (20000, 2))
     u, distance = curve.foot(points)
-    sampled = cKDTree(curve.at(np.linspace(0.0, curve.length, 40001))).query(points)[0]
+    sampled = KDTree(curve.at(np.linspace(0.0, curve.length, 40001))).query(points)[0]
     assert np.all(np.abs(distance) <= sampled + NEAR_EVOLUTE)
     assert np.allclose(np.abs(distance), np.linalg.norm(points - curve.at(u), axis=1), rtol=0.0, atol=1e-10)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.output.geometry.rigid_mesh import CAGE, rigid_meshes
+from warpffrf.output.geometry.rigid_mesh import CAGE, RigidMesh, rigid_meshes
 from warpffrf.output.geometry.scene_view import BodyView, SceneView
 from warpffrf.output.geometry.solids import AROUND, TriangleMesh, rod
 
@@ -141,7 +141,7 @@ def test_the_cage_is_a_band_of_exact_volume(balls: wf.Result) -> None:
     assert rigid_meshes(balls)["b cage"].volume == pytest.approx(POLYGON * exact, rel=1e-9)
 
 
-def drawn(geometry: Any) -> dict[str, TriangleMesh]:
+def drawn(geometry: Any) -> dict[str, RigidMesh]:
     scene = wf.Scene()
     bearing = scene.add_bearing("b", geometry, outer=scene.ground)
     scene.add(wf.joints.Fixed(scene.ground, bearing.inner, axis=(0, 1, 0)))

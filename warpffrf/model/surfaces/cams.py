@@ -19,7 +19,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PPoly
 
 from warpffrf.model import signals
 from warpffrf.model.errors import InputError, require_number
@@ -47,6 +46,8 @@ def cam(lift: Any, *, base_radius: float, roller_radius: float | None = None) ->
     >>> f"{section.extent:.4f} m"
     '0.0419 m'
     """
+    from scipy.interpolate import PPoly
+
     r_0 = require_number(base_radius, "cam: base_radius", positive=True)
     r_f = None if roller_radius is None else require_number(roller_radius, "cam: roller_radius", positive=True)
     breaks, c = signals.as_signal(lift, "cam: lift").polynomial()

@@ -22,8 +22,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.spatial import cKDTree
 
 from warpffrf.model.errors import InputError, require_array, require_number
 from warpffrf.model.messages.named_arguments import named_arguments
@@ -86,6 +84,8 @@ class Curve:
         closed: it returns to the first point, which is not repeated. Raises `InputError` for fewer than three points,
         two that are the same, and a curve that intersects itself.
         """
+        from scipy.interpolate import CubicSpline
+
         points = require_array(points, "curve: points", (None, 2))
         if len(points) < 3:
             raise InputError(f"curve: three points or more determine a smooth curve, got {len(points)}")
@@ -221,18 +221,22 @@ class Curve:
 
     # --- inside
 
-    def _samples(self) -> tuple[Array, cKDTree]:
+    def _samples(self) -> tuple[Array, Any]:
         """Places (m,) [m] along the curve, SAMPLES a piece and the last knot, and the tree of their points."""
+        from scipy.spatial import KDTree
+
         parts = np.arange(SAMPLES) / SAMPLES
         places = np.append((self.knots[:-1, None] + parts * np.diff(self.knots)[:, None]).ravel(), self.knots[-1])
-        return places, cKDTree(self.at(places))
+        return places, KDTree(self.at(places))
 
     def _refuse_crossings(self) -> None:
         """Raises `InputError` where two chords of the curve intersect."""
+        from scipy.spatial import KDTree
+
         a, d = self.points[:-1], np.diff(self.points, axis=0)
         low, high = np.minimum(a, a + d), np.maximum(a, a + d)
         reach = np.linalg.norm(d, axis=1).max()
-        for i, j in sorted(cKDTree(0.5 * (low + high)).query_pairs(reach * (1.0 + 1e-9))):
+        for i, j in sorted(KDTree(0.5 * (low + high)).query_pairs(reach * (1.0 + 1e-9))):
             if j - i < 2 or (self.closed and i == 0 and j == len(a) - 1):
                 continue
             if np.any(low[i] > high[j]) or np.any(low[j] > high[i]):
