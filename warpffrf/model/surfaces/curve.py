@@ -111,7 +111,8 @@ class Curve:
         """Arcs and straight lines that continue one another without a kink.
 
         start (2,) [m]; heading [rad], direction of the first tangent from +x; pieces: (length [m], radius [m]) of each,
-        the radius positive where the curve turns to the left (convex), infinite for a line. Raises `InputError` for
+        the radius positive where the curve turns to the left (convex), infinite for a line. closed: they end where
+        they start. Raises `InputError` for
         lengths that are not positive, a radius of 0, and a curve that intersects itself, or does not close.
         """
         at, angle = require_array(start, "curve: start", (2,)).copy(), require_number(heading, "curve: heading")
@@ -170,12 +171,12 @@ class Curve:
         return slope if order == 1 else bend
 
     def normal(self, u: Any) -> Array:
-        """Unit normals (..., 2) away from the material."""
+        """Unit normals (..., 2) away from the material at u [m]."""
         t = self.at(u, 1)
         return np.stack([t[..., 1], -t[..., 0]], axis=-1) / np.linalg.norm(t, axis=-1, keepdims=True)
 
     def curvature(self, u: Any) -> Array:
-        """kappa (...) [1/m], positive where the material is convex."""
+        """kappa (...) [1/m] at u [m], positive where the material is convex."""
         t, b = self.at(u, 1), self.at(u, 2)
         return (t[..., 0] * b[..., 1] - t[..., 1] * b[..., 0]) / np.linalg.norm(t, axis=-1) ** 3
 
