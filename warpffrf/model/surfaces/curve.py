@@ -112,8 +112,8 @@ class Curve:
 
         start (2,) [m]; heading [rad], direction of the first tangent from +x; pieces: (length [m], radius [m]) of each,
         the radius positive where the curve turns to the left (convex), infinite for a line. closed: they end where
-        they start. Raises `InputError` for
-        lengths that are not positive, a radius of 0, and a curve that intersects itself, or does not close.
+        they start. Raises `InputError` for lengths that are not positive, a radius of 0, and a curve that intersects
+        itself, or does not close.
         """
         at, angle = require_array(start, "curve: start", (2,)).copy(), require_number(heading, "curve: heading")
         u, points, headings = [0.0], [at.copy()], [angle]
