@@ -255,28 +255,20 @@ class Surfaces:
     modal_count: DeviceArray = integers("surface", note="modes of its body, 0 for a rigid one and the ground")
     origin: DeviceArray = vectors("surface", unit="m", note="axis point")
     frame: DeviceArray = matrices("surface", note="columns e_0, e_1, e_a")
-    planar: DeviceArray = integers(
-        "surface", note="0: a surface of revolution; theta in metres: 1 a plane, 2 an extruded curve"
-    )
+    planar: DeviceArray = integers("surface", note="0: of revolution; theta in m: 1 a plane, 2 an extruded curve")
     side: DeviceArray = reals("surface", note="1 material inside, -1 outside")
     radius: DeviceArray = reals("surface", unit="m", note="1 of a plane")
     tangent: DeviceArray = reals("surface", note="of a cone's slope dR/dz, 0 without")
-    crown: DeviceArray = reals(
-        "surface", unit="m", note="radius of the crown's arc, negative for a groove around a shaft, 0 without"
-    )
+    crown: DeviceArray = reals("surface", unit="m", note="radius of the crown's arc, < 0 of a groove around a shaft")
     table_start: DeviceArray = integers("surface", note="into the two tables of the profile")
     table_count: DeviceArray = integers("surface", note="pieces of the profile table, 0 without")
     table_break: DeviceArray = reals("profile_entry", unit="m", note="count + 1 a table")
-    table_coefficient: DeviceArray = reals(
-        "profile_entry", 4, note="count + 1 a table: powers of z - break; the last is unused"
-    )
+    table_coefficient: DeviceArray = reals("profile_entry", 4, note="powers of z - break; the last is unused")
     curve_start: DeviceArray = integers("surface", note="into the two tables of curves")
     curve_count: DeviceArray = integers("surface", note="pieces of the curve, 0 without")
     curve_length: DeviceArray = reals("surface", unit="m", note="period of a closed curve, 0 of an open one")
     curve_knot: DeviceArray = reals("curve_entry", unit="m", note="count + 1 a curve")
-    curve_piece: DeviceArray = reals(
-        "curve_entry", 8, note="count + 1 a curve: powers of u - knot of x, then of y; the last is unused"
-    )
+    curve_piece: DeviceArray = reals("curve_entry", 8, note="powers of u - knot of x, then of y; the last is unused")
     seed_start: DeviceArray = integers("surface", note="into curve_seed")
     seed_columns: DeviceArray = integers("surface", note="cells of the lattice along x")
     seed_rows: DeviceArray = integers("surface", note="along y, the faster index")
@@ -288,9 +280,7 @@ class Surfaces:
     pitch: DeviceArray = reals("surface", unit="rad", note="between columns")
     columns: DeviceArray = integers("surface")
     periodic: DeviceArray = integers("surface", note="1: nodes all around; 0: nodes on an arc only")
-    turn: DeviceArray = integers(
-        "surface", note="columns of the full turn that the compliance counts, 0 when it covers an arc"
-    )
+    turn: DeviceArray = integers("surface", note="columns of a full turn of the compliance, 0 where it covers an arc")
     rows: DeviceArray = integers("surface")
     z_start: DeviceArray = integers("surface", note="into z and cell_area")
     z: DeviceArray = reals("z_entry", unit="m", note="of the rows")
