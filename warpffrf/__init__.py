@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.scene import Scene
     from warpffrf.model.small_sliding import SmallSliding
-    from warpffrf.offline import ContactGrid, ReductionOptions, bases, reduce
+    from warpffrf.offline import ContactGrid, ReductionOptions, bases, half_space_body, reduce
     from warpffrf.offline.contact.contact_grid import contact_spacing
     from warpffrf.online import LocalModes
     from warpffrf.online.stages import Stage
@@ -84,6 +84,7 @@ __all__ = [
     "examples",
     "films",
     "forces",
+    "half_space_body",
     "integrators",
     "joints",
     "laws",
@@ -108,6 +109,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Contact": ("warpffrf.model.contact", "Contact"),
     "ContactGrid": ("warpffrf.offline", "ContactGrid"),
     "Film": ("warpffrf.model.films", "Film"),
+    "half_space_body": ("warpffrf.offline", "half_space_body"),
     "InputError": ("warpffrf.model.errors", "InputError"),
     "LocalModes": ("warpffrf.online", "LocalModes"),
     "LumpedContact": ("warpffrf.model.lumped_contact", "LumpedContact"),

@@ -12,6 +12,7 @@ import numpy as np
 from warpffrf.model.renamed import RENAMED
 
 MOST_COUNTED = 2**31 - 1  # counts are 32-bit integers
+SYMMETRY_TOLERANCE = 1e-9  # relative asymmetry of an inertia tensor that counts as rounding
 
 
 class InputError(ValueError):
@@ -74,6 +75,24 @@ def require_array(value: Any, name: str, shape: tuple[int | None, ...]) -> np.nd
     if not np.all(np.isfinite(array)):
         raise InputError(f"{name} holds NaN or infinite numbers")
     return array
+
+
+def require_inertia(value: Any, name: str) -> np.ndarray:
+    """`value`, an inertia tensor (3, 3) or its diagonal (3,) [kg m2], as (3, 3): symmetric, positive, and no principal
+    moment exceeds the sum of the other two, else `InputError`."""
+    J = np.diag(require_array(value, name, (3,))) if np.ndim(value) == 1 else require_array(value, name, (3, 3))
+    if np.max(np.abs(J - J.T)) > SYMMETRY_TOLERANCE * float(np.max(np.abs(J))):
+        raise InputError(f"{name} must be symmetric")
+    J = 0.5 * (J + J.T)
+    moments = np.linalg.eigvalsh(J)
+    if not moments[0] > 0.0:
+        raise InputError(f"{name}: principal moments must be greater than zero, the smallest is {moments[0]:g} kg m2")
+    if moments[2] > (moments[0] + moments[1]) * (1.0 + SYMMETRY_TOLERANCE):
+        raise InputError(
+            f"{name}: the principal moments {moments[0]:g}, {moments[1]:g}, {moments[2]:g} kg m2 are impossible: the "
+            "largest exceeds the sum of the other two; is it about the centre of mass?"
+        )
+    return J
 
 
 def require_direction(value: Any, name: str) -> np.ndarray:

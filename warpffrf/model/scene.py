@@ -19,7 +19,14 @@ from warpffrf.model.checks.contacts import refuse_double_claims, refuse_double_s
 from warpffrf.model.checks.plausibility import gravity_doubts, warn
 from warpffrf.model.contact import Contact
 from warpffrf.model.damping import Damping, damping_ratios
-from warpffrf.model.errors import InputError, require_array, require_direction, require_number, unknown_name
+from warpffrf.model.errors import (
+    InputError,
+    require_array,
+    require_direction,
+    require_inertia,
+    require_number,
+    unknown_name,
+)
 from warpffrf.model.films import Film
 from warpffrf.model.forces import Pretension
 from warpffrf.model.joints import Drive, Joint
@@ -35,7 +42,6 @@ if TYPE_CHECKING:
     from warpffrf.model.reduced.body import ReducedBody
     from warpffrf.model.surfaces import Shape
 
-SYMMETRY_TOLERANCE = 1e-9  # relative asymmetry of an inertia tensor that counts as rounding
 _LISTS = ("joints", "drives", "forces", "contacts")
 _LATER_LISTS = ("lumped_contacts", "films")  # described only if present: scenes without them keep their hash
 _ADDED = (*_LISTS, *_LATER_LISTS, "sensors")  # sensors do not affect a run, so they are not hashed
@@ -189,7 +195,7 @@ class Scene(reprs.Shown):
             len(self.bodies),
             require_number(mass, f"body {name!r}: mass", positive=True),
             require_array(center_of_mass, f"body {name!r}: center_of_mass", (3,)),
-            _inertia(inertia_tensor, name),
+            require_inertia(inertia_tensor, f"body {name!r}: inertia_tensor"),
             reduced=None,
             damping=np.zeros(0),
             position=position,
@@ -409,25 +415,6 @@ def _surfaces(surfaces: Any, name: str) -> list[tuple[Any, Any]]:
             f"{surfaces!r}"
         )
     return list(surfaces.items())
-
-
-def _inertia(value: Any, name: str) -> np.ndarray:
-    """Checked inertia tensor (3, 3): symmetric, positive, and no principal moment exceeds the sum of the other two."""
-    label = f"body {name!r}: inertia_tensor"
-    J = np.diag(require_array(value, label, (3,))) if np.ndim(value) == 1 else require_array(value, label, (3, 3))
-    scale = float(np.max(np.abs(J)))
-    if np.max(np.abs(J - J.T)) > SYMMETRY_TOLERANCE * scale:
-        raise InputError(f"{label} must be symmetric")
-    J = 0.5 * (J + J.T)
-    moments = np.linalg.eigvalsh(J)
-    if not moments[0] > 0.0:
-        raise InputError(f"{label}: principal moments must be greater than zero, the smallest is {moments[0]:g} kg m2")
-    if moments[2] > (moments[0] + moments[1]) * (1.0 + SYMMETRY_TOLERANCE):
-        raise InputError(
-            f"{label}: the principal moments {moments[0]:g}, {moments[1]:g}, {moments[2]:g} kg m2 are impossible: the "
-            "largest exceeds the sum of the other two; is it about the centre of mass?"
-        )
-    return J
 
 
 def _add_reduced(digest: Any, body: ReducedBody) -> None:

@@ -1,6 +1,7 @@
 """Finite-element mesh and material to `ReducedBody`, with NumPy, SciPy and scikit-fem only."""
 
+from warpffrf.offline.half_space_body import half_space_body
 from warpffrf.offline.options import ContactGrid, ReductionOptions
 from warpffrf.offline.reduction import reduce
 
-__all__ = ["ContactGrid", "ReductionOptions", "reduce"]
+__all__ = ["ContactGrid", "ReductionOptions", "half_space_body", "reduce"]

@@ -117,8 +117,8 @@ class LocalPlan:
         plan = cls(options)
         for contact in scene.finite_sliding:
             for port in contact.ports:
-                if port.surface.grid is None:
-                    continue  # a rigid surface has no modes
+                if port.surface.grid is None or port.surface.half_space:
+                    continue  # no modes
                 if options.treatment != "quasi_static":
                     plan._add(port)
                     continue

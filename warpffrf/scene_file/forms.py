@@ -380,7 +380,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     from warpffrf.model.mesh.cut import cut
     from warpffrf.model.reduced.body import ReducedBody
     from warpffrf.model.scene import Scene
-    from warpffrf.offline import ContactGrid, ReductionOptions, reduce
+    from warpffrf.offline import ContactGrid, ReductionOptions, half_space_body, reduce
     from warpffrf.online.stages import Stage
     from warpffrf.output.options import OF_TIME, RunOptions
     from warpffrf.output.simulate import equilibrium, simulate, static
@@ -409,6 +409,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
                 {"mesh": "meshes", "material": "materials", "contact": "shapes", "stress": "value of reduce"},
                 ("progress",),
             ),
+            "half_space": form_of("half-space body", half_space_body, {"material": "materials", "contact": "shapes"}),
             "load": form_of("reduced body file", ReducedBody.load, paths),
         },
         "scene": {"": form_of("scene", Scene, {})},

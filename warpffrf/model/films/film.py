@@ -342,6 +342,12 @@ class Film(reprs.Item):
             )
 
     def _require_grid(self) -> None:
+        for port in self.ports:
+            if not port.rigid and port.surface.half_space:
+                raise InputError(
+                    f"{self.label}: {port.label} is a half-space, which is elastic only under the cells of a contact; "
+                    "reduce its body from a mesh"
+                )
         grid = self.grid
         free = grid.rows - 2
         if free < LEAST_ROWS or grid.columns < LEAST_COLUMNS:

@@ -101,6 +101,11 @@ class ContactSurface(reprs.Shown):
         """Number of normal local modes: one per node."""
         return self.grid.columns * self.grid.rows
 
+    @property
+    def half_space(self) -> bool:
+        """Whether the body under it is rigid but for the half-space of a patch (`wf.half_space_body`)."""
+        return self.far is not None and not self.lags.any()
+
     @cached_property
     def splines(self) -> FarSplines:
         """The splines of the far field, with the transformation from nodal coefficients."""

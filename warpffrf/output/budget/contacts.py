@@ -244,7 +244,11 @@ def mesh_lines(result: Any) -> list[BudgetLine]:
         known = bool(errors) and None not in errors and None not in yields
         size = float(np.dot(errors, yields) / np.sum(yields)) if known else np.nan  # type: ignore[arg-type]
         basis = "rule of far fields and walls" if found.loaded == "cells" else "rule of the elements behind the surface"
-        if not known:
+        if any(surface.half_space for _, surface in sides):
+            basis = "half-spaces, without a mesh"
+            if not known:
+                basis = "half-spaces have no depth, on which the approach of a line depends; reduce bodies from meshes"
+        elif not known:
             basis = "there is no rule for the elements behind point contacts at nodes; use bodies on another mesh"
         if not sides:
             size, basis = 0.0, "rigid bodies"
@@ -270,6 +274,8 @@ def _softness(reduced: Any, name: str) -> float | None:
 
 def _of_mesh(found: Any, reduced: Any, surface: Any, widths: tuple[float, ...]) -> float | None:
     line = found.patch_kind in LINES
+    if surface.half_space:
+        return None if line else 0.0
     if found.loaded == "cells" and surface.far is not None:
         return own_mesh_error(reduced, surface.name, (widths[0], widths[1]), line=line)
     figures = reduced.report.get("contact", {}).get(surface.name, {})

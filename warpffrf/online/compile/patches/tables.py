@@ -67,6 +67,7 @@ def patch_plans(
             f"contact {contacts[i].name!r}: pressures on the body-fixed grid, as those of {other.name!r} on body "
             f"{port.body.name!r} are"
         )
+    _refuse_half_spaces(contacts, plans, dynamic)
     notes += [
         f"contact {contacts[i].name!r}: pressures on the contact-fixed grid, for which its bodies were "
         'reduced (contact_fixed); grid="body_fixed" uses the other one'
@@ -74,6 +75,18 @@ def patch_plans(
         if contacts[i].grid == "auto"
     ]
     return plans, notes
+
+
+def _refuse_half_spaces(contacts: list[Contact], plans: Collection[int], dynamic: Collection[int]) -> None:
+    """Raises `InputError` for a half-space without a patch of cells, where it would be rigid."""
+    for i, contact in enumerate(contacts):
+        for port in contact.ports:
+            if i not in plans and not port.rigid and port.surface.half_space:
+                reason = _why_not(contact, contacts, dynamic) or f'it has grid="{contact.grid}"'
+                raise InputError(
+                    f"contact {contact.name!r}: {port.label} is a half-space, which is elastic only under the cells of "
+                    f'grid="contact_fixed", not used here: {reason}; reduce its body from a mesh'
+                )
 
 
 def _on_its_surfaces(contact: Contact, contacts: list[Contact]) -> str | None:
