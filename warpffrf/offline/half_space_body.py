@@ -128,9 +128,9 @@ class _Patch:
 
     def chart(self, columns: int, rows: int) -> tuple[Array, Array]:
         """theta (columns,), without the last of a full revolution, and z (rows,)."""
-        z = np.linspace(*self.along, rows)
+        z = np.linspace(self.along[0], self.along[1], rows)
         if self.across is not None:
-            return np.linspace(*self.across, columns), z
+            return np.linspace(self.across[0], self.across[1], columns), z
         return 2.0 * np.pi / columns * np.arange(columns), z
 
     def surface(self, name: str, material: Material, free_ends: bool, skin_points: int) -> ContactSurface:

@@ -23,7 +23,7 @@ from warpffrf.model.reduced.body import ReducedBody
 STEEL = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
 BRONZE = wf.Material(youngs_modulus=105e9, poisson_ratio=0.34, density=8800)
 RADIUS, HALF_WIDTH = 0.01, 0.005  # m
-AXIS = {"axis_point": (0, 0, 0), "axis_direction": (0, 1, 0)}
+AXIS: Any = {"axis_point": (0, 0, 0), "axis_direction": (0, 1, 0)}
 BALL = wf.surfaces.Sphere(radius=RADIUS, **AXIS)
 ROLLER = wf.surfaces.Cylinder(radius=RADIUS, **AXIS)
 PLANE = wf.surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1), direction=(0, 1, 0))
