@@ -177,7 +177,7 @@ def _apart(collector: Collector) -> list[str]:
     notes = []
     for body in collector.scene.bodies:
         mine = [i for i, s in enumerate(collector.surfaces)
-                if s.body is body and isinstance(s.surface, ContactSurface)]  # fmt: skip
+                if s.body is body and isinstance(s.surface, ContactSurface) and not s.surface.half_space]  # fmt: skip
         if any(_cross(collector, i, j) is None for i in mine for j in mine if i != j):
             names = ", ".join(sorted(collector.surfaces[i].name for i in mine))
             why = "its local modes have inertia" if collector.local.count(body.index) else "reduce it again"

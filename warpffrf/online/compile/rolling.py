@@ -84,13 +84,13 @@ def fill_rolling(collector: Any, m: Model) -> None:
 
 
 def _apart(contacts: list[Contact], rolling: Mapping[int, PatchPlan]) -> list[str]:
-    """Notes on bodies with several patches with friction, whose tractions do not influence each other by local
+    """Notes on bodies with several patches with friction, whose tractions would influence each other by local
     modes.
     """
     on_body: dict[str, list[str]] = {}
     for i in rolling:
         for port in contacts[i].ports:
-            if not port.rigid:
+            if not port.rigid and not port.surface.half_space:
                 on_body.setdefault(port.body.name, []).append(repr(contacts[i].name))
     return [
         f"body {body!r}: its contacts {', '.join(names)} have friction on contact-fixed grids, and the "

@@ -58,6 +58,8 @@ def fill_beside(collector: Any) -> dict[str, Any]:
             along = _along_surface(target, source) and all(
                 _keeps_rows(collector.scene.finite_sliding[i // 2], i % 2) for i in (side, other)
             )
+            if not along and target.surface.real.half_space:
+                continue  # rigid in between
             key = (target.surface.number, source.surface.number, along)
             if key not in tables:
                 lags, c, c_source = _operator_between(target, source, along)
