@@ -72,12 +72,13 @@ def cam(
         raise InputError(f"cam: bore_radius {r_i:g} m does not fit; make it smaller than {radius.min():.4g} m")
     wall = float(radius.min() - r_i)
     depth = layer_depths(wall, layers, grading, curve.length / count, "cam")
-    y = refined(axial_lines(-half, half, cells_along, None, "cam"), order)
+    lines = axial_lines(-half, half, cells_along, None, "cam")
+    y = refined(lines, order)
     fractions = refined(1.0 - depth[::-1] / wall, order)[:, None]  # bore (0) to rim (1)
     rim = points[: len(u)]
     bore = r_i * rim / radius[: len(u), None]
     flat = bore[:, None] + fractions * (rim - bore)[:, None]
     place = np.empty((*flat.shape[:2], len(y), 3))
     place[..., 0], place[..., 1], place[..., 2] = flat[..., :1], y, -flat[..., 1:]
-    cells, facets = revolved_cells(count, len(depth) - 1, len(y) // order, order)
+    cells, facets = revolved_cells(count, len(depth) - 1, len(lines) - 1, order)
     return Mesh(place.reshape(-1, 3), cells, facets, None, "cam")
