@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -84,9 +85,9 @@ def nearest_point(pair: GearPair, flank: str, angle: float) -> tuple[float, np.n
     at_pitch_point = (0.5 * (1 + pair.side) * np.pi - rotation) * pair.gear_2.teeth / (2.0 * np.pi)
     found = []
     for number in round(at_pitch_point) + np.arange(-1, 2):
-        second = pair.gear_2.flank(flank, number % pair.gear_2.teeth + 1)
+        second = pair.gear_2.flank(flank, int(number) % pair.gear_2.teeth + 1)
 
-        def gap(u: float, second=second) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        def gap(u: Any, second=second) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             moved = rotated(second.at(u), rotation) + [pair.side * pair.center_distance, 0.0]
             place = rotated(moved, -angle)
             return *first.foot(place), place
@@ -95,7 +96,7 @@ def nearest_point(pair: GearPair, flank: str, angle: float) -> tuple[float, np.n
         foot, distance, _ = gap(u)
         distance[(foot <= 0.0) | (foot >= first.length)] = np.inf
         k = int(np.clip(np.argmin(distance), 1, len(u) - 2))
-        best = minimize_scalar(
+        best: Any = minimize_scalar(
             lambda u, gap=gap: gap(u)[1], bounds=(u[k - 1], u[k + 1]), method="bounded", options={"xatol": 1e-10}
         )
         found.append((abs(best.fun), gap(best.x)[2]))
@@ -159,7 +160,7 @@ WRONG = [
 
 
 @pytest.mark.parametrize("gears, distance, message", WRONG, ids=[text[:30] for _, _, text in WRONG])
-def test_pairs_that_do_not_mesh_are_refused(gears: tuple, distance: float, message: str) -> None:
+def test_pairs_that_do_not_mesh_are_refused(gears: tuple[Any, Any], distance: float, message: str) -> None:
     with pytest.raises(InputError, match=message):
         GearPair(*gears, distance)
 

@@ -24,6 +24,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_number, unknown_name
 from warpffrf.model.gears.gear import FLANKS, Gear, involute_function
+from warpffrf.model.gears.tooth import reach
 from warpffrf.model.material import Material
 from warpffrf.model.messages.named_arguments import named_arguments
 
@@ -47,8 +48,8 @@ class GearPair:
     >>> pinion = wf.gears.Gear(4.5e-3, 16, profile_shift=0.1817, tip_diameter=82.45e-3, thickness_allowance=-50e-6)
     >>> wheel = wf.gears.Gear(4.5e-3, 24, profile_shift=0.1715, tip_diameter=118.35e-3, thickness_allowance=-50e-6)
     >>> pair = wf.gears.GearPair(pinion, wheel, 91.5e-3)
-    >>> round(np.degrees(pair.working_pressure_angle), 2), round(pair.contact_ratio, 3)
-    (22.44, 1.439)
+    >>> print(f"{np.degrees(pair.working_pressure_angle):.2f} degrees, {pair.contact_ratio:.3f}")
+    22.44 degrees, 1.436
     """
 
     gear_1: Gear
@@ -86,7 +87,7 @@ class GearPair:
         The part of the flanks with tip relief is included; roundings of tips are not.
         """
         rho_1, rho_2 = self._pitch_rho
-        ends = [gear.rho(0.5 * gear.tip_form_diameter) for gear in (self.gear_1, self.gear_2)]
+        ends = [reach(gear, 0.5 * gear.tip_form_diameter) for gear in (self.gear_1, self.gear_2)]
         A, E = self.side * (rho_2 - ends[1]), ends[0] - rho_1
         p = self.gear_1.base_pitch
         return {"A": A, "B": E - p, "C": 0.0, "D": A + p, "E": E}
@@ -147,7 +148,7 @@ class GearPair:
         """Rotation [rad] of gear 2 at which its flanks, right or left, touch those of gear 1, rotated by `angle` [rad].
 
         Both are counter-clockwise from where tooth 1 lies about +x. Of flanks with tip relief those without it would
-        touch.
+        touch. Raises `InputError` for an unknown flank.
         """
         if flank not in FLANKS:
             raise unknown_name("mating_angle: flank", flank, FLANKS)
@@ -200,13 +201,13 @@ class GearPair:
                     f"{-clearance:.3g} m; correct its tip_diameter or center_distance"
                 )
         rho_1, rho_2 = self._pitch_rho
-        for name, other, reach, form in (
+        for name, other, rho, form in (
             ("gear_2", "gear_1", rho_1 + self.path["A"], one.root_form_rho),
             ("gear_1", "gear_2", two.side * (rho_2 - self.side * self.path["E"]), two.side * two.root_form_rho),
         ):
-            if reach < form:
+            if rho < form:
                 raise InputError(
-                    f"gear pair: the tips of {name} reach {form - reach:.3g} m along the path of contact beyond the "
+                    f"gear pair: the tips of {name} reach {form - rho:.3g} m along the path of contact beyond the "
                     f"involute of {other}; correct the tip_diameter of {name}, or take more profile_shift on {other}"
                 )
         if self.contact_ratio < 1.0:

@@ -49,6 +49,7 @@ Pieces = tuple[Array, Array, Array]  # lengths (n,), points (n + 1, 2), tangents
 FLANK = (0.02, 2e-11)  # rad: largest angle of a piece, curvatures are exact to 3e-5; m: error in its middle
 OTHERS = (0.05, 5e-10)  # of fillets, roundings and lands
 FOOT_STEPS = 3  # Newton's method for it
+RELIEF_STEPS = 20  # of a fixed-point iteration, each gains the factor C', some thousandths
 GAUSS = 8  # points of Gauss's rule between two knots
 BLEND = 0.1  # w, of the length of a linear relief
 
@@ -86,11 +87,16 @@ def involute(gear: Gear) -> Path:
     return path
 
 
+def reach(gear: Gear, radius: float) -> float:
+    """g = sqrt(R^2 - r_b^2) [m] at a radius R [m], 0 within the base circle."""
+    return float(np.sqrt(max(radius**2 - gear.base_radius**2, 0.0)))
+
+
 def rho_at(gear: Gear, radius: float) -> float:
     """rho [m] of the flank, with its relief, at a radius [m]."""
-    g, rho = np.sqrt(radius**2 - gear.base_radius**2), 0.0
-    for _ in range(20):  # C' is a few thousandths
-        rho = g + gear.side * float(relief(gear, np.array(rho or g))[0])
+    rho = g = reach(gear, radius)
+    for _ in range(RELIEF_STEPS):
+        rho = g + gear.side * float(relief(gear, np.array(rho))[0])
     return rho
 
 
