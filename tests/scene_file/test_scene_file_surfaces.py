@@ -213,3 +213,40 @@ def test_curves_of_extruded_surfaces(curve: str) -> None:
         else wf.surfaces.Curve.arcs((0.0, 0.0), 0.1, [(0.02, np.inf), (0.01, 0.05)])
     )
     assert shape.curve.describe() == known.describe()
+
+
+def test_gears() -> None:
+    """A flank and a section as curves of extruded surfaces, meshes of a gear and a cam."""
+    numbers = "module = 4.5e-3, teeth = 16, profile_shift = 0.18, tip_rounding = 2e-4"
+    text = f"""
+        [meshes.pinion]
+        kind = "gear"
+        gear = {{ kind = "gear", {numbers} }}
+        width = 14e-3
+        rim_radius = 15e-3
+        teeth = 2
+        order = 1
+        [meshes.disc]
+        kind = "cam"
+        curve = {{ kind = "through", points = [[0.05, 0], [0, 0.04], [-0.05, 0], [0, -0.04]], closed = true }}
+        width = 0.01
+        bore_radius = 0.01
+        sectors = 24
+        axial = 1
+        order = 1
+        [ground.flank]
+        kind = "extruded"
+        curve = {{ kind = "gear_flank", {numbers}, side = "left", tooth = 3 }}
+        [ground.wheel]
+        kind = "extruded"
+        curve = {{ kind = "gear_section", {numbers} }}
+        """
+    loaded = scene_of(text)
+    gear = wf.gears.Gear(4.5e-3, 16, profile_shift=0.18, tip_rounding=2e-4)
+    for name, curve in (("flank", gear.flank("left", 3)), ("wheel", gear.section())):
+        assert loaded.scene.ground[name].surface.shape.curve.describe() == curve.describe()
+    known = wf.mesh.gear(gear, 14e-3, rim_radius=15e-3, teeth=2, order=1)
+    assert loaded.made["meshes"]["pinion"].content_hash() == known.content_hash()
+    assert loaded.made["meshes"]["disc"].sets["rim"] == 24
+    with pytest.raises(wf.InputError, match="scene.toml:4: .* 16 teeth with profile_shift -0.5 .* are undercut"):
+        scene_of(text.replace("profile_shift = 0.18", "profile_shift = -0.5"))

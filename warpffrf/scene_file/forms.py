@@ -290,13 +290,14 @@ def signal_kinds() -> dict[str, Form]:
 
 @cache
 def value_kinds() -> dict[str, Form]:
-    """Kind -> form of every object that may be a value: signals, surfaces, bases, damping, curves, contact and friction
-    laws, rolling resistance, characteristics of springs, oils, feeds and forms of films, matched faces, contacts,
-    integrators, treatments of local modes, stress points, parts of bearings."""
+    """Kind -> form of every object that may be a value: signals, surfaces, bases, damping, curves, gears, contact and
+    friction laws, rolling resistance, characteristics of springs, oils, feeds and forms of films, matched faces,
+    contacts, integrators, treatments of local modes, stress points, parts of bearings."""
     from warpffrf.model.damping import DAMPINGS
     from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES
     from warpffrf.model.forces import CHARACTERISTICS
     from warpffrf.model.friction import FRICTION_LAWS
+    from warpffrf.model.gears import Gear
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
     from warpffrf.model.moments import ROLLING_LAWS
     from warpffrf.model.oils import OILS, DowsonHigginson, iso_vg
@@ -315,7 +316,8 @@ def value_kinds() -> dict[str, Form]:
     }  # fmt: skip
     found.update({kind: form_of(kind, cls, {}) for kind, cls in registered.items()})
     found["extruded"] = form_of("extruded", SHAPES["extruded"], {"curve": "value"})
-    curves = {"through": Curve.through, "arcs": Curve.arcs, "cam": cam}
+    curves = {"through": Curve.through, "arcs": Curve.arcs, "cam": cam, "gear": Gear}
+    curves |= {"gear_flank": flat(Gear.flank, self=Gear), "gear_section": flat(Gear.section, self=Gear)}
     found.update({kind: form_of(kind, call, {"lift": "value"}) for kind, call in curves.items()})
     found.update({snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in others})
     found.update(
@@ -398,6 +400,8 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
             "box": form_of("box", mesh.box, {}),
             "grid": form_of("grid", mesh.grid, {}),
             "cage": form_of("cage", mesh.cage, {}),
+            "cam": form_of("cam", mesh.cam, {"curve": "value"}),
+            "gear": form_of("gear", mesh.gear, {"gear": "value"}),
             "read": form_of("mesh file", mesh.read, paths),
             "from_matrices": form_of("matrices", mesh.from_matrices, paths, ("name",)),
             "cut": form_of("cut", cut, {"mesh": "meshes"}),

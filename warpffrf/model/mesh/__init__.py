@@ -8,6 +8,8 @@ from warpffrf.model.mesh.periodicity import Cyclic
 from warpffrf.model.mesh.shapes.ball import ball
 from warpffrf.model.mesh.shapes.boxes import block, box, grid
 from warpffrf.model.mesh.shapes.cage import cage
+from warpffrf.model.mesh.shapes.cam import cam
+from warpffrf.model.mesh.shapes.gear import gear
 from warpffrf.model.mesh.shapes.revolved import ring, sleeve
 from warpffrf.model.mesh.shapes.roller import roller
 
@@ -21,7 +23,9 @@ __all__ = [
     "block",
     "box",
     "cage",
+    "cam",
     "from_matrices",
+    "gear",
     "grid",
     "read",
     "read_matrix",
