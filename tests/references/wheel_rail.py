@@ -1,8 +1,8 @@
 r"""A rigid wheelset on two rigid rails: where they touch, by brute force.
 
 The rails lie along x at y > 0 and y < 0, z upwards. A rail is extruded along x, so that the normal where a wheel
-touches it has no component along x. With the axis a of the wheelset, rolled by phi about x and yawed by psi about z, the
-normal of a wheel at s along the axis, of the radius R and the slope R', is along e_r - R' a, e_r across a: its x
+touches it has no component along x. With the axis a of the wheelset, rolled by phi about x and yawed by psi about z,
+the normal of a wheel at s along the axis, of the radius R and the slope R', is along e_r - R' a, e_r across a: its x
 vanishes at
 
     cos(theta) = R' a_x/sqrt(1 - a_x^2),

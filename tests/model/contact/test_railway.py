@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ POINTS = np.array([
 ])  # fmt: skip
 DIGITS = 1e-8  # m, of these points, their s in seven digits at a slope of 70 degrees
 TABLE = 1.5e-7  # m: published gaps between zones
-UPRIGHT = {"axis_point": (0, 0, 0), "axis_direction": (0, 1, 0)}
+UPRIGHT: dict[str, Any] = {"axis_point": (0, 0, 0), "axis_direction": (0, 1, 0)}
 R = 0.46
 # Right wheel: lateral shift [mm], yaw [mrad], roll [rad], and y [mm] of the patch on the rail by CONTACT (E. A. H.
 # Vollebregt, case, examples/mbench_a22_right), left wheel the same; loaded by 10 kN, whose patch has its centre
