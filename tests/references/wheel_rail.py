@@ -28,6 +28,56 @@ ROLL = 0.05  # rad, bound
 
 
 @dataclass(frozen=True)
+class Benchmark:
+    """A wheel of case A-2.2 of the Manchester Contact Benchmark (P. Shackleton and S. Iwnicki, Vehicle System Dynamics
+    46 (2008) 129): S1002 of radius 460 mm on UIC 60, 10 kN on a wheel, by CONTACT (E. A. H. Vollebregt, open program,
+    examples mbench_a22_left and _right). side: 1 where the wheelset moves towards the rail, -1 on the other one; y
+    [mm], yaw [mrad] and roll [rad] of the wheelset; the contact angle [rad], normal force [N], largest pressure [MPa],
+    and the centre of the patch: s [mm] of the wheel's profile, y [mm] across the track.
+    """
+
+    side: int
+    y: float
+    yaw: float
+    roll: float
+    angle: float
+    force: float
+    peak: float
+    s: float
+    across: float
+
+    @property
+    def pose(self) -> tuple[float, float, float]:
+        """y [m], roll and yaw [rad], mirrored for the other wheel, so that the wheel is at y > 0."""
+        return self.side * 1e-3 * self.y, self.side * self.roll, self.side * 1e-3 * self.yaw
+
+    @property
+    def load(self) -> float:
+        """The vertical part of the normal force [N]: friction carries the rest of 10 kN."""
+        return self.force * float(np.cos(self.angle))
+
+
+# The benchmark's rail: arcs of 300 and 80 mm end at 10.500 and 25.986 mm, as its 495 points, to 2e-5 mm
+BENCHMARK_ENDS = (10.500, 25.986)
+BENCHMARK = {
+    "tread": (
+        Benchmark(-1, 0.0, 0.0, 0.0, 0.0290, 9997.0, 338.3, 1.8726, 751.8726),
+        Benchmark(-1, 2.0, 4.8, 1.128e-4, 0.0134, 10040.0, 465.9, 8.5660, 756.5056),
+        Benchmark(-1, 4.0, 9.6, 2.557e-4, 0.0096, 10030.0, 527.2, 11.8167, 757.6645),
+        Benchmark(-1, 6.0, 14.4, 6.272e-4, 0.0084, 10020.0, 578.5, 14.3878, 758.0210),
+        Benchmark(-1, 8.0, 19.2, 8.606e-3, 0.0077, 10020.0, 701.1, 20.3458, 758.2223),
+        Benchmark(1, 3.5, 8.4, 2.168e-4, 0.0994, 9760.0, 691.6, -14.1700, 739.4071),
+        Benchmark(1, 4.5, 10.8, 2.977e-4, 0.1185, 9726.0, 625.5, -16.7104, 737.8905),
+    ),
+    "flange": (
+        Benchmark(1, 6.0, 14.4, 6.272e-4, 0.4176, 9709.0, 1149.0, -31.1222, 725.1371),
+        Benchmark(1, 7.0, 16.8, 6.393e-3, 1.0634, 14030.0, 2622.0, -41.1389, 719.0445),
+        Benchmark(1, 8.5, 20.4, 9.408e-3, 0.9065, 12310.0, 2638.0, -42.9279, 720.1709),
+    ),
+}
+
+
+@dataclass(frozen=True)
 class Touch:
     """Where a wheel touches its rail: s [m] of its profile, y [m] across the track, the radius [m], the contact angle
     [rad] from the horizontal, and its height above the rail, of its centre [m]."""

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from references.wheel_rail import Wheelset
+from references.wheel_rail import BENCHMARK, BENCHMARK_ENDS, Wheelset
 from warpffrf.model.surfaces.railway import head_of_arcs
 
 # s and depth below the running circle [mm] of the S1002 of the Manchester Contact Benchmark (Shackleton and Iwnicki
@@ -24,15 +24,9 @@ DIGITS = 1e-8  # m, of these points, their s in seven digits at a slope of 70 de
 TABLE = 1.5e-7  # m: published gaps between zones
 UPRIGHT: dict[str, Any] = {"axis_point": (0, 0, 0), "axis_direction": (0, 1, 0)}
 R = 0.46
-# Right wheel: lateral shift [mm], yaw [mrad], roll [rad], and y [mm] of the patch on the rail by CONTACT (E. A. H.
-# Vollebregt, case A-2.2, examples/mbench_a22_right), left wheel the same; loaded by 10 kN, whose patch has its centre
-# off the place where the rigid profiles touch: by 0.25 mm on the flat tread, hardly in the flange's root.
-BENCHMARK = (
-    (2.0, 4.8, 1.128e-4, 740.9147, -756.5056), (3.0, 7.2, 1.803e-4, 739.9698, -757.2358),
-    (4.0, 9.6, 2.557e-4, 738.7381, -757.6645), (6.0, 14.4, 6.272e-4, 725.1371, -758.0210),
-    (7.5, 18.0, 7.642e-3, 719.4632, -758.4440), (8.5, 20.4, 9.408e-3, 720.1709, -757.9681),
-    (10.0, 24.0, 1.126e-2, 721.0880, -757.0975),
-)  # fmt: skip
+# mm, off the centre of a loaded patch: a tread is flat, a flange hardly
+PLACE = {"tread": 0.25, "flange": 0.05}
+CENTRED = 1.5  # mm: at y = 0 the tread is flattest
 
 
 def wheel():
@@ -79,20 +73,18 @@ def test_the_rail_has_its_dimensions() -> None:
 
 @cache
 def benchmark_wheelset() -> Wheelset:
-    """Of the benchmark, whose rail has its arcs of 300 and 80 mm end at 10.500 and 25.986 mm (its 495 points to 2e-5
-    mm) and is inclined by 1:40."""
-    return Wheelset(wheel(), head_of_arcs((10.500, 25.986)))
+    return Wheelset(wheel(), head_of_arcs(BENCHMARK_ENDS))
 
 
-@pytest.mark.parametrize(("y", "yaw", "roll", "right", "left"), BENCHMARK)
-def test_a_wheelset_touches_its_rails_as_in_the_benchmark(y, yaw, roll, right, left) -> None:
-    wheelset = benchmark_wheelset()
-    found = wheelset.roll(1e-3 * y, 1e-3 * yaw)
-    assert found == pytest.approx(roll, rel=0.01, abs=4e-6)
-    flange = y > 7.0
-    places = [1e3 * wheelset.touch(side, 1e-3 * y, roll, 1e-3 * yaw).y for side in (1, -1)]
-    assert places[0] == pytest.approx(right, abs=0.01 if flange else 0.1)
-    assert places[1] == pytest.approx(left, abs=0.25)
+@pytest.mark.parametrize("part", list(BENCHMARK))
+def test_a_wheelset_touches_its_rails_as_in_the_benchmark(part: str) -> None:
+    """The roll too, which the benchmark prescribes."""
+    for case in BENCHMARK[part]:
+        touch = benchmark_wheelset().touch(1, *case.pose)
+        off = PLACE[part] if case.y > 0.0 else CENTRED
+        assert 1e3 * touch.y == pytest.approx(case.across, abs=off), case
+        assert 1e3 * touch.s == pytest.approx(case.s, abs=off), case
+        assert benchmark_wheelset().roll(1e-3 * case.y, 1e-3 * case.yaw) == pytest.approx(case.roll, rel=0.02, abs=6e-6)
 
 
 def test_both_are_in_scene_files() -> None:
