@@ -114,8 +114,6 @@ class _Patch:
         if not shape.resolved:
             raise InputError(f"{label} has no nodes to be fitted to; give {' and '.join(shape.missing)}")
         profile = shape.profile()
-        if profile.curve is not None:
-            raise InputError(f"{label} is an extruded curve, which a half-space cannot carry so far; use it on ground")
         if limits is None and getattr(shape, "table", None) is not None:
             limits = (shape.table[0][0], shape.table[0][-1])
         if limits is None:

@@ -303,7 +303,7 @@ def value_kinds() -> dict[str, Form]:
     from warpffrf.model.oils import OILS, DowsonHigginson, iso_vg
     from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.small_sliding import SmallSliding
-    from warpffrf.model.surfaces import SHAPES, Curve, Matched, cam
+    from warpffrf.model.surfaces import SHAPES, Curve, Matched, cam, rail_uic60, wheel_s1002
     from warpffrf.offline.bases import BASES
 
     online = importlib.import_module("warpffrf.online")
@@ -316,9 +316,10 @@ def value_kinds() -> dict[str, Form]:
     }  # fmt: skip
     found.update({kind: form_of(kind, cls, {}) for kind, cls in registered.items()})
     found["extruded"] = form_of("extruded", SHAPES["extruded"], {"curve": "value"})
-    curves = {"through": Curve.through, "arcs": Curve.arcs, "cam": cam, "gear": Gear}
+    curves = {"through": Curve.through, "arcs": Curve.arcs, "cam": cam, "rail_uic60": rail_uic60, "gear": Gear}
     curves |= {"gear_flank": flat(Gear.flank, self=Gear), "gear_section": flat(Gear.section, self=Gear)}
     found.update({kind: form_of(kind, call, {"lift": "value"}) for kind, call in curves.items()})
+    found["wheel_s1002"] = form_of("wheel_s1002", wheel_s1002, {})
     found.update({snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in others})
     found.update(
         {kind: form_of(kind, cls, item_roles(cls)) for kinds in bearing_parts().values() for kind, cls in kinds}
@@ -341,7 +342,7 @@ def shape_kinds() -> dict[str, Form]:
     """Kind -> form of every contact surface."""
     from warpffrf.model.surfaces import SHAPES
 
-    return {kind: value_kinds()[kind] for kind in SHAPES}
+    return {kind: value_kinds()[kind] for kind in (*SHAPES, "wheel_s1002")}
 
 
 @cache

@@ -305,8 +305,8 @@ def test_profile_numbers_are_the_shape() -> None:
             "end_drop must be below .* too steep",
         ),
         (
-            lambda: surfaces.ProfiledCylinder.logarithmic(length=0.02, amplitude=1e-6, end_drop=9e-6),
-            "end_drop 9e-06 m is too much for an amplitude of 1e-06 m.*smaller end_drop or a greater amplitude",
+            lambda: surfaces.ProfiledCylinder.logarithmic(length=0.02, amplitude=1e-6, end_drop=9.5e-6),
+            "end_drop 9.5e-06 m is too much for an amplitude of 1e-06 m.*smaller end_drop or a greater amplitude",
         ),
         (
             lambda: surfaces.ProfiledCylinder.logarithmic(length=0.5, amplitude=1e-2, end_drop=1e-2, radius=5e-3),

@@ -84,12 +84,12 @@ def _least(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
     shape, opposite = one.surface.shape, other.surface.shape
     middle = one.body.to_user(other.body.to_world(opposite.axis_point))
     reach = float(np.linalg.norm(middle - shape.axis_point)) + float(shape.radius) + float(opposite.size)
-    limit = abs(shape.profile().crown) * EDGE or np.inf
-    center, half = (0.0, 0.0), (np.pi, min(reach, limit))
+    low, high = _meridian_ends(one.surface) or (-reach, reach)
+    center, half = (0.0, 0.5 * (low + high)), (np.pi, 0.5 * (high - low))
     for tried in range(ROUNDS):
         counts = FINER if tried else LATTICE
         around, along = (c + h * np.linspace(-1.0, 1.0, n) for c, h, n in zip(center, half, counts, strict=True))
-        along = np.clip(along, -limit, limit)
+        along = np.clip(along, low, high)
         world = one.body.to_world(shape.point(around[:, None], along[None, :]))
         distance = opposite.chart(other.body.to_user(world))[2]
         i, j = np.unravel_index(np.argmin(distance), distance.shape)
@@ -97,15 +97,47 @@ def _least(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
     return center
 
 
+def _meridian_ends(surface: Any) -> tuple[float, float] | None:
+    """The limits [m] of a surface's meridian: of its grid, its table, its arc; None without any."""
+    if surface.grid is not None:
+        return float(surface.grid.z[0]), float(surface.grid.z[-1])
+    profile = surface.shape.profile()
+    if len(profile.breaks):
+        return float(profile.breaks[1]), float(profile.breaks[-2])  # the outermost pieces are beyond the table
+    limit = abs(profile.crown) * EDGE
+    return (-limit, limit) if limit else None
+
+
 def curvatures_on(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
     """Relative curvatures [1/m] of both where the ideal surfaces are nearest, along the circle about the axis of `one`
     and along its meridian."""
+    return facing_place(one, other).curvatures
+
+
+@dataclass(frozen=True)
+class FacingPlace:
+    """Where two surfaces are nearest, in the directions along the circle about the axis of the first and along its
+    meridian: the relative `curvatures` [1/m], those of the `sharper` surface [1/m, absolute], and the `slope` dR/dz of
+    the first."""
+
+    curvatures: tuple[float, float]
+    sharper: tuple[float, float]
+    slope: float
+
+
+def facing_place(one: SurfacePort, other: SurfacePort) -> FacingPlace:
+    """The place where the ideal surfaces are nearest."""
     x, y, _ = _opposite(one, other)
     shape: Any = one.surface.shape
     theta, z, _ = shape.chart(one.body.to_user(x))
-    bend = _tensor(one, x) + _tensor(other, y)
-    around, along = (_turned(one, direction) for direction in (shape.around(theta), shape.along(theta, z)))
-    return float(around @ bend @ around), float(along @ bend @ along)
+    bends = np.stack([_tensor(one, x), _tensor(other, y)])
+    directions = np.stack([_turned(one, direction) for direction in (shape.around(theta), shape.along(theta, z))])
+    own = np.einsum("di,sij,dj->sd", directions, bends, directions)
+    around, along = own.sum(axis=0)
+    sharp_around, sharp_along = np.abs(own).max(axis=0)
+    return FacingPlace(
+        (float(around), float(along)), (float(sharp_around), float(sharp_along)), float(shape.slope_at(z))
+    )
 
 
 def _opposite(a: SurfacePort, b: SurfacePort) -> tuple[np.ndarray, np.ndarray, float]:

@@ -6,7 +6,7 @@
 
 Their common base is in `base` (frame, fit), `revolution` (chart) and `profile` (the meridian's numbers). `SHAPES` lists
 them by kind. A user-defined surface is a subclass of `RevolutionShape` with a `profile`, or of one of these. `Matched`
-is a face of any shape for small-sliding contact.
+is a face of any shape for small-sliding contact, `railway` has the profiles of a wheel and a rail.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from warpffrf.model.surfaces.matched import Matched
 from warpffrf.model.surfaces.plane import Plane
 from warpffrf.model.surfaces.profile import SurfaceProfile
 from warpffrf.model.surfaces.profiled_cylinder import ProfiledCylinder, RevolutionShape
+from warpffrf.model.surfaces.railway import rail_uic60, wheel_s1002
 from warpffrf.model.surfaces.round import Bore, Cone, ConicalBore, CrownedCylinder, Cup, Cylinder, Groove, Ring, Sphere
 
 __all__ = [
@@ -47,6 +48,8 @@ __all__ = [
     "SurfaceProfile",
     "cam",
     "from_description",
+    "rail_uic60",
+    "wheel_s1002",
 ]
 
 

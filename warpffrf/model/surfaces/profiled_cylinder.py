@@ -21,8 +21,8 @@ of a roller that a load Q presses on a straight partner, A = Q/(pi L E*) with 1/
 pressure without edges in the limit of a large end drop e. Its slope is closed too, 4 A (exp(e/A) - 1)/L at the ends.
 
 Refused: z that does not increase, so that the profile is not monotonic; a slope above 80 degrees; a drop of more than
-the radius; a hollow so narrow that normals of the profile cross within its own depth, curvature times depth above 1:
-its points would then be nearest to several points.
+the radius; a hollow so narrow that normals of the profile cross far within its own depth, curvature times depth above
+3: its points would then be nearest to several points. The root of a wheel's flange has 2.4, and a tread that fits it.
 """
 
 from __future__ import annotations
@@ -158,6 +158,7 @@ class RevolutionShape(Shape):
 STEEPEST = np.tan(np.radians(80.0))  # a steeper profile is an end face, and the chart hardly moves along it
 LEVEL = 1e-9  # slope, and drop over length, below which a table is level: round-off of the nodes it would be seen by
 BEYOND = 0.01  # of the table's length: how far nodes may lie outside it
+DEEPEST = 3.0  # curvature times depth of the profile of its sharpest hollow
 LOGARITHMIC_NODES = 129  # with exact slopes: error (step)^4/384 of the fourth derivative, 1e-4 of the end drop or less
 
 
@@ -290,10 +291,10 @@ class ProfiledCylinder(RevolutionShape):
             raise InputError(f"{label} drops by {np.max(drop):g} m, more than the radius {self.radius:g} m")
         depth, hollow = float(np.ptp(drop)), self.side * bend / (1.0 + slope**2) ** 1.5
         worst = int(np.argmax(hollow))
-        if hollow[worst] * depth > 1.0:
+        if hollow[worst] * depth > DEEPEST:
             raise InputError(
                 f"{label} intersects itself: near z = {at[worst]:g} m its hollow has a radius of "
-                f"{1.0 / hollow[worst]:.3g} m, less than the depth of the profile, {depth:.3g} m, so that its normals "
+                f"{1.0 / hollow[worst]:.3g} m, too little for the depth of the profile, {depth:.3g} m: its normals "
                 "cross; smooth the table there"
             )
 

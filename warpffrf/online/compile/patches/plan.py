@@ -30,7 +30,7 @@ from scipy.interpolate import PchipInterpolator
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.half_space import rectangle
-from warpffrf.model.placement.nearest import curvatures_on, is_ball
+from warpffrf.model.placement.nearest import curvatures_on, facing_place, is_ball
 from warpffrf.model.reduced.far_field import WHOLE, FarField
 from warpffrf.online.compile.patches.sides import PARALLEL, Surface, facing, in_world, levers, meridian, middle_of
 
@@ -76,7 +76,8 @@ class PatchPlan:
 
     columns: int
     edges: Array  # of the rows
-    aspect: float  # length over width of rows that follow; 0 of others
+    aspect: float  # extent in z over width of rows that follow; 0 of others
+    stretch: float  # length along the meridian per z of rows that follow, where they face the second surface
     curvature: float
     least: float
     most: float
@@ -101,7 +102,9 @@ class PatchPlan:
                 'there; use grid="body_fixed"'
             )
         least, most = NARROWEST / across, widest(contact)
-        aspect, follows = _aspect(across, along), rows_follow(contact)
+        follows = rows_follow(contact)
+        stretch = _stretch(contact) if follows else 1.0
+        aspect = _aspect(across, along) / stretch
         crowned = is_crowned(contact)
         wanted = _counts(
             contact.cell_error, TAILED / SPAN if _begins(contact) else 1.0, follows=follows, crowned=crowned
@@ -119,7 +122,7 @@ class PatchPlan:
                 edges = off_end_edges(about, None if contact.cells is None else rows)
             elif crowned:
                 edges = crowned_edges(low, high, _nearest(contact, low, high), rows)
-        plan = cls._tabulated(contact, columns, edges, aspect if follows else 0.0, across, least, most)
+        plan = cls._tabulated(contact, columns, edges, aspect if follows else 0.0, stretch, across, least, most)
         return replace(plan, crowned=crowned, off_end=crowned and off_end)
 
     def spread(self, contact: Contact, columns: int, rows: int, least: float, most: float) -> PatchPlan:
@@ -130,13 +133,14 @@ class PatchPlan:
         high = min(max(most, low), self.most)
         curve = PchipInterpolator(np.linspace(0.0, 1.0, len(self.edges)), self.edges)
         edges = curve(np.linspace(0.0, 1.0, rows + 1))
-        plan = self._tabulated(contact, columns, edges, self.aspect, self.curvature, low, high)
+        plan = self._tabulated(contact, columns, edges, self.aspect, self.stretch, self.curvature, low, high)
         return replace(plan, crowned=self.crowned, off_end=self.off_end)
 
     @classmethod
     def _tabulated(
-        cls, contact: Contact, columns: int, edges: Array, aspect: float, curvature: float, least: float, most: float
-    ) -> PatchPlan:
+        cls, contact: Contact, columns: int, edges: Array, aspect: float, stretch: float, curvature: float,
+        least: float, most: float,
+    ) -> PatchPlan:  # fmt: skip
         """The plan with its near tables."""
         bodies = bodies_under(contact)
         follows = aspect > 0.0
@@ -145,7 +149,7 @@ class PatchPlan:
             count = int(np.ceil(np.log(most / least) / STEP)) + 1
             first, step, power = float(np.log(least)), STEP, 2.0
             levels = first + step * np.arange(max(count, 4))
-        z, length = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+        z, length = 0.5 * stretch * (edges[1:] + edges[:-1]), stretch * np.diff(edges)
         table = np.stack(
             [near_table(columns, np.exp(x), z, length, bodies, ends=not follows) / np.exp(power * x) for x in levels]
         )
@@ -153,7 +157,8 @@ class PatchPlan:
         begins = _begins(contact)
         of_hertz = not follows and contact.law.curve is None
         span = TAILED if begins else span_of(columns) if of_hertz else SPAN
-        return cls(columns, edges, aspect, curvature, least, most, begins, span, table, first, step, power, ends)
+        cells = (columns, edges, aspect, stretch, curvature, least, most, begins, span)
+        return cls(*cells, table, first, step, power, ends)
 
     @property
     def follows(self) -> bool:
@@ -246,8 +251,11 @@ def is_crowned(contact: Contact) -> bool:
 
 def widest(contact: Contact) -> float:
     """Largest W [m]: beyond it, the half-space does not represent the bodies."""
-    radius = min(r for r in (radius_of(contact.a.surface), radius_of(contact.b.surface)) if r > 0.0)
     aspect = _aspect(*relative_curvatures(contact)) if rows_follow(contact) else 0.0
+    if any(port.surface.shape.profile().curve is not None for port in contact.ports):
+        across, along = facing_place(*contact.ports).sharper
+        return min(WIDEST / across, LONGEST_ROWS / (along * aspect) if along * aspect > 0.0 else np.inf)
+    radius = min(r for r in (radius_of(contact.a.surface), radius_of(contact.b.surface)) if r > 0.0)
     return radius * min(WIDEST, LONGEST_ROWS / aspect if aspect > 0.0 else np.inf)
 
 
@@ -267,7 +275,7 @@ def relative_curvatures(contact: Contact) -> tuple[float, float]:
     they face each other at the start: balls and extruded curves at their nearest points, others in their middles.
     """
     a, b = contact.a, contact.b
-    if is_ball(a) or is_ball(b) or any(port.surface.shape.profile().curve is not None for port in (a, b)):
+    if _faces_anywhere(contact):
         return curvatures_on(a, b)
     z_a = middle_of(a.surface)
     first = [float(k) for k in a.surface.shape.curvatures(0.0, z_a)]
@@ -285,6 +293,18 @@ def relative_curvatures(contact: Contact) -> tuple[float, float]:
             axes[1] = across_normal / np.linalg.norm(across_normal)
     c2 = float(axes[0] @ axes[1]) ** 2
     return first[0] + c2 * second[0] + (1.0 - c2) * second[1], first[1] + c2 * second[1] + (1.0 - c2) * second[0]
+
+
+def _faces_anywhere(contact: Contact) -> bool:
+    """Whether the place where the surfaces face each other is to be searched: of balls and extruded curves."""
+    ports = contact.ports
+    return any(is_ball(port) or port.surface.shape.profile().curve is not None for port in ports)
+
+
+def _stretch(contact: Contact) -> float:
+    """Length along the meridian of the first surface per z where the surfaces face each other at the start; 1 in the
+    middle of others than balls and extruded curves."""
+    return float(np.hypot(1.0, facing_place(*contact.ports).slope)) if _faces_anywhere(contact) else 1.0
 
 
 def widths(contact: Contact) -> Array:
