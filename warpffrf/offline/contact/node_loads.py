@@ -55,7 +55,6 @@ from warpffrf.offline.contact.contact_grid import (
     Chart,
     GridPlan,
     facet_chart,
-    full_turn,
     nodal_plan,
     spaced_plan,
     wrapped,
@@ -120,7 +119,7 @@ def _loads(kind, nodes, theta, z, shape, plan: GridPlan, basis: str, direction: 
     """Loads of some facets, see `node_loads`."""
     x = (theta - plan.theta_start) / plan.pitch
     if not plan.periodic:  # facets on either side of theta = 0 belong to one arc
-        turn, low = full_turn(shape) / plan.pitch, x.min(axis=1, keepdims=True)
+        turn, low = shape.profile().turn / plan.pitch, x.min(axis=1, keepdims=True)
         x = x + (wrapped(low, turn, -0.5 / turn) - low)
     j = k = None  # the lines below each point
     if plan.nodal and kind in PIECES:

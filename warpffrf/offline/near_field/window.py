@@ -33,7 +33,8 @@ surface along the tangents become arcs of the principal curvatures k,
 
     s = asin(k_theta a)/k_theta,   t = asin(k_z b)/k_z       (a and b themselves where k = 0),
 
-so that a cylinder unrolls without stretching, and a sphere keeps its distances from x_c along both principal lines.
+so that a cylinder unrolls without stretching, and a sphere keeps its distances from x_c along both principal lines. An
+extruded curve has s and t in its own chart, the arc length and z.
 (s, t, -y) is right-handed: cells keep their orientation.
 
 Ends. Free end faces of a contact surface, and their contribution to the half-space.
@@ -62,6 +63,7 @@ from warpffrf.model.mesh.elements import cell_kind, facet_kind
 from warpffrf.model.mesh.facets import FacetSet, outer_faces, row_numbers
 from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.far_field import FreeEnd
+from warpffrf.offline.contact.contact_grid import wrapped
 from warpffrf.offline.contact.node_loads import ContactFacets
 from warpffrf.offline.fe import Assignment, Sparse, assemble
 from warpffrf.offline.near_field.half_space import OUTWARD, EndField, PointLoads, half_space_at
@@ -272,6 +274,12 @@ class NearFunctions:
         return found
 
 
+def sharpest(shape: Any, grid: SurfaceGrid) -> tuple[float, float]:
+    """Largest principal curvatures [1/m], unsigned, around and along the meridian, over the columns of the `grid`."""
+    around, along = (np.abs(k) for k in shape.curvatures(grid.theta, float(np.mean(grid.z))))
+    return float(np.max(around)), float(np.max(along))
+
+
 FARTHEST = 1.4  # rad between normals: arcs are computed from their chords, which shorten again from pi/2 on
 STRAIGHT = 1e-12  # of a curvature times a length: below it the arc is its chord to round-off
 
@@ -307,6 +315,8 @@ class FlatChart:
 
     def on_surface(self, theta: Array, z: Array) -> tuple[Array, Array]:
         """(s, t) [m] of the points (theta, z) of the surface, less than a quarter of a revolution from the centre."""
+        if (profile := self.shape.profile()).curve is not None:  # its chart is flat already
+            return wrapped(theta - self.theta, profile.turn), np.asarray(z - self.z, float)
         off = self.shape.point(theta, z) - self.origin
         k_theta, k_z = (float(k) for k in self.shape.curvatures(self.theta, self.z))
         return (
