@@ -193,15 +193,18 @@ def nodal_plan(chart: Chart, name: str, theta_first: float | None = None) -> Gri
     return GridPlan(origin + float(theta[0]), float(np.mean(steps)), len(theta), False, z, True)
 
 
-def spaced_plan(chart: Chart, shape, name: str, spacing: float, nodes: int | None = None) -> GridPlan:
-    """A structured grid of `spacing` [m] or slightly more around and along, independent of the mesh.
+def spaced_plan(
+    chart: Chart, shape, name: str, spacing: float, nodes: int | None = None, along: float | None = None
+) -> GridPlan:
+    """A structured grid of `spacing` [m] or slightly more around, and `along` or the same along, independent of the
+    mesh.
 
     Raises `InputError` for a grid of more functions than there are supporting `nodes`, if these are given.
     """
     start, extent, full = covered_arc(chart, name)
     low, high = float(chart.z.min()), float(chart.z.max())
     radius = largest_radius(shape, np.array([low, high]))
-    rows = max(int((high - low) / spacing + ROUND_SPACING) + 1, 2)
+    rows = max(int((high - low) / (along or spacing) + ROUND_SPACING) + 1, 2)
     columns = max(int(extent * radius / spacing + ROUND_SPACING) + (not full), FEWEST_COLUMNS)
     if nodes is not None:
         check_count(columns * rows, nodes, name, chart.edge)
