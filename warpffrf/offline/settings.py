@@ -18,7 +18,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_number, unknown_name
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.surfaces import Extruded, Matched
+from warpffrf.model.surfaces import Matched
 from warpffrf.offline.bases import Basis, basis_options
 from warpffrf.offline.contact.node_loads import ContactFacets
 from warpffrf.offline.inertia.invariants import require_cells
@@ -99,11 +99,6 @@ class Settings:
                 )
             if shape is not None and (isinstance(shape, type) or not hasattr(shape, "fitted")):
                 raise InputError(f"contact {name!r}: {shape!r} is no surface shape; use surfaces.Cylinder() or None")
-            if isinstance(shape, Extruded):
-                raise InputError(
-                    f"contact {name!r}: extruded surfaces are of rigid bodies and of the ground so far; a flexible "
-                    "body rolls on them with a surface of revolution or a plane"
-                )
 
     @property
     def limits(self) -> Limits:

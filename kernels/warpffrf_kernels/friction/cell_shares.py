@@ -18,7 +18,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.friction.cells import rubs_on_grid
-from warpffrf_kernels.kinematics.line_of_centres import TWO_PI, wrap
+from warpffrf_kernels.kinematics.line_of_centres import wrap
 from warpffrf_kernels.normal.contact_compliance import node_of
 from warpffrf_kernels.surfaces.surface import radius_of
 
@@ -91,7 +91,7 @@ def spread_cells(run: Run, geometry: ContactGeometry, cells: FrictionCells):
         q_4 = cells.cell_turn[w, pair, m, 3]
         x = cells.cell_place[w, pair, m, 0] + model.surfaces.side[B] * q_3 * middle / metric
         if model.surfaces.turn[B] > 0:
-            x = wrap(x, TWO_PI / model.surfaces.pitch[B], real(geometry.center[w, pair, 1]))
+            x = wrap(x, real(model.surfaces.turn[B]), real(geometry.center[w, pair, 1]))
         half = wp.sqrt(q_1 * q_1 * half_around * half_around + q_3 * q_3 * half_along * half_along) / metric
         first = int(wp.floor(x - half + real(0.5))) - 1
         reach = wp.sqrt(q_2 * q_2 * half_around * half_around + q_4 * q_4 * half_along * half_along)

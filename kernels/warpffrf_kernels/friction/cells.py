@@ -35,7 +35,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.core.state import FrictionState, MotionState
-from warpffrf_kernels.kinematics.line_of_centres import TWO_PI, wrap
+from warpffrf_kernels.kinematics.line_of_centres import wrap
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 from warpffrf_kernels.surfaces.surface import (
     axes_of,
@@ -45,6 +45,7 @@ from warpffrf_kernels.surfaces.surface import (
     local_normal,
     local_point,
     origin_of,
+    period_of,
     radius_of,
     slope_of,
 )
@@ -213,8 +214,10 @@ def find_cell(model: Model, A: int, B: int, s: Sight, theta: real, z: real) -> P
     grown = now[0] - then[0]
     R = real(1.0)
     along = vec3(real(0.0), real(0.0), real(1.0))
+    period = period_of(model, B)
+    if period > real(0.0):
+        grown = wrap(grown, period, real(0.0))
     if model.surfaces.planar[B] == 0:
-        grown = wrap(grown, TWO_PI, real(0.0))
         R = radius_of(model, B, now[1])
         slope = slope_of(model, B, now[1])
         along = vec3(slope * wp.cos(now[0]), slope * wp.sin(now[0]), real(1.0))

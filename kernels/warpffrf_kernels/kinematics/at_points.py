@@ -29,11 +29,11 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.core.state import ContactState
-from warpffrf_kernels.kinematics.closest_point import TWO_PI, view_of
+from warpffrf_kernels.kinematics.closest_point import view_of, wrap_column
 from warpffrf_kernels.kinematics.contact_wrench import Held, point_wrench
-from warpffrf_kernels.kinematics.line_of_centres import row_below, wrap
+from warpffrf_kernels.kinematics.line_of_centres import row_below
 from warpffrf_kernels.kinematics.line_of_centres_points import keep_node
-from warpffrf_kernels.surfaces.surface import CENTRE, EXTRUDED, axes_of, extruded_foot, meridian_of
+from warpffrf_kernels.surfaces.surface import CENTRE, EXTRUDED, axes_of, extruded_foot, meridian_of, section_at
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -68,7 +68,6 @@ def sample_points(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.ar
     low = model.surfaces.z[z0]
     high = model.surfaces.z[z0 + rows_b - 1]
     last = real(model.surfaces.columns[B])
-    turn_b = TWO_PI / model.surfaces.pitch[B]
     middle = real(geometry.center[w, pair, 1])
     known = int(-1)
     cosine = real(1.0)
@@ -94,6 +93,11 @@ def sample_points(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.ar
             u = cosine * c - sine * s
             v = sine * c + cosine * s
             x = vec3(R * u, R * v, z)
+        way = vec3(-x[1], x[0], real(0.0))
+        if planar == EXTRUDED:
+            curve = section_at(model, A, sine + s)
+            x = vec3(curve.point[0], curve.point[1], z)
+            way = vec3(curve.slope[0], curve.slope[1], real(0.0))
         weight = model.points.weight[start + p]
         y = view.at + view.turn * x
         g = y[0]
@@ -113,17 +117,16 @@ def sample_points(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.ar
             scale = side_b * foot[2] / wp.max(rho, CENTRE)
             f = vec3(scale * y[0], scale * y[1], side_b * foot[3])
         f = wp.transpose(view.turn) * f
-        unit = point_wrench(model, A, x, f, held[w, pair, p], geometry.held_ball[w, pair])
+        unit = point_wrench(model, A, x, way, f, held[w, pair, p], geometry.held_ball[w, pair])
         m = unit.moment + wp.cross(arm_a, unit.force)
         more = unit.more_moment + wp.cross(arm_a, unit.more_force)
         column_b = real(0.0)
         row_b = real(0.0)
         if rigid == 0:
             if planar_b == 0:
-                column_b = (wp.atan2(y[1], y[0]) - model.surfaces.theta[B]) / model.surfaces.pitch[B]
-                column_b = wrap(column_b, turn_b, middle)
-            else:
-                column_b = (foot_theta - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+                foot_theta = wp.atan2(y[1], y[0])
+            column_b = (foot_theta - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+            column_b = wrap_column(model, B, column_b, middle)
             if model.surfaces.periodic[B] == 0 and (column_b < real(-1.0) or column_b > last):
                 weight = real(0.0)
             if foot_z < low or foot_z > high:

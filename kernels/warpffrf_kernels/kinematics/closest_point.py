@@ -19,8 +19,6 @@ too (`touched`). A pair whose first grid is an arc of no more columns than the w
 never moves.
 """
 
-import math
-
 import warp as wp
 
 from warpffrf_kernels.core import control as k
@@ -32,19 +30,21 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.kinematics.line_of_centres import DRIFT, FARTHEST, PHASE_TOLERANCE, row_below, wrap
 from warpffrf_kernels.surfaces.surface import (
+    EXTRUDED,
     axes_of,
     chart_of,
     distance_of,
     gradient_of,
     local_point,
     origin_of,
+    period_of,
     radius_of,
+    section_at,
     slope_of,
 )
 
 wp.set_module_options(MODULE_OPTIONS)
 
-TWO_PI = wp.constant(wp.float64(2.0 * math.pi))
 SCAN = wp.constant(24)  # angles of the scan, 15 degrees apart: brackets the one minimum of a convex section
 SECTIONS = wp.constant(3)  # both ends and the middle
 # of the scene's length: gaps that differ by less are equal, the middle one is taken
@@ -102,13 +102,25 @@ def slopes(model: Model, A: int, B: int, view: View, column: real, z: real) -> w
     x = local_point(model, A, theta, z)
     around = vec3(-x[1], x[0], real(0.0))
     along = vec3(real(0.0), real(0.0), real(1.0))
-    if model.surfaces.planar[A] != 0:
+    if model.surfaces.planar[A] == EXTRUDED:
+        way = section_at(model, A, theta).slope
+        around = vec3(way[0], way[1], real(0.0))
+    elif model.surfaces.planar[A] != 0:
         around = vec3(real(0.0), real(1.0), real(0.0))
     else:
         slope = slope_of(model, A, z)
         along = vec3(slope * wp.cos(theta), slope * wp.sin(theta), real(1.0))
     gradient = wp.transpose(view.turn) * gradient_of(model, B, view.at + view.turn * x)
     return wp.vec2d(wp.dot(gradient, around), wp.dot(gradient, along))
+
+
+@wp.func
+def wrap_column(model: Model, s: int, column: real, middle: real) -> real:
+    """A column of a surface that closes around, nearest to `middle`; unchanged of others."""
+    period = period_of(model, s)
+    if period == real(0.0):
+        return column
+    return wrap(column, period / model.surfaces.pitch[s], middle)
 
 
 @wp.func
@@ -284,7 +296,7 @@ def scan(model: Model, w: int, pair: int, A: int, B: int, view: View, geometry: 
     while i < count:
         away = overlaps[i] - x_at
         if around:
-            away = wrap(away, TWO_PI / pitch, real(0.0))
+            away = wrap_column(model, A, away, real(0.0))
         column = int(wp.floor(x_at + away + real(0.5)))
         if low == NOWHERE:
             low = column
@@ -335,13 +347,11 @@ def locate_points(run: Run, trial: Trial, geometry: ContactGeometry):
             end = model.surfaces.z[model.surfaces.z_start[A]]
         other = chart_of(model, B, view.at + view.turn * local_point(model, A, theta, end))
         turned = (other[0] - foot[0]) / model.surfaces.pitch[B]
-        if model.surfaces.planar[B] == 0:
-            turn_b = TWO_PI / model.surfaces.pitch[B]
-            middle = real(0.5) * real(model.surfaces.columns[B] - 1)
-            if run.ctl[w].iteration > 0:  # stay on the branch of the window
-                middle = real(geometry.center[w, pair, 1])
-            x_b = wrap(x_b, turn_b, middle)
-            turned = wrap(turned, turn_b, real(0.0))
+        middle = real(0.5) * real(model.surfaces.columns[B] - 1)
+        if run.ctl[w].iteration > 0:  # stay on the branch of the window
+            middle = real(geometry.center[w, pair, 1])
+        x_b = wrap_column(model, B, x_b, middle)
+        turned = wrap_column(model, B, turned, real(0.0))
         row = row_below(model, B, foot[1])
         z0 = model.surfaces.z_start[B] + row
         row_b = real(row) + (foot[1] - model.surfaces.z[z0]) / (model.surfaces.z[z0 + 1] - model.surfaces.z[z0])

@@ -28,6 +28,12 @@ Parallel cylinders: H = e_theta e_theta/rho_B, D_f = -e_theta/|c|, c the vector 
 
 Against a plane H = 0: the force is n, its moment about A's axis is left out.
 
+An *extruded curve* x(theta) has x' and x'' in the place of R e_theta and -R e_r,
+
+    q = n.x',      D_f = -H x'/N,      D_m = -(x* x H x' + x' x n)/N,      N = x'.H x' + n.x'',
+
+N the relative curvature of the two surfaces. The whole torque about its axis remains: that of its rotation on the gap.
+
 The rotation of a *sphere* about any line through its centre O moves only its grid. The direction of its closest point
 from the centre is e = -n(O), de = -(H tau - w x n), and the frame of the contact rotates by -w - e x H tau, minus the
 part about e that must not arise from B's rotation about its own axis. With q = (x - O) x n the unit pressure exerts
@@ -52,7 +58,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.kinematics.closest_point import BEYOND, view_of
-from warpffrf_kernels.surfaces.surface import gradient_of, gradient_slope_of, local_point
+from warpffrf_kernels.surfaces.surface import EXTRUDED, PLANE, gradient_of, gradient_slope_of, local_point, section_at
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -84,20 +90,28 @@ def held_section(model: Model, A: int, B: int, at: vec3, turn: mat33, column: re
     """For the section z of A, seen from B as `at + turn x`; `column` of the closest point."""
     theta = model.surfaces.theta[A] + column * model.surfaces.pitch[A]
     x = local_point(model, A, theta, z)
-    e_r = vec3(wp.cos(theta), wp.sin(theta), real(0.0))
-    around = vec3(-e_r[1], e_r[0], real(0.0))
+    way = vec3(-x[1], x[0], real(0.0))  # dx/dtheta, and its derivative
+    bend = vec3(-x[0], -x[1], real(0.0))
+    least = real(0.0)
+    if model.surfaces.planar[A] == EXTRUDED:
+        curve = section_at(model, A, theta)
+        way = vec3(curve.slope[0], curve.slope[1], real(0.0))
+        bend = vec3(curve.bend[0], curve.bend[1], real(0.0))
+        least = COAXIAL / model.length
     y = at + turn * x
     back = wp.transpose(turn)
     n = back * gradient_of(model, B, y)
-    bent = back * (gradient_slope_of(model, B, y) * (turn * around))
-    N = wp.dot(x, e_r) * wp.dot(around, bent) - wp.dot(n, e_r)
+    bent = back * (gradient_slope_of(model, B, y) * (turn * way))
+    N = wp.dot(way, bent) + wp.dot(n, bend)
+    own = wp.length(bend)
     out = Held()
-    if wp.abs(N) < COAXIAL:
+    if wp.abs(N) < wp.max(COAXIAL * own, least):
         return out
     out.by_move = -bent / N
-    m = -(wp.cross(x, bent) + wp.cross(around, n)) / N
-    out.by_turn = vec3(m[0], m[1], real(-1.0))
-    if wp.abs(N) < HUGGING:
+    out.by_turn = -(wp.cross(x, bent) + wp.cross(way, n)) / N
+    if model.surfaces.planar[A] == 0:
+        out.by_turn[2] = real(-1.0)
+    if wp.abs(N) < HUGGING * own:
         out.hugs = 1
     return out
 
@@ -126,7 +140,7 @@ def hold_contact_frame(run: Run, trial: Trial, geometry: ContactGeometry, held: 
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
-    if model.surfaces.planar[A] != 0:
+    if model.surfaces.planar[A] == PLANE:
         return
     view = view_of(model, w, pair, trial)
     if is_sphere(model, A):
@@ -157,12 +171,13 @@ class Wrench:
 
 
 @wp.func
-def point_wrench(model: Model, A: int, x: vec3, n: vec3, section: Held, ball: mat33) -> Wrench:
-    """For the point x of A with the normal n of B, both in A's surface frame."""
+def point_wrench(model: Model, A: int, x: vec3, way: vec3, n: vec3, section: Held, ball: mat33) -> Wrench:
+    """For the point x of A with the normal n of B, both in A's surface frame; `way`: dx/dtheta, of no use on a
+    plane."""
     out = Wrench()
     out.force = n
     out.moment = wp.cross(x, n)
-    if model.surfaces.planar[A] != 0:
+    if model.surfaces.planar[A] == PLANE:
         return out
     if is_sphere(model, A):
         more = ball * out.moment
@@ -172,11 +187,13 @@ def point_wrench(model: Model, A: int, x: vec3, n: vec3, section: Held, ball: ma
         else:
             out.force += more
         return out
-    q = out.moment[2]
+    q = wp.dot(n, way)
     if section.hugs != 0:
-        out.moment[2] = real(0.0)
         out.more_force = q * section.by_move
-        out.more_moment = vec3(q * section.by_turn[0], q * section.by_turn[1], real(0.0))
+        out.more_moment = q * section.by_turn
+        if model.surfaces.planar[A] == 0:
+            out.moment[2] = real(0.0)
+            out.more_moment[2] = real(0.0)
     else:
         out.force += q * section.by_move
         out.moment += q * section.by_turn

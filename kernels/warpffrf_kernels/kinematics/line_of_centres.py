@@ -29,8 +29,6 @@ them again. `line_of_centres_points` samples gap and opposite point on B's grid 
 gaps.
 """
 
-import math
-
 import warp as wp
 
 from warpffrf_kernels.core import control as k
@@ -40,6 +38,7 @@ from warpffrf_kernels.core.model import LINE_OF_CENTRES, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.core.scratch import Trial
+from warpffrf_kernels.surfaces.surface import TWO_PI
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -47,7 +46,6 @@ PHASE_TOLERANCE = wp.constant(
     wp.float64(1.0e-4)
 )  # columns: G changes by about this fraction; sufficient for a tangent, see contact_solve
 SERIES = wp.constant(wp.float64(5.0e-6))  # rad: third-order terms are then below round-off
-TWO_PI = wp.constant(wp.float64(2.0 * math.pi))
 FREEZE = wp.constant(wp.float64(2.0e-7))  # columns: phases are kept if an iteration changes them by less, see above
 DRIFT = wp.constant(wp.float64(0.75))  # columns off the centre column, beyond which the windows are moved
 FARTHEST = wp.constant(wp.float64(1.0e6))  # columns: a larger phase belongs to a state that has left the scene

@@ -17,11 +17,19 @@ from warpffrf_kernels.core.model import PATCH, Elements
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.core.scratch import Trial
-from warpffrf_kernels.kinematics.closest_point import TWO_PI, view_of
+from warpffrf_kernels.kinematics.closest_point import view_of, wrap_column
 from warpffrf_kernels.kinematics.contact_wrench import Held, held_section, held_sphere, is_sphere, point_wrench
-from warpffrf_kernels.kinematics.line_of_centres import wrap
 from warpffrf_kernels.patch.far_splines import TAPS, Taps, column_taps, row_taps
-from warpffrf_kernels.surfaces.surface import axes_of, foot_of, radius_of, slope_of
+from warpffrf_kernels.surfaces.surface import (
+    EXTRUDED,
+    PLANE,
+    Section,
+    axes_of,
+    foot_of,
+    radius_of,
+    section_at,
+    slope_of,
+)
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -79,7 +87,7 @@ def hold_rows(run: Run, trial: Trial, patch: PatchScratch, patch_row: wp.array3d
             found.length = real(0.0)
         if elements.patches.far_of[A] >= 0:
             found.along = row_taps(model, elements, A, found.z)
-        if model.surfaces.planar[A] == 0 and not ball:
+        if model.surfaces.planar[A] != PLANE and not ball:
             found.held = held_section(model, A, B, view.at, view.turn, patch.patch_place[w, pair, 0], found.z)
         patch_row[w, pair, row] = found
         row += wp.block_dim()
@@ -130,6 +138,7 @@ def sample_cells(
     theta = real(0.0)
     cosine = real(0.0)
     sine = real(0.0)
+    curve = Section()
     around = Taps()
     m = lane
     while m < columns * rows:
@@ -138,19 +147,25 @@ def sample_cells(
             known = column
             x_a = patch.patch_place[w, pair, 0] + (real(column) - real(0.5) * real(columns - 1)) * strip
             theta = model.surfaces.theta[A] + x_a * model.surfaces.pitch[A]
-            cosine = wp.cos(theta)
-            sine = wp.sin(theta)
+            if model.surfaces.planar[A] == EXTRUDED:
+                curve = section_at(model, A, theta)
+            else:
+                cosine = wp.cos(theta)
+                sine = wp.sin(theta)
             if elements.patches.far_of[A] >= 0:
                 around = column_taps(model, elements, A, x_a)
         row = patch_row[w, pair, m - column * rows]
         size = strip * model.surfaces.pitch[A] * row.length
         x = vec3(row.radius * cosine, row.radius * sine, row.z)
-        if model.surfaces.planar[A] != 0:
+        way = vec3(-x[1], x[0], real(0.0))
+        if model.surfaces.planar[A] == EXTRUDED:
+            x = vec3(curve.point[0], curve.point[1], row.z)
+            way = vec3(curve.slope[0], curve.slope[1], real(0.0))
+        elif model.surfaces.planar[A] != 0:
             x = vec3(real(0.0), theta, row.z)
         foot = foot_of(model, B, view.at + view.turn * x)
         x_b = (foot.theta - model.surfaces.theta[B]) / model.surfaces.pitch[B]
-        if model.surfaces.planar[B] == 0:
-            x_b = wrap(x_b, TWO_PI / model.surfaces.pitch[B], patch.patch_place[w, pair, 3])
+        x_b = wrap_column(model, B, x_b, patch.patch_place[w, pair, 3])
         if model.surfaces.periodic[A] == 0 and (x_a < real(0.0) or x_a > real(model.surfaces.columns[A] - 1)):
             size = real(0.0)
         if model.surfaces.rigid[B] == 0:
@@ -158,7 +173,7 @@ def sample_cells(
                 size = real(0.0)
             if model.surfaces.periodic[B] == 0 and (x_b < real(0.0) or x_b > real(model.surfaces.columns[B] - 1)):
                 size = real(0.0)
-        unit = point_wrench(model, A, x, back * foot.normal, row.held, patch.patch_ball[w, pair])
+        unit = point_wrench(model, A, x, way, back * foot.normal, row.held, patch.patch_ball[w, pair])
         force = turn * unit.force
         moment = turn * (unit.moment + wp.cross(arm_a, unit.force))
         more_force = turn * unit.more_force

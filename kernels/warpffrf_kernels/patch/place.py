@@ -26,8 +26,8 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Trial
 from warpffrf_kernels.core.state import ContactState
-from warpffrf_kernels.kinematics.closest_point import TWO_PI, View, gap_at, scan, settle, view_of
-from warpffrf_kernels.kinematics.line_of_centres import FARTHEST, PHASE_TOLERANCE, wrap
+from warpffrf_kernels.kinematics.closest_point import View, gap_at, scan, settle, view_of, wrap_column
+from warpffrf_kernels.kinematics.line_of_centres import FARTHEST, PHASE_TOLERANCE
 from warpffrf_kernels.normal.compliance_reuse import BEGUN, OLDER, are_near
 from warpffrf_kernels.surfaces.surface import chart_of, local_point, radius_of
 
@@ -299,11 +299,10 @@ def locate_patches(
     x_b = real(0.0)
     if model.surfaces.rigid[B] == 0:
         x_b = (foot[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
-        if model.surfaces.planar[B] == 0:
-            middle = real(0.5) * real(model.surfaces.columns[B] - 1)
-            if run.ctl[w].iteration > 0:  # stay on the branch of the first iteration
-                middle = real(geometry.center[w, pair, 1])
-            x_b = wrap(x_b, TWO_PI / model.surfaces.pitch[B], middle)
+        middle = real(0.5) * real(model.surfaces.columns[B] - 1)
+        if run.ctl[w].iteration > 0:  # stay on the branch of the first iteration
+            middle = real(geometry.center[w, pair, 1])
+        x_b = wrap_column(model, B, x_b, middle)
     if not (wp.abs(x) < FARTHEST and wp.abs(x_b) < FARTHEST):
         run.ctl[w].failure = run.ctl[w].failure | k.NOT_FINITE
         run.ctl[w].run = 0

@@ -35,7 +35,7 @@ from warpffrf_kernels.rolling.shear import STRIPS_AROUND, near_along, open_near,
 from warpffrf_kernels.rolling.spline_tables import half_along, load_side, read_side, sum_along, table_along, trace_along
 from warpffrf_kernels.rolling.strips import multiply_half_spaces
 from warpffrf_kernels.surfaces.fields import clear_field
-from warpffrf_kernels.surfaces.surface import radius_of
+from warpffrf_kernels.surfaces.surface import EXTRUDED, curve_curvature, radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -206,9 +206,11 @@ def pressed_along(
 
 
 @wp.func
-def curvature_along(model: Model, s: int, z: real, x: real, y: real) -> real:
-    """Curvature [1/m] of surface s at z in the direction (x, y) of its tangents, positive if convex; for a tabulated
-    surface that of the neighbouring arc."""
+def curvature_along(model: Model, s: int, column: real, z: real, x: real, y: real) -> real:
+    """Curvature [1/m] of surface s at a column and z in the direction (x, y) of its tangents, positive if convex; for a
+    tabulated surface that of the neighbouring arc."""
+    if model.surfaces.planar[s] == EXTRUDED:
+        return x * x * curve_curvature(model, s, model.surfaces.theta[s] + column * model.surfaces.pitch[s])
     if model.surfaces.planar[s] != 0:
         return real(0.0)
     along = real(0.0)
@@ -264,9 +266,10 @@ def move_cells(
             pressed_along(model, elements, w, pair, side, lane, count, patch.far_load, out_at, rolling)
             q = rubbing.cell_turn[w, pair, (elements.patches.columns[pair] / 2) * rows + rows / 2, 0]
             y = rubbing.cell_turn[w, pair, (elements.patches.columns[pair] / 2) * rows + rows / 2, 1]
-            curved = curvature_along(model, s, patch.patch_place[w, pair, 1], real(1.0), real(0.0))
+            column = patch.patch_place[w, pair, 0]
+            curved = curvature_along(model, s, column, patch.patch_place[w, pair, 1], real(1.0), real(0.0))
             if side == 1:
-                curved = -curvature_along(model, s, real(0.0), q, y)
+                curved = -curvature_along(model, s, patch.patch_place[w, pair, 3], real(0.0), q, y)
             n = lane
             while n < line_of(count):
                 rolling.grown[out_at + n] = curved * (patch.far_modes[out_at + n] - patch.far_field[out_at + n])

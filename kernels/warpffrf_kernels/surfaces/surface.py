@@ -34,6 +34,8 @@ the normal n at the foot. It rotates with the point: around the axis by n_rho/rh
 kappa d), the curvature of the parallel surface through the point (kappa that of the foot, d the distance).
 """
 
+import math
+
 import warp as wp
 
 from warpffrf_kernels.core.model import Model
@@ -49,7 +51,8 @@ EVOLUTE = wp.constant(wp.float64(1.0e-12))  # of 1 + kappa d: nearer to the evol
 DEEPEST = wp.constant(wp.float64(1.5))  # of an arc's radius: largest distance from its centre beyond the half circle
 DIAGONAL = wp.constant(wp.float64(0.7071067811865476))  # cosine of the 45 degrees by which a hollow arc is longer
 CENTRE = wp.constant(wp.float64(1.0e-14))  # m: nearer to an arc's centre the direction is undefined
-EXTRUDED = wp.constant(2)  # `planar` of an extruded curve
+PLANE, EXTRUDED = wp.constant(1), wp.constant(2)  # `planar` of a plane, of an extruded curve
+TWO_PI = wp.constant(wp.float64(2.0 * math.pi))
 PIECES = wp.constant(24)  # Newton steps along a curve, each within a piece or to the next
 
 
@@ -222,6 +225,22 @@ def curve_tangent(model: Model, s: int, u: real) -> vec3:
     """Unit tangent of the curve of an extruded surface."""
     slope = wp.normalize(section_at(model, s, u).slope)
     return vec3(slope[0], slope[1], real(0.0))
+
+
+@wp.func
+def curve_curvature(model: Model, s: int, u: real) -> real:
+    """Curvature [1/m] of the curve of an extruded surface, positive if convex."""
+    at = section_at(model, s, u)
+    long = wp.length(at.slope)
+    return (at.slope[0] * at.bend[1] - at.slope[1] * at.bend[0]) / (long * long * long)
+
+
+@wp.func
+def period_of(model: Model, s: int) -> real:
+    """Period of theta: 2 pi, of a closed curve its length [m], 0 without one."""
+    if model.surfaces.planar[s] != 0:
+        return model.surfaces.curve_length[s]
+    return TWO_PI
 
 
 @wp.func

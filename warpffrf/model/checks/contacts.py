@@ -216,6 +216,8 @@ def _size(contact: Contact) -> float:
         surface = port.surface
         if not surface.shape.profile().planar:
             sizes.append(float(surface.shape.radius))
+        elif surface.shape.profile().curve is not None:
+            sizes.append(0.5 * surface.shape.size)
         elif surface.grid is not None:
             sizes.append(float(np.max(np.abs(surface.grid.theta))))
     return min(sizes)

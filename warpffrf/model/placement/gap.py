@@ -199,7 +199,7 @@ def _first_patch(contact: Contact) -> tuple[tuple[float, float], tuple[float, fl
     grid = first.grid
     z = (0.5 * (grid.z[0] + grid.z[-1]), 0.5 * (grid.z[-1] - grid.z[0]))
     if grid.periodic:
-        return (0.0, np.pi), z
+        return (0.0, 0.5 * first.shape.profile().turn), z
     half = 0.5 * grid.pitch * (grid.columns - 1)
     return (grid.theta_start + theta_offset(first) + half, half), z
 
@@ -245,8 +245,9 @@ def _beside(surface: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
     # the outermost nodes reach a pitch beyond the outermost columns
     half = 0.5 * grid.pitch * (grid.columns + 1)
     off = theta - theta_offset(surface) - grid.theta_start - 0.5 * grid.pitch * (grid.columns - 1)
-    if not surface.shape.profile().planar:
-        off = np.angle(np.exp(1j * off))
+    turn = surface.shape.profile().turn
+    if np.isfinite(turn):
+        off = np.remainder(off + 0.5 * turn, turn) - 0.5 * turn
     return beside | (np.abs(off) > half)
 
 
@@ -365,12 +366,14 @@ def _extent(port: SurfacePort) -> float:
     """Radius [m] of a sphere about the axis point that contains the surface; of a rigid one its extent across."""
     surface = port.surface
     shape, grid = surface.shape, surface.grid
-    planar = shape.profile().planar
-    if grid is None:
-        return shape.size if planar else float(shape.radius)
-    z = float(np.max(np.abs(grid.z)))
-    across = float(np.max(np.abs(grid.theta))) if planar else float(np.max(shape.radius_at(grid.z)))
-    return float(np.hypot(across, z))
+    profile = shape.profile()
+    if profile.curve is not None:
+        across = float(np.linalg.norm(profile.curve.points, axis=1).max())
+    elif grid is None:
+        return shape.size if profile.planar else float(shape.radius)
+    else:
+        across = float(np.max(np.abs(grid.theta)) if profile.planar else np.max(shape.radius_at(grid.z)))
+    return float(np.hypot(across, 0.0 if grid is None else np.max(np.abs(grid.z))))
 
 
 def _abreast(port: SurfacePort, point: np.ndarray) -> np.ndarray:

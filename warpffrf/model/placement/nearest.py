@@ -86,10 +86,14 @@ def _least(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
     reach = float(np.linalg.norm(middle - shape.axis_point)) + float(shape.radius) + float(opposite.size)
     low, high = _meridian_ends(one.surface) or (-reach, reach)
     center, half = (0.0, 0.5 * (low + high)), (np.pi, 0.5 * (high - low))
+    first, last = -np.inf, np.inf
+    if (curve := shape.profile().curve) is not None:
+        center, half = (0.5 * float(curve.knots[0] + curve.knots[-1]), center[1]), (0.5 * curve.length, half[1])
+        first, last = (first, last) if curve.closed else curve.knots[[0, -1]]
     for tried in range(ROUNDS):
         counts = FINER if tried else LATTICE
         around, along = (c + h * np.linspace(-1.0, 1.0, n) for c, h, n in zip(center, half, counts, strict=True))
-        along = np.clip(along, low, high)
+        around, along = np.clip(around, first, last), np.clip(along, low, high)
         world = one.body.to_world(shape.point(around[:, None], along[None, :]))
         distance = opposite.chart(other.body.to_user(world))[2]
         i, j = np.unravel_index(np.argmin(distance), distance.shape)
@@ -183,6 +187,8 @@ def _tensor(port: SurfacePort, x: np.ndarray) -> np.ndarray:
     """Curvature tensor (3, 3) [1/m] of a surface at its point nearest x, world axes."""
     shape: Any = port.surface.shape
     theta, z, _ = shape.chart(port.body.to_user(x))
+    if (curve := shape.profile().curve) is not None and not curve.closed:  # beyond its ends it is straight
+        theta = np.clip(theta, *curve.knots[[0, -1]])
     around, along = (_turned(port, direction) for direction in (shape.around(theta), shape.along(theta, z)))
     k_around, k_along = (float(kappa) for kappa in shape.curvatures(theta, z))
     return k_around * np.outer(around, around) + k_along * np.outer(along, along)

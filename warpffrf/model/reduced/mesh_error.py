@@ -67,10 +67,10 @@ def _error(body: ReducedBody, finer: ReducedBody, name: str, held: str | None, h
     ):
         raise InputError(f"mesh_error: contact {name!r} is another surface in the second body; give two meshes of one")
     middle = 0.5 * float(own.grid.z[0] + own.grid.z[-1])
-    k = max(abs(float(v)) for v in own.shape.curvatures(0.0, middle))
+    k = max(float(np.max(np.abs(v))) for v in own.shape.curvatures(own.grid.theta, middle))
     b = half_width if half_width is not None else NARROW * (1.0 / k if k > 0.0 else size)
     profile = own.shape.profile()
-    length = 2.0 * b if profile.planar or profile.crown else size
+    length = 2.0 * b if profile.flat or profile.crown else size
     x, w = np.polynomial.legendre.leggauss(POINTS)
     z, weight = middle + 0.5 * length * x, 0.5 * w
     far = _far(own)
@@ -136,8 +136,8 @@ def own_mesh_error(body: ReducedBody, name: str, half_widths: tuple[float, float
     surface = body.contact_surfaces[name]
     far, grid = _far(surface), surface.grid
     middle = 0.5 * float(grid.z[0] + grid.z[-1])
-    h = grid.pitch * (float(surface.shape.radius_at(middle)) if surface.shape.kind != "plane" else 1.0)
-    k = max(abs(float(v)) for v in surface.shape.curvatures(grid.theta_start, middle))
+    h = grid.pitch * float(surface.shape.radius_at(middle))
+    k = max(float(np.max(np.abs(v))) for v in surface.shape.curvatures(grid.theta, middle))
     wall = body.provenance.get("contact_walls", {}).get(name) or (2.0 / k if k > 0.0 else float(np.ptp(grid.z)))
     a = float(np.sqrt(half_widths[0] * half_widths[1]))
     soft = (1.0 - 2.0 * far.poisson_ratio) / (1.0 - far.poisson_ratio)

@@ -61,6 +61,13 @@ class SurfaceProfile:
         return self.planar and self.curve is None
 
     @property
+    def turn(self) -> float:
+        """Period of theta: 2 pi [rad], of a closed curve its length [m], infinite of a plane and an open curve."""
+        if not self.planar:
+            return 2.0 * np.pi
+        return self.curve.length if self.curve is not None and self.curve.closed else np.inf
+
+    @property
     def curvature(self) -> float:
         """kappa = 1/Rc [1/m], signed; 0 without an arc."""
         return 1.0 / self.crown if self.crown else 0.0

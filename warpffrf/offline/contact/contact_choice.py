@@ -36,7 +36,6 @@ from warpffrf.offline.contact.contact_grid import (
     GridChoice,
     choose_spacing,
     contact_spacing,
-    full_turn,
     grid_error,
     largest_radius,
     nodal_plan,
@@ -173,7 +172,7 @@ def wall(mesh: Mesh, name: str, shape: Any, grid: SurfaceGrid, assignment: Assig
         z - grid.z[0], float(grid.z[-1] - grid.z[0])
     )
     if not grid.periodic:
-        theta = wrapped(theta - grid.theta_start, full_turn(shape), 0.0)
+        theta = wrapped(theta - grid.theta_start, shape.profile().turn, 0.0)
         below &= _inside(theta, grid.pitch * (grid.columns - 1))
     return float(-height[below].max()) if below.any() else None
 

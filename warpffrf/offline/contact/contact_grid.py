@@ -89,7 +89,7 @@ class Chart:
     theta: np.ndarray
     z: np.ndarray
     edge: float  # longest distance between neighbouring corners [m]
-    turn: float = FULL_TURN  # period of theta: 2 pi, or infinity on a plane
+    turn: float = FULL_TURN  # period of theta, that of the shape's profile
 
     def part(self, mask: np.ndarray) -> Chart:
         """The facets selected by `mask` (m,)."""
@@ -117,16 +117,11 @@ def facet_chart(points: np.ndarray, kind: str, nodes: np.ndarray, shape) -> Char
     """Chart coordinates of the nodes of facets `nodes` (m, k) of one `kind`; neighbours may differ by a revolution."""
     theta, z, _ = shape.chart(points[nodes.ravel()])
     theta, z = theta.reshape(nodes.shape), z.reshape(nodes.shape)
-    turn = full_turn(shape)
+    turn = shape.profile().turn
     theta = theta[:, :1] + wrapped(theta - theta[:, :1], turn)
     x = points[nodes[:, : facet_kind(kind).corner_count]]
     edge = float(np.max(np.linalg.norm(x - np.roll(x, 1, axis=1), axis=2)))
     return Chart(theta, z, edge, turn)
-
-
-def full_turn(shape) -> float:
-    """Period of theta in the chart of `shape`: 2 pi, or infinity on a plane."""
-    return np.inf if shape.profile().planar else FULL_TURN
 
 
 def wrapped(theta: np.ndarray, turn: float, low: float = -0.5) -> np.ndarray:
@@ -198,15 +193,18 @@ def nodal_plan(chart: Chart, name: str, theta_first: float | None = None) -> Gri
     return GridPlan(origin + float(theta[0]), float(np.mean(steps)), len(theta), False, z, True)
 
 
-def spaced_plan(chart: Chart, shape, name: str, spacing: float, nodes: int | None = None) -> GridPlan:
-    """A structured grid of `spacing` [m] or slightly more around and along, independent of the mesh.
+def spaced_plan(
+    chart: Chart, shape, name: str, spacing: float, nodes: int | None = None, along: float | None = None
+) -> GridPlan:
+    """A structured grid of `spacing` [m] or slightly more around, and `along` or the same along, independent of the
+    mesh.
 
     Raises `InputError` for a grid of more functions than there are supporting `nodes`, if these are given.
     """
     start, extent, full = covered_arc(chart, name)
     low, high = float(chart.z.min()), float(chart.z.max())
     radius = largest_radius(shape, np.array([low, high]))
-    rows = max(int((high - low) / spacing + ROUND_SPACING) + 1, 2)
+    rows = max(int((high - low) / (along or spacing) + ROUND_SPACING) + 1, 2)
     columns = max(int(extent * radius / spacing + ROUND_SPACING) + (not full), FEWEST_COLUMNS)
     if nodes is not None:
         check_count(columns * rows, nodes, name, chart.edge)
@@ -421,7 +419,7 @@ BORDER = 1e-6  # of a cell: points this close to a border of two cells, such as 
 def grid_values(theta: Array, z: Array, grid: Any, span: GridSpan, turn: float) -> Sparse:
     """Values of the functions of `grid` at chart points theta [rad], z [m] (n,): csr (n, whole columns * rows).
 
-    z is cut to the grid; on an arc, points beyond the whole grid have zeros. `turn`: `full_turn` of the shape.
+    z is cut to the grid; on an arc, points beyond the whole grid have zeros. `turn`: that of the shape's profile.
     """
     lines, whole = grid.z, span.columns
     x = (theta - grid.theta_start) / grid.pitch + span.first

@@ -56,7 +56,7 @@ def line_mesh_error(mesh: Mesh, shape: Any, grid: SurfaceGrid, half_width: float
 def touched_in_lines(shape: Any) -> bool:
     """Whether the meridian is straight or slightly profiled; a plane may also be in point contact."""
     profile = shape.profile()
-    return not (profile.planar or profile.crown)
+    return not (profile.flat or profile.crown)
 
 
 def mesh_error_warning(name: str, error: float | None) -> str | None:

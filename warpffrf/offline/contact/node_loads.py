@@ -51,15 +51,7 @@ import scipy.sparse as sp
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.model.mesh.facets import FacetSet
 from warpffrf.model.reduced.contact_grid import meridian_gram
-from warpffrf.offline.contact.contact_grid import (
-    Chart,
-    GridPlan,
-    facet_chart,
-    full_turn,
-    nodal_plan,
-    spaced_plan,
-    wrapped,
-)
+from warpffrf.offline.contact.contact_grid import Chart, GridPlan, facet_chart, nodal_plan, spaced_plan, wrapped
 from warpffrf.offline.fe import FACET_DEGREE, Sparse, rule
 
 # Lines of the nodal grid run along the edges of linear facets and through the middle of quadratic ones: this number of
@@ -120,7 +112,7 @@ def _loads(kind, nodes, theta, z, shape, plan: GridPlan, basis: str, direction: 
     """Loads of some facets, see `node_loads`."""
     x = (theta - plan.theta_start) / plan.pitch
     if not plan.periodic:  # facets on either side of theta = 0 belong to one arc
-        turn, low = full_turn(shape) / plan.pitch, x.min(axis=1, keepdims=True)
+        turn, low = shape.profile().turn / plan.pitch, x.min(axis=1, keepdims=True)
         x = x + (wrapped(low, turn, -0.5 / turn) - low)
     j = k = None  # the lines below each point
     if plan.nodal and kind in PIECES:
@@ -323,11 +315,15 @@ class ContactFacets:
 
     def plan(self, name: str, spacing: float | None, nodes: int | None = None) -> GridPlan:
         """Grid for these facets: their nodes if they form one, otherwise lines `spacing` [m] apart (None: the longest
-        facet edge), with at most as many functions as there are `nodes`."""
+        facet edge, on an extruded curve the longest extent of a facet in each direction), with at most as many
+        functions as there are `nodes`."""
         chart = self.chart
         found = None
         if spacing is None and len(self.blocks) == 1 and self.blocks[0][0] in NODAL_KINDS:
             found = nodal_plan(chart, name)
+        if found is None and spacing is None and self.shape.profile().curve is not None:
+            around, along = (float(np.ptp(v, axis=1).max()) for v in (chart.theta, chart.z))
+            found = spaced_plan(chart, self.shape, name, around, nodes, along)
         return found or spaced_plan(chart, self.shape, name, chart.edge if spacing is None else spacing, nodes)
 
     def loads(self, plan: GridPlan, basis: str, direction: Direction) -> NodeLoads:

@@ -53,6 +53,7 @@ from warpffrf.offline.near_field.window import (
     NearFunctions,
     SpreadFunctions,
     on_end,
+    sharpest,
 )
 from warpffrf.offline.progress import Progress
 
@@ -167,7 +168,7 @@ def _known(g: SurfaceGrid, sectors: int, first: int) -> Array:
 
 def _reach(f: NearFunctions, windows: int) -> float:
     """From the loads to the cut faces, in spacings of the grid along the surface, in facet edges below it."""
-    curvature = max(abs(float(k)) for k in f.shape.curvatures(f.grid.theta_start, float(np.mean(f.grid.z))))
+    curvature = max(sharpest(f.shape, f.grid))
     linear = all(facet_kind(kind).degree == 1 for kind in f.surface.blocks)
     if f.cells is None or not linear or curvature == 0.0 or windows > FEW_WINDOWS:
         return REACH
@@ -177,9 +178,9 @@ def _reach(f: NearFunctions, windows: int) -> float:
 def _clusters(f: NearFunctions, c: int, first: int, ends: list[FreeEnd]) -> list[tuple[Array, Array]]:
     """Columns and rows of the functions that share a window; none has rows nearer to either end."""
     g = f.grid
-    around, along = f.shape.curvatures(g.theta_start, float(np.mean(g.z)))
-    width = np.inf if around == 0.0 else 2.0 * WIDEST / abs(float(around))
-    height = np.inf if along == 0.0 else 2.0 * WIDEST / abs(float(along))
+    around, along = sharpest(f.shape, g)
+    width = np.inf if around == 0.0 else 2.0 * WIDEST / around
+    height = np.inf if along == 0.0 else 2.0 * WIDEST / along
     halves = [np.arange(g.rows)]
     if len(ends) > 1:
         upper = g.z > 0.5 * (ends[0].z + ends[1].z)

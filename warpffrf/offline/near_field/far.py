@@ -22,7 +22,7 @@ from warpffrf.offline.fe import Assignment
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.near_field.compliance import NearTangential, near_compliance
 from warpffrf.offline.near_field.quarter_space import LARGEST_RATIO, QuarterSpace
-from warpffrf.offline.near_field.window import NearFunctions, free_ends
+from warpffrf.offline.near_field.window import NearFunctions, free_ends, sharpest
 from warpffrf.offline.progress import Progress
 
 # Distance of nodes in radii, or extents of a surface if they are smaller, above which a mesh counts as coarse: four
@@ -72,7 +72,7 @@ def is_coarse(
     if shape.kind == "cylinder":
         spacing, size = radius * float(np.ptp(chart.theta, axis=1).max()), min(around, radius)
     else:
-        curvature = max(abs(float(k)) for k in shape.curvatures(grid.theta_start, middle))
+        curvature = max(sharpest(shape, grid))
         spacing = chart.edge
         size = min(around, float(np.ptp(grid.z)), 1.0 / curvature if curvature > 0.0 else np.inf)
     spacing /= max(facet_kind(kind).degree for kind in facets.blocks)

@@ -33,7 +33,8 @@ surface along the tangents become arcs of the principal curvatures k,
 
     s = asin(k_theta a)/k_theta,   t = asin(k_z b)/k_z       (a and b themselves where k = 0),
 
-so that a cylinder unrolls without stretching, and a sphere keeps its distances from x_c along both principal lines.
+so that a cylinder unrolls without stretching, and a sphere keeps its distances from x_c along both principal lines. An
+extruded curve has s and t in its own chart, the arc length and z.
 (s, t, -y) is right-handed: cells keep their orientation.
 
 Ends. Free end faces of a contact surface, and their contribution to the half-space.
@@ -62,8 +63,9 @@ from warpffrf.model.mesh.elements import cell_kind, facet_kind
 from warpffrf.model.mesh.facets import FacetSet, outer_faces, row_numbers
 from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.far_field import FreeEnd
+from warpffrf.offline.contact.contact_grid import wrapped
 from warpffrf.offline.contact.node_loads import ContactFacets
-from warpffrf.offline.fe import Assignment, Sparse, assemble
+from warpffrf.offline.fe import STIFFNESS_DEGREE, Assignment, Sparse, assemble, rule
 from warpffrf.offline.near_field.half_space import OUTWARD, EndField, PointLoads, half_space_at
 from warpffrf.offline.solvers import factorise
 
@@ -130,11 +132,10 @@ class FlatCells:
             t[face[used]] = at
         on = np.abs(y) < tolerance
         places[used] = np.stack([s, t, np.where(on, 0.0, -y)], axis=1)
-        bears[used] = chart.before(points[used]) & (y < DEEPEST * chart.smallest_radius)
+        bears[used] = chart.before(points[used]) & (y < DEEPEST * chart.smallest_radius(points[used]))
         kept = {}
         for kind, found in numbers.items():
-            upright, cube = jacobian_range(places, kind, cells[kind][found], cell_kind(kind).nodes)
-            good = found[bears[cells[kind][found]].all(axis=1) & (upright > FLAT_CELL * cube)]
+            good = found[bears[cells[kind][found]].all(axis=1) & _upright(places, kind, cells[kind][found])]
             if len(good):
                 kept[kind] = good
         used = np.unique(np.concatenate([cells[kind][found].ravel() for kind, found in kept.items()] or [used[:0]]))
@@ -202,6 +203,13 @@ class FlatCells:
         coordinates = np.repeat(self.points, 3, axis=0)[free]
         v[free] = factorise(K_free[:, free], coordinates=coordinates).solve(right)
         return v.reshape(u.shape)
+
+
+def _upright(points: Array, kind: str, cells: Array) -> Array:
+    """Which `cells` (m, k) of one kind are not inverted at their nodes or integration points (m,)."""
+    at_nodes, cube = jacobian_range(points, kind, cells, cell_kind(kind).nodes)
+    slopes = np.einsum("qkd,eki->eqdi", rule(kind, STIFFNESS_DEGREE[kind]).gradients, points[cells])
+    return np.minimum(at_nodes, np.linalg.det(slopes).min(axis=1, initial=np.inf)) > FLAT_CELL * cube
 
 
 def _corners(kind: str, nodes: Array) -> Array:
@@ -272,6 +280,12 @@ class NearFunctions:
         return found
 
 
+def sharpest(shape: Any, grid: SurfaceGrid) -> tuple[float, float]:
+    """Largest principal curvatures [1/m], unsigned, around and along the meridian, over the columns of the `grid`."""
+    around, along = (np.abs(k) for k in shape.curvatures(grid.theta, float(np.mean(grid.z))))
+    return float(np.max(around)), float(np.max(along))
+
+
 FARTHEST = 1.4  # rad between normals: arcs are computed from their chords, which shorten again from pi/2 on
 STRAIGHT = 1e-12  # of a curvature times a length: below it the arc is its chord to round-off
 
@@ -289,11 +303,14 @@ class FlatChart:
         """x_c (3,) [m], user frame."""
         return self.shape.point(self.theta, self.z)
 
-    @property
-    def smallest_radius(self) -> float:
-        """Smaller radius of curvature [m] of a convex surface at x_c; inf where it is convex in no direction."""
-        largest = max(float(k) for k in self.shape.curvatures(self.theta, self.z))
-        return 1.0 / largest if largest > 0.0 else np.inf
+    def smallest_radius(self, points: Array) -> Array:
+        """Smaller radius of curvature (n,) [m] above `points` (n, 3) [m], user frame, inf where the surface is convex
+        in no direction; it is constant except along an extruded curve."""
+        theta, z = np.full(len(points), self.theta), np.full(len(points), self.z)
+        if self.shape.profile().curve is not None:
+            theta, z, _ = self.shape.chart(points)
+        largest = np.max(self.shape.curvatures(theta, z), axis=0)
+        return np.divide(1.0, largest, out=np.full(len(points), np.inf), where=largest > 0.0)
 
     def before(self, points: Array) -> Array:
         """Which of `points` (n, 3) [m], user frame, lie less than `FARTHEST` around the body from x_c (n,)."""
@@ -307,6 +324,8 @@ class FlatChart:
 
     def on_surface(self, theta: Array, z: Array) -> tuple[Array, Array]:
         """(s, t) [m] of the points (theta, z) of the surface, less than a quarter of a revolution from the centre."""
+        if (profile := self.shape.profile()).curve is not None:  # its chart is flat already
+            return wrapped(theta - self.theta, profile.turn), np.asarray(z - self.z, float)
         off = self.shape.point(theta, z) - self.origin
         k_theta, k_z = (float(k) for k in self.shape.curvatures(self.theta, self.z))
         return (

@@ -36,7 +36,7 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
 from warpffrf.model.reduced.contact_surface import Recovery
 from warpffrf.model.reduced.stress_field import GridSpan, LoadStress, StressField, StressPoints
-from warpffrf.offline.contact.contact_grid import full_turn, grid_values
+from warpffrf.offline.contact.contact_grid import grid_values
 from warpffrf.offline.contact.node_loads import NORMAL, TANGENTIAL, surface_vectors
 from warpffrf.offline.fe import Assignment, Sparse
 from warpffrf.offline.stress.operator import (
@@ -338,7 +338,7 @@ class StressPlan:
         for size, (where, place, poisson) in ((len(self.slots), slots), (len(self.points), points)):
             theta, z, _ = surface.shape.chart(place)
             Q = traction_correction(surface.shape.normal(theta, z), poisson)
-            psi = sp.coo_matrix(grid_values(theta, z, grid, span, full_turn(surface.shape)))
+            psi = sp.coo_matrix(grid_values(theta, z, grid, span, surface.shape.profile().turn))
             rows = (6 * where[psi.row][:, None] + np.arange(6)).ravel()
             blocks = []
             for direction in directions:

@@ -181,7 +181,8 @@ def _half_window(collector: Collector, pair: Pair, turned: float) -> int:
     if contact.capacity is not None:
         return max(int(np.ceil(contact.capacity / a.grid.rows / 2.0)) + int(GUARD), 2 * int(GUARD) + 1)
     strain = max(collector.settings.window_strain, SOFT_STRAIN if _soft(contact) else 0.0)
-    half, wanted = half_window(a, Extent.of(a), Extent.of(b), turned, strain)
+    flat = Extent.of(a, flattest=True), Extent.of(b, flattest=True)
+    half, wanted = half_window(a, *flat, turned, strain)
     if half < wanted and half == MAX_HALF_WINDOW:
         collector.notes.append(
             f"contact {contact.name!r}: window capped at {2 * MAX_HALF_WINDOW + 1} columns of {2 * wanted + 1}; "

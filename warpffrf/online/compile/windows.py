@@ -42,23 +42,27 @@ class Extent:
     width: float  # m, length of the grid along the meridian
     reach: float  # m, longest support of a node along the meridian
     round: bool  # a sphere: it may rotate in any way
+    planar: bool  # theta is a length
 
     @classmethod
-    def of(cls, surface: ContactSurface | RigidSurface, axial: float = 0.0) -> Extent:
-        """Of a surface; `axial` [m] is where the curvature is taken."""
+    def of(cls, surface: ContactSurface | RigidSurface, axial: float = 0.0, *, flattest: bool = False) -> Extent:
+        """Of a surface; `axial` [m] is where the curvature is taken, that of an extruded curve where it is sharpest, or
+        `flattest`."""
         profile = surface.shape.profile()
         at = float(surface.shape.radius_at(axial))
         curvature = 0.0 if profile.planar else profile.side / at
-        if profile.curve is not None:  # where it is sharpest: windows are then wide enough everywhere
-            curvature = float(np.max(profile.curve.curvature(profile.curve.knots)))
+        if profile.curve is not None:
+            along = profile.curve.curvature(profile.curve.knots)
+            curvature = float(np.min(along) if flattest else np.max(along))
         sphere = profile.spherical
         if surface.grid is None:
-            return cls(curvature, at, np.inf, np.inf, np.inf, sphere)
+            return cls(curvature, at, np.inf, np.inf, np.inf, sphere, profile.planar)
         z = np.asarray(surface.grid.z)
         stretch = np.sqrt(1.0 + np.asarray(surface.shape.slope_at(z)) ** 2).max()
         support = max(z[min(i + 1, len(z) - 1)] - z[max(i - 1, 0)] for i in range(len(z)))
         metric = float(np.min(surface.shape.radius_at(z)))
-        return cls(curvature, metric, surface.grid.pitch * at, (z[-1] - z[0]) * stretch, support * stretch, sphere)
+        width, reach = (z[-1] - z[0]) * stretch, support * stretch
+        return cls(curvature, metric, surface.grid.pitch * at, width, reach, sphere, profile.planar)
 
 
 def between_axes(contact: Contact) -> float:
@@ -84,19 +88,21 @@ def half_window(
     if relative > HUGGING * abs(first.curvature) or first.curvature == 0.0:
         limits.append(MAX_HALF_WINDOW)
     if first.curvature != 0.0:  # no surface is opposite beyond a quarter of a revolution
-        limits.append(max(int(0.5 * np.pi / grid.pitch) - 2, int(GUARD) + 1))
+        turn = grid.pitch * (abs(first.curvature) if first.planar else 1.0)
+        limits.append(max(int(0.5 * np.pi / turn) - 2, int(GUARD) + 1))
     return int(min(max(wanted, MIN_HALF_WINDOW), *limits)), wanted
 
 
 def facing(first: Extent, second: Extent, s: np.ndarray) -> np.ndarray:
-    """Point on B [rad, of a plane m] opposite arc lengths s [m] of A in the section."""
+    """Point on B [rad, of a plane or curve m] opposite arc lengths s [m] of A in the section."""
     kappa = first.curvature
     x = np.sin(kappa * s) / kappa if kappa else s
     y = -2.0 * np.sin(0.5 * kappa * s) ** 2 / kappa if kappa else 0.0 * s
     if second.curvature == 0.0:
         return x
     R = 1.0 / second.curvature
-    return np.arctan2(x, R - y) if R > 0.0 else np.arctan2(x, y - R)
+    angle = np.arctan2(x, R - y) if R > 0.0 else np.arctan2(x, y - R)
+    return abs(R) * angle if second.planar else angle
 
 
 def sine_between(first: Extent, second: Extent, turned: float) -> float:
@@ -120,7 +126,9 @@ def second_reach(
     if first.curvature:
         edge = min(edge, 0.5 * np.pi / abs(first.curvature))
     s = np.linspace(-edge, edge, RAYS)
-    place = np.unwrap(facing(first, second, s))
+    place = facing(first, second, s)
+    if not second.planar:
+        place = np.unwrap(place)
     steepest = np.abs(np.gradient(place, s)).max() / grid.pitch  # columns of B per metre on A
     finest = 1.0 / (second.metric * grid.pitch)
     reach = np.abs(place).max() / grid.pitch + first.width * sine * finest

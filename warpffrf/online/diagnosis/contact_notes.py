@@ -423,8 +423,8 @@ def _opposite(B: ContactSurface, theta: np.ndarray, z: np.ndarray, columns: np.n
     grid = B.grid
     x = ((theta - _grid_angle(B) - grid.theta_start) / grid.pitch).ravel()
     middle = 0.5 * float(columns[0] + columns[-1])
-    turn = 2.0 * np.pi / grid.pitch
-    if not B.shape.profile().planar:
+    turn = B.shape.profile().turn / grid.pitch
+    if np.isfinite(turn):
         x = x - turn * np.floor((x - middle) / turn + 0.5)
     column = np.floor(x).astype(int)
     u = x - column

@@ -65,7 +65,7 @@ from warpffrf.online.history.history import History
 from warpffrf.output.bodies.half_space_stress import under_cells, under_nodes
 from warpffrf.output.bodies.normal_loads import CellLoads, NormalLoads, SmallSlidingLoads, film_loads, normal_loads
 from warpffrf.output.bodies.patch_on_skin import poses, tangential_forces
-from warpffrf.output.geometry.places import grid_theta_offset, tangents
+from warpffrf.output.geometry.places import grid_theta_offset, tangents, wrapped
 from warpffrf.output.geometry.scene_view import SceneView
 
 MUCH = 2e9  # byte; the size of larger results is logged before they are computed
@@ -274,9 +274,7 @@ class PatchStress:
         shape = surface.shape
         theta, z = (float(v[0]) for v in loads.on_surface(i, places.center[i : i + 1], places.middle[i : i + 1]))
         theta_c, radius = theta + grid_theta_offset(surface), float(shape.radius_at(z))
-        turn = self.theta - theta_c
-        if shape.kind != "plane":
-            turn = (turn + np.pi) % (2.0 * np.pi) - np.pi
+        turn = wrapped(self.surface, self.theta - theta_c, 0.0)
         s, t = shape.side * radius * turn, meridian_arc(shape, z, self.z)
         share = self._share(i, s, t) * cutoff(self.normals @ shape.normal(theta_c, z))
         near = np.flatnonzero(share > 0.0)
@@ -334,7 +332,7 @@ class PatchStress:
         middle = (theta - grid.theta_start) / grid.pitch
         loaded = np.flatnonzero(np.any(forces != 0.0, axis=1))
         away = loaded - middle
-        turn = 2.0 * np.pi / grid.pitch if shape.kind != "plane" else np.inf
+        turn = shape.profile().turn / grid.pitch
         if np.isfinite(turn):
             away = (away + 0.5 * turn) % turn - 0.5 * turn
         low, high = int(np.floor(middle + away.min())) - 1, int(np.ceil(middle + away.max())) + 1

@@ -78,8 +78,8 @@ class CellContactResult(PairResult):
         """(T,) rad, centre of the patch from the line of centres."""
         grid = self.view.first.grid
         column = self.history.cells.column - self.history.center_column
-        if self.view.first.shape.kind != "plane":  # modulo the columns of the full revolution: the shortest way round
-            turn = 2.0 * np.pi / grid.pitch
+        turn = self.view.first.shape.profile().turn / grid.pitch
+        if np.isfinite(turn):  # modulo the columns of the full revolution: the shortest way round
             column = (column + 0.5 * turn) % turn - 0.5 * turn
         return grid.pitch * column
 

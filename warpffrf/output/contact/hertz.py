@@ -66,12 +66,16 @@ def pair_curvature(contact: Any, i: int) -> np.ndarray:
     """(2, 2) 1/m, relative curvature along (e_theta, t_z) of the first surface at the centre of pressure of saved step
     `i`; without contact at the line of centres at mid-width."""
     view: PairView = contact.view
-    surface = view.first
-    arc, z = contact.moments.center[i]
+    poses = [Pose.of(contact.bodies, body.name, i) for body in (view.first_body, view.second_body)]
+    return relative_curvature(view.first.shape, view.second.shape, (poses[0], poses[1]), *_centre(contact, i))
+
+
+def _centre(contact: Any, i: int) -> tuple[float, float]:
+    """theta and z of the centre of pressure on the first shape in saved step `i`."""
+    surface, (arc, z) = contact.view.first, contact.moments.center[i]
     theta = surface.grid.theta_start + grid_theta_offset(surface)
     theta += surface.grid.pitch * float(contact.history.center_column[i]) + arc / float(surface.shape.radius_at(z))
-    poses = [Pose.of(contact.bodies, body.name, i) for body in (view.first_body, view.second_body)]
-    return relative_curvature(surface.shape, view.second.shape, (poses[0], poses[1]), float(theta), float(z))
+    return float(theta), float(z)
 
 
 def heaviest(contact: Any) -> int:
@@ -140,7 +144,7 @@ def hertz(contact: Any, i: int) -> HertzLine | HertzPoint:
         if kind == "point"
         else hertz_line(float(contact.line_load[i]), float(K[0, 0]), modulus)
     )
-    own = np.ravel(contact.view.first.shape.curvatures(0.0, float(contact.moments.center[i, 1])))
+    own = np.ravel(contact.view.first.shape.curvatures(*_centre(contact, i)))
     sharpest = np.abs([own, np.diag(K) - own]).max(axis=0)  # of both bodies, along (e_theta, t_z) of the first
     ways = [(found.half_width, sharpest[0])]
     if isinstance(found, HertzPoint):  # each side of an ellipse is compared with the radii in its direction

@@ -146,19 +146,20 @@ def rotate(rotation: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 
 
 def grid_theta_offset(surface: Any) -> float:
-    """Angle [rad] from the shape's reference direction e_0 to the grid's: grid theta = shape theta - offset; 0 on a
-    plane, whose theta is a length."""
-    if surface.shape.kind == "plane":
+    """Angle [rad] from the shape's reference direction e_0 to the grid's: grid theta = shape theta - offset; 0 where
+    theta is a length."""
+    if surface.shape.profile().planar:
         return 0.0
     shape, e_0 = surface.shape, np.asarray(surface.grid.e_0)
     return float(np.arctan2(e_0 @ shape.e_1, e_0 @ shape.e_0))
 
 
 def wrapped(surface: Any, theta: np.ndarray, about: float) -> np.ndarray:
-    """theta within half a revolution of `about`; unchanged on a plane, whose theta is a length."""
-    if surface.shape.kind == "plane":
+    """theta within half a period of `about`; unchanged where it has none, as on a plane."""
+    turn = surface.shape.profile().turn
+    if not np.isfinite(turn):
         return theta
-    return about + (theta - about + np.pi) % (2.0 * np.pi) - np.pi
+    return about + (theta - about + 0.5 * turn) % turn - 0.5 * turn
 
 
 def spread(surface: Any, first_column: int, window: np.ndarray) -> np.ndarray:
@@ -187,8 +188,8 @@ class GridPlaces:
         column = (np.asarray(theta) - grid_theta_offset(surface) - grid.theta_start) / grid.pitch
         if grid.periodic:
             column = column % grid.columns
-        elif surface.shape.kind != "plane":
-            full_turn = 2.0 * np.pi / grid.pitch
+        elif np.isfinite(turn := surface.shape.profile().turn):
+            full_turn = turn / grid.pitch
             column = (column + 0.5) % full_turn - 0.5  # a node half a pitch before the first column still belongs to it
         slack = 1e-6 * max(rows[-1] - rows[0], 1e-300)  # round-off of the chart at the end planes
         on = (np.abs(distance) < near) & (z > rows[0] - slack) & (z < rows[-1] + slack)
@@ -226,8 +227,8 @@ class SkinSurface:
 
     def __init__(self, surface: Any, points: np.ndarray) -> None:
         z = np.asarray(surface.grid.z, dtype=float)
-        plane = surface.shape.kind == "plane"
-        size = float(z[-1] - z[0]) if plane else float(surface.shape.radius_at(0.5 * (z[0] + z[-1])))
+        planar = surface.shape.profile().planar
+        size = float(z[-1] - z[0]) if planar else float(surface.shape.radius_at(0.5 * (z[0] + z[-1])))
         near = max(ON_SURFACE * size, 2.0 * (getattr(surface.shape, "deviation", None) or 0.0))
         self.surface = surface
         self.places = GridPlaces(surface, points, near)

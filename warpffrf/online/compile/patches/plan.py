@@ -470,6 +470,9 @@ def _ends_of(bodies: list[Any]) -> dict[tuple[float, int, float], list[Any]]:
 
 
 def radius_of(surface: Surface) -> float:
-    """Smallest radius of curvature [m]; 0 of a plane."""
+    """Smallest radius of curvature [m]; 0 of a plane; of an extruded curve where it is flattest, at most its length."""
+    if (curve := surface.shape.profile().curve) is not None:
+        theta = curve.knots if surface.grid is None else surface.grid.theta
+        return 1.0 / max(float(np.min(np.abs(curve.curvature(theta)))), 1.0 / curve.length)
     k = max(abs(float(v)) for v in surface.shape.curvatures(0.0, middle_of(surface)))
     return 1.0 / k if k > 0.0 else 0.0

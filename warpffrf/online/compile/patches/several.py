@@ -9,8 +9,8 @@ the distance d along the circle,
     u(d; z, z') = cutoff(d/R) (half-space + mirror images + quarter space)/E,
 
 tabulated over ln d and both z. Patches are narrow compared with their distance: for both, d is that of the middles.
-Where rows of a pair are not along the second surface - crossed axes, a ball whose axis is upright -, and on spheres,
-the whole compliance is used there, too.
+Where rows of a pair are not along the second surface - crossed axes, a ball whose axis is upright -, on spheres and on
+extruded curves, the whole compliance is used there, too.
 """
 
 from __future__ import annotations
@@ -110,7 +110,8 @@ def _along_surface(target: Any, source: Any) -> bool:
     """Whether two patches influence each other by the half-space too: on one surface, along whose circles it is
     known.
     """
-    return target.surface.number == source.surface.number and target.surface.shape.kind != "sphere"
+    own = target.surface.number == source.surface.number
+    return own and target.surface.shape.kind not in ("sphere", "extruded")
 
 
 def _keeps_rows(contact: Any, side: int) -> bool:
