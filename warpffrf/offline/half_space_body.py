@@ -118,11 +118,13 @@ class _Patch:
             limits = (shape.table[0][0], shape.table[0][-1])
         if limits is None:
             raise InputError(f"{label} has no ends; give extent={{{name!r}: (low, high)}}, along its axis")
-        wanted = (2, 2) if profile.planar else (2,)
+        wanted = (2, 2) if profile.flat else (2,)
         limits = np.atleast_2d(require_array(limits, f"{label}: extent", wanted))
         if np.any(np.diff(limits) <= 0.0):
             raise InputError(f"{label}: extent must be ascending, got {limits.tolist()}")
-        return cls(shape, limits[0] if profile.planar else None, limits[-1])
+        if profile.curve is not None and not profile.curve.closed:
+            return cls(shape, profile.curve.knots[[0, -1]], limits[-1])
+        return cls(shape, limits[0] if profile.flat else None, limits[-1])
 
     def chart(self, columns: int, rows: int) -> tuple[Array, Array]:
         """theta (columns,), without the last of a full revolution, and z (rows,)."""

@@ -208,16 +208,39 @@ def section_near(model: Model, s: int, x: real, y: real) -> Section:
 
 
 @wp.func
-def extruded_foot(model: Model, s: int, x: vec3) -> Foot:
-    """`foot_of` on an extruded curve."""
-    near = section_near(model, s, x[0], x[1])
+def past_end(model: Model, s: int, u: real) -> real:
+    """How far [m] a foot lies beyond an end of a curve: negative before its start, 0 between its ends."""
+    if model.surfaces.curve_length[s] > real(0.0):
+        return real(0.0)
+    first = model.surfaces.curve_start[s]
+    low = model.surfaces.curve_knot[first]
+    high = model.surfaces.curve_knot[first + model.surfaces.curve_count[s]]
+    return wp.min(u - low, real(0.0)) + wp.max(u - high, real(0.0))
+
+
+@wp.func
+def foot_from(model: Model, s: int, x: vec3, near: Section) -> Foot:
+    """The foot at a section of an extruded curve. Its ends are edges: beyond them all is free space, at the distance of
+    the end."""
     scale = real(1.0) / wp.length(near.slope)
     found = Foot()
     found.theta = near.u
     found.z = x[2]
     found.normal = vec3(scale * near.slope[1], -scale * near.slope[0], real(0.0))
     found.distance = (x[0] - near.point[0]) * found.normal[0] + (x[1] - near.point[1]) * found.normal[1]
+    past = past_end(model, s, near.u)
+    if past != real(0.0):
+        off = wp.vec2d(x[0], x[1]) - near.point + past * near.slope
+        found.distance = wp.length(off)
+        scale = real(1.0) / wp.max(found.distance, CENTRE)
+        found.normal = vec3(scale * off[0], scale * off[1], real(0.0))
     return found
+
+
+@wp.func
+def extruded_foot(model: Model, s: int, x: vec3) -> Foot:
+    """`foot_of` on an extruded curve."""
+    return foot_from(model, s, x, section_near(model, s, x[0], x[1]))
 
 
 @wp.func
@@ -433,13 +456,15 @@ def expansion_of(model: Model, s: int, x: vec3):
     if model.surfaces.planar[s] == EXTRUDED:
         near = section_near(model, s, x[0], x[1])
         long = wp.length(near.slope)
-        t = vec3(near.slope[0] / long, near.slope[1] / long, real(0.0))
-        normal = vec3(t[1], -t[0], real(0.0))
-        off = (x[0] - near.point[0]) * t[1] - (x[1] - near.point[1]) * t[0]
+        found = foot_from(model, s, x, near)
+        t = vec3(-found.normal[1], found.normal[0], real(0.0))
         turn = (near.slope[0] * near.bend[1] - near.slope[1] * near.bend[0]) / (long * long * long)
-        grown = real(1.0) + turn * off
+        grown = real(1.0) + turn * found.distance
+        if past_end(model, s, near.u) != real(0.0):  # about the end
+            turn = real(1.0)
+            grown = found.distance
         grown = wp.sign(grown) * wp.max(wp.abs(grown), EVOLUTE)
-        return off, normal, turn / grown * wp.outer(t, t)
+        return found.distance, found.normal, turn / grown * wp.outer(t, t)
     if model.surfaces.planar[s] != 0:
         return x[0], vec3(real(1.0), real(0.0), real(0.0)), mat33()
     rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])

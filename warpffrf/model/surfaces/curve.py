@@ -182,7 +182,7 @@ class Curve:
 
     def foot(self, points: Any) -> tuple[Array, Array]:
         """u [m] of the nearest points to `points` (..., 2) [m], and the distances [m], positive outside the
-        material."""
+        material. Beyond an end u is that of the tangent, and the distance that of the end."""
         p = np.asarray(points, float)
         places, tree = self._samples()
         u = places[tree.query(p.reshape(-1, 2))[1].reshape(p.shape[:-1])]
@@ -199,7 +199,11 @@ class Curve:
                 break
         if self.closed:
             u = self.knots[0] + np.remainder(u - self.knots[0], self.length)
-        return u, np.sum((p - self.at(u)) * self.normal(u), axis=-1)
+        distance = np.sum((p - self.at(u)) * self.normal(u), axis=-1)
+        ends = np.clip(u, self.knots[0], self.knots[-1])
+        if not self.closed and np.any(ends != u):
+            distance = np.where(ends == u, distance, np.linalg.norm(p - self.at(ends), axis=-1))
+        return u, distance
 
     def seeds(self) -> tuple[Array, float, Array]:
         """Lower corner (2,) [m] and pitch [m] of a lattice, and the piece (columns, rows) nearest to the centre of
