@@ -320,7 +320,7 @@ class Contact(reprs.Item):
                     f"friction on a patch needs the tangential far field of {port.label}, body {port.body.name!r} "
                     "was reduced without it; reduce(..., grid=ContactGrid(contact_fixed=True, tangential=True))"
                 )
-            if (long := _longer_than_wide(port.surface)) > LONGEST:
+            if (long := _longer_than_wide(port.surface)) > LONGEST and not port.surface.half_space:
                 return (
                     f"the contact grid of {port.label}, body {port.body.name!r}, is {long:.0f} times as long as wide, "
                     f"more than the {LONGEST:g} up to which contact-fixed cells are validated; use a mesh with "
