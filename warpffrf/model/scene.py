@@ -31,6 +31,7 @@ from warpffrf.model.films import Film
 from warpffrf.model.forces import Pretension
 from warpffrf.model.joints import Drive, Joint
 from warpffrf.model.lumped_contact import LumpedContact
+from warpffrf.model.gears.mesh import GearMesh, add_gear_pair
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.placement.gap import closing_distance, passed
@@ -53,7 +54,7 @@ class Scene(reprs.Shown):
     """A multibody model: bodies with poses, and the elements that connect and load them.
 
     gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts`, `lumped_contacts`, `films`,
-    `sensors` are lists in the order of adding; `bearings` are assemblies, whose parts are in the other lists too;
+    `sensors` are lists in the order of adding; `bearings` and `gears` are assemblies, whose parts are in the other lists too;
     `ground` is the world as a body. SI units, world axes, quaternions (x, y, z, w).
 
     >>> scene = wf.Scene(gravity=(0, 0, -9.81))  # m/s2
@@ -77,9 +78,11 @@ class Scene(reprs.Shown):
         self.films: list[Film] = []
         self.sensors: list[Sensor] = []
         self.bearings: list[Bearing] = []
+        self.gears: list[GearMesh] = []
         self._numbers: dict[str, int] = {}  # kind -> last number given to an unnamed item
 
     add_bearing = add_bearing
+    add_gear_pair = add_gear_pair
 
     @property
     def finite_sliding(self) -> list[Contact]:
@@ -92,7 +95,7 @@ class Scene(reprs.Shown):
         return [contact for contact in self.contacts if contact.sliding is not None]
 
     def _facts(self) -> dict[str, Any]:
-        kinds = ("bodies", *_ADDED, "bearings")
+        kinds = ("bodies", *_ADDED, "bearings", "gears")
         return {kind: reprs.names(getattr(self, kind)) for kind in kinds if getattr(self, kind)}
 
     def _picture(self) -> str:

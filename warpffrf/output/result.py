@@ -32,6 +32,7 @@ from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.pair_result import PairResult
 from warpffrf.output.contact.result import ContactResult, FilmResult
+from warpffrf.output.gears.gear_result import GearResult
 from warpffrf.output.geometry.scene_view import SceneView, scene_view
 from warpffrf.output.loops import SAME, Hysteresis, channel
 from warpffrf.output.small_sliding import SmallSlidingResult
@@ -169,6 +170,16 @@ class Result(reprs.Shown):
         """The bearing called `name`: loads, contact angles and patches of its elements, motion of its rings, lives;
         raises InputError if there is none."""
         return BearingResult(self.history, _named(self.view.bearings, "bearing", name))
+
+    @property
+    def gear_names(self) -> list[str]:
+        """Names of the gear pairs."""
+        return list(self.view.gears)
+
+    def gear(self, name: str) -> GearResult:
+        """The gear pair called `name`: transmission error, loads of pairs of teeth, stiffness; raises InputError if
+        there is none."""
+        return GearResult(self, _named(self.view.gears, "gear pair", name))
 
     def bearing_stiffness(self, name: str, row: int = -1) -> BearingStiffness:
         """Stiffness (6, 6) [N/m, N/rad, N m/rad] of the bearing called `name` about the saved step `row`, by central

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -12,6 +13,7 @@ from warpffrf.model.errors import InputError, require_count, require_number, unk
 from warpffrf.model.gears import tooth as outline
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.surfaces.curve import Curve
+from warpffrf.model.surfaces.extruded import Extruded
 
 SHAPES = ("linear", "parabolic")
 FLANKS = ("right", "left")
@@ -166,6 +168,15 @@ class Gear:
         part = outline.joined([self.half[name] for name in ("fillet", "involute", "rounding") if name in self.half])
         part = part if side == "right" else outline.mirrored(part)
         return outline.curve(outline.rotated(part, 2.0 * np.pi * (number - 1) / self.teeth))
+
+    def surfaces(self, sides: Sequence[str] = FLANKS, teeth: Sequence[int] | None = None) -> dict[str, Extruded]:
+        """The flanks of `teeth`, None: of all, as contact surfaces "flank_right_1" ... about the y axis, as in
+        `mesh.gear`: for `reduce(contact=...)` and `half_space_body(contact=...)`."""
+        return {
+            f"flank_{side}_{k}": Extruded(curve=self.flank(side, k))
+            for side in sides
+            for k in teeth or range(1, self.teeth + 1)
+        }
 
     def section(self) -> Curve:
         """The contour of the whole gear as a closed curve, the material to its left.

@@ -377,6 +377,7 @@ def _put_scene(file: Any, view: SceneView, reduced: bool) -> None:
     group.attrs["ground"] = json.dumps({name: shape for b in fixed for name, shape in _described(b).items()})
     group.attrs["anchors"] = json.dumps([anchor.describe() for anchor in view.anchors])
     group.attrs["bearings"] = json.dumps(view.bearings)
+    group.attrs["gears"] = json.dumps(view.gears)
 
 
 def _described(body: BodyView) -> dict[str, Any]:
@@ -420,10 +421,10 @@ def _get_scene(file: Any) -> SceneView:
     }  # fmt: skip
     anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs["anchors"]))
     joints = tuple(json.loads(group.attrs["joints"]))
-    bearings = json.loads(group.attrs["bearings"])
+    bearings, gears = json.loads(group.attrs["bearings"]), json.loads(group.attrs["gears"])
     told = read(file, "scene/description").tobytes()
     return SceneView(
-        str(group.attrs["content_hash"]), bodies, pairs, joints, anchors, lumped, films, small_sliding, bearings,
+        str(group.attrs["content_hash"]), bodies, pairs, joints, anchors, lumped, films, small_sliding, bearings, gears,
         dict(json.loads(told)),
     )  # fmt: skip
 

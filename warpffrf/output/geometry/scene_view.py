@@ -137,6 +137,7 @@ class SceneView:
     films: dict[str, FilmView] = field(default_factory=dict)
     small_sliding: dict[str, SmallSlidingView] = field(default_factory=dict)
     bearings: dict[str, dict[str, Any]] = field(default_factory=dict)  # as in `model.bearings.Bearing.describe`
+    gears: dict[str, dict[str, Any]] = field(default_factory=dict)  # as in `model.gears.GearMesh.describe`
     description: dict[str, Any] = field(default_factory=dict)
 
 
@@ -164,8 +165,9 @@ def scene_view(scene: Any) -> SceneView:
     joints = tuple(joint.name for joint in scene.joints)
     small_sliding = {contact.name: _small_sliding(contact, known) for contact in scene.small_sliding}
     bearings = {bearing.name: bearing.describe() for bearing in scene.bearings}
+    gears = {mesh.name: mesh.describe() for mesh in scene.gears}
     return SceneView(
-        scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped, films, small_sliding, bearings,
+        scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped, films, small_sliding, bearings, gears,
         scene.describe(),
     )  # fmt: skip
 

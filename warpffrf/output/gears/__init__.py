@@ -1,0 +1,1 @@
+"""Gear pairs of a run."""
