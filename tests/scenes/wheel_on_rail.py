@@ -21,6 +21,12 @@ HALF = wf.Material(SHEAR * (1.0 + POISSON), POISSON, 7850.0, name="half of the m
 CONTACT = "wheel-rail"
 TREAD = np.linspace(-24e-3, 46e-3, 13)  # boundaries of cells along the profile [m], from the running circle
 FLANGE = 1e-3 * np.array([*range(-62, -25, 3), -20.0, -14.0, -8.0, -2.0])
+# Rows along the profile for a wheel that touches in two places: both of the tread, tread and root of the flange
+ROWS = {
+    "tread": np.linspace(-14e-3, 12e-3, 66),
+    "flange": 1e-3 * np.concatenate([np.arange(-33.0, -25.9, 0.25), np.arange(-25.5, -13.9, 0.4)]),
+}
+STRIPS = 13
 SIZES = {"tread": (TREAD, 0.36, 240), "flange": (FLANGE, 0.40, 480)}  # cells along, bore [m], cells around
 
 
@@ -45,7 +51,9 @@ def wheel(part: str) -> tuple[wf.ReducedBody, float]:
     return body, middle
 
 
-def scene(part: str, wheelset: Wheelset, curve: Any, pose: tuple[float, float, float], load: float) -> wf.Scene:
+def scene(
+    part: str, wheelset: Wheelset, curve: Any, pose: tuple[float, float, float], load: float, cells: Any = None
+) -> wf.Scene:
     """The wheel at y > 0 in the `pose` (y [m], roll, yaw [rad]) of its wheelset, held but for the height, on the rail
     with the section `curve`, under a vertical load [N]; at the height at which the profiles touch."""
     body, middle = wheel(part)
@@ -58,13 +66,13 @@ def scene(part: str, wheelset: Wheelset, curve: Any, pose: tuple[float, float, f
     moved = found.add_body(body, name="wheel", position=center, rotation=turn)
     found.add(wf.joints.Prismatic(found.ground, moved["bore"], axis=(0, 0, 1)))
     found.add(wf.forces.PointForce(moved["bore"], (0, 0, -load)))
-    found.add(wf.Contact(moved["rim"], rail, grid="contact_fixed", name=CONTACT))
+    found.add(wf.Contact(moved["rim"], rail, grid="contact_fixed", cells=cells, name=CONTACT))
     return found
 
 
-def pressed(part: str, wheelset: Wheelset, curve: Any, pose: tuple[float, float, float], load: float) -> Any:
+def pressed(*arguments: Any, **options: Any) -> Any:
     """The contact's result in the equilibrium of `scene`."""
-    result = wf.equilibrium(scene(part, wheelset, curve, pose, load), progress=False)
+    result = wf.equilibrium(scene(*arguments, **options), progress=False)
     if result.status != "completed":
         raise RuntimeError(result.message)
     return result.contact(CONTACT)

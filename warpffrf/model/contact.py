@@ -15,7 +15,7 @@ from typing import Any, Literal
 import numpy as np
 
 from warpffrf.model.bodies import SurfacePort
-from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
+from warpffrf.model.errors import InputError, require_array, require_count, require_number, unknown_name
 from warpffrf.model.friction import FrictionLaw, FrictionLike, as_constant_friction, as_pair_friction
 from warpffrf.model.laws import Law, Unilateral, as_law
 from warpffrf.model.messages import reprs
@@ -56,8 +56,10 @@ class Contact(reprs.Item):
     to 0.02; after a run a note reports the change with finer cells at some saved steps. kinematics: computation of the
     gap: "auto", parallel-axes kinematics for rollers whose axes are parallel at the start, which is fast; otherwise, or
     with "closest_point", at points of both surfaces, which also holds for axes that tilt later. cells: strips across,
-    rows along, None: chosen for that error. capacity: largest number of active nodes, None: chosen automatically.
-    overlap [m]: admissible overlap of the surfaces at the start of a run, None for a small fraction of their radius.
+    rows along, None: chosen for that error; instead of the number of rows their boundaries (n + 1,) [m] along the axis
+    of the first surface, rising, for several places of a profile that touch at once. capacity: largest number of active
+    nodes, None: chosen automatically. overlap [m]: admissible overlap of the surfaces at the start of a run, None for a
+    small fraction of their radius.
     name: default "<first body>-<second body>". Raises `InputError` for incompatible surfaces, laws and
     options.
 
@@ -84,7 +86,7 @@ class Contact(reprs.Item):
         grid: Literal["auto", "body_fixed", "contact_fixed"] = "auto",
         kinematics: Literal["auto", "closest_point"] = "auto",
         cell_error: float = CELL_ERROR,
-        cells: tuple[int, int] | None = None,
+        cells: tuple[int, Any] | None = None,
         capacity: int | None = None,
         overlap: float | None = None,
         name: str | None = None,
@@ -239,8 +241,8 @@ class Contact(reprs.Item):
         self._cell_error = error
 
     @property
-    def cells(self) -> tuple[int, int] | None:
-        """Strips across and rows along of a patch of cells; None: chosen automatically."""
+    def cells(self) -> tuple[int, Any] | None:
+        """Strips across, and rows along of a patch of cells or their boundaries [m]; None: chosen automatically."""
         return self._cells
 
     @cells.setter
@@ -253,10 +255,14 @@ class Contact(reprs.Item):
             across, along = value
         except (TypeError, ValueError):
             raise InputError(f"{self.label}: cells must be (strips across, rows along), got {value!r}") from None
-        self._cells = (
-            require_count(across, f"{self.label}: strips across", 4),
-            require_count(along, f"{self.label}: rows along", 4),
-        )
+        strips, label = require_count(across, f"{self.label}: strips across", 4), f"{self.label}: rows along"
+        if np.ndim(along) == 0:
+            self._cells = strips, require_count(along, label, 4)
+            return
+        edges = require_array(along, label, (None,))
+        if len(edges) < 5 or not np.all(np.diff(edges) > 0.0):
+            raise InputError(f"{label}: their boundaries must rise and be five or more")
+        self._cells = strips, tuple(edges.tolist())
 
     @property
     def capacity(self) -> int | None:

@@ -13,7 +13,8 @@ from demos import pin_in_bore
 from references.closed_forms import LineContact, PointContact, conformal_by_half_angle, contact_modulus
 from references.closed_forms.elastic_sphere import approach_correction
 from references.half_space.bodies import half_plane, half_space
-from scenes import rollers
+from references.wheel_rail import BENCHMARK, BENCHMARK_ENDS, Wheelset
+from scenes import rollers, wheel_on_rail
 from scenes.half_space import STEEL, PatchMoments, ball, cylinder, pushed
 from studies.contact import coarse_points as points
 from studies.contact.hertz import hertz_phases
@@ -25,6 +26,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import grid
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
+from warpffrf.model.surfaces.railway import head_of_arcs
 from warpffrf.offline import ContactGrid, reduce
 from warpffrf.output.simulate import equilibrium
 
@@ -198,3 +200,26 @@ def pin_in_a_bore() -> Iterator[Row]:
         )
         peak = float((pair.mean_pressure[i] @ share / share.sum()).max())
         yield Row(f"peak pressure, half-angle {angle:g}°", MPA * peak, MPA * exact.peak_pressure, 0.02, "MPa")
+
+
+@case(
+    ROOM,
+    "Manchester Contact Benchmark, case A-2.2 (P. Shackleton and S. Iwnicki, Vehicle System Dynamics 46 (2008) 129), "
+    "by CONTACT (E. A. H. Vollebregt, open program, examples mbench_a22), cells of 0.2 mm",
+)
+def wheel_on_rail_benchmark() -> Iterator[Row]:
+    """A wheel S1002 of R 460 mm on a rail UIC 60 at 1:40, displaced, rolled and yawed; an elastic wheel of half the
+    modulus on a rigid rail, facets of 6 to 12 mm, cells of the patch, on given rows where it touches in two places"""
+    curve = head_of_arcs(BENCHMARK_ENDS)
+    wheelset = Wheelset(wheel_on_rail.profile(), curve)
+    for kind, cases in BENCHMARK.items():
+        for one in cases:
+            part = kind if kind != "two places" else "flange" if one.y > 1.0 else "tread"
+            cells = (wheel_on_rail.STRIPS, wheel_on_rail.ROWS[part]) if kind == "two places" else None
+            found = wheel_on_rail.pressed(part, wheelset, curve, one.pose, one.load, cells=cells)
+            at = f"{kind}, wheelset at {one.side * one.y:g} mm"
+            yield Row(f"peak pressure, {at}", MPA * float(found.peak_pressure[-1]), one.peak, 0.03, "MPa")
+            if kind != "two places":
+                yield Row(
+                    f"centre on the profile, {at}", MM * float(found.center_of_pressure[-1, 1]), one.s, 0.2, "mm", 1.0
+                )

@@ -121,11 +121,12 @@ def curvatures_on(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
 @dataclass(frozen=True)
 class FacingPlace:
     """Where two surfaces are nearest, in the directions along the circle about the axis of the first and along its
-    meridian: the relative `curvatures` [1/m], those of the `sharper` surface [1/m, absolute], and the `slope` dR/dz of
-    the first."""
+    meridian: the relative `curvatures` [1/m], those of the `sharper` surface [1/m, absolute]; z [m] and the `slope`
+    dR/dz of the first."""
 
     curvatures: tuple[float, float]
     sharper: tuple[float, float]
+    z: float
     slope: float
 
 
@@ -137,10 +138,9 @@ def facing_place(one: SurfacePort, other: SurfacePort) -> FacingPlace:
     bends = np.stack([_tensor(one, x), _tensor(other, y)])
     directions = np.stack([_turned(one, direction) for direction in (shape.around(theta), shape.along(theta, z))])
     own = np.einsum("di,sij,dj->sd", directions, bends, directions)
-    around, along = own.sum(axis=0)
-    sharp_around, sharp_along = np.abs(own).max(axis=0)
+    (around, along), sharper = own.sum(axis=0), np.abs(own).max(axis=0)
     return FacingPlace(
-        (float(around), float(along)), (float(sharp_around), float(sharp_along)), float(shape.slope_at(z))
+        (float(around), float(along)), (float(sharper[0]), float(sharper[1])), float(z), float(shape.slope_at(z))
     )
 
 

@@ -119,7 +119,7 @@ def shear_levels(plan: PatchPlan, bodies: list[OnMeridian], side: float, coupled
     """
     levels = [0.0] if plan.follows else plan.first + plan.step * np.arange(len(plan.table))
     found = [
-        shear_table(plan.columns, float(np.exp(x)), plan.z, plan.length, bodies, side, follows=plan.follows,
+        shear_table(plan.columns, float(np.exp(x)), plan.along.s, plan.along.length, bodies, side, follows=plan.follows,
                     coupled=coupled) / np.exp(plan.power * x)
         for x in levels
     ]  # fmt: skip

@@ -32,7 +32,15 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.reduced.far_field import ASYMMETRIC, WHOLE
 from warpffrf.model.reduced.local_modes import compliance, curvature, leaning
 from warpffrf.model.scene import Scene
-from warpffrf.online.compile.patches.plan import end_places, is_crowned, rows_follow, widest, widths
+from warpffrf.online.compile.patches.plan import (
+    end_places,
+    is_crowned,
+    rows_follow,
+    rows_given,
+    smallest_radii,
+    widest,
+    widths,
+)
 from warpffrf.online.diagnosis.border_notes import BORDER
 from warpffrf.online.diagnosis.patch_off_end import shares_at_ends
 from warpffrf.online.history.history import ContactHistory, History
@@ -71,9 +79,7 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
             "depth in each cell of the patch, not at each material point; damping in a rolling contact "
             "wants grid='body_fixed'"
         )
-    middle = float(np.mean(np.asarray(contact.a.surface.grid.z)[[0, -1]]))
-    curvature = max(abs(float(np.max(np.abs(port.surface.shape.curvatures(0.0, middle))))) for port in contact.ports)
-    spans = 2.0 * float(np.max(cells.half_width)) * curvature
+    spans = 2.0 * float(np.max(cells.half_width)) / smallest_radii(contact)[0]
     if spans > WIDE * WHOLE:
         notes.append(
             f"contact {contact.name!r}: the patch spans {spans:.2g} rad of a surface, and the half-space under it is "
@@ -86,7 +92,17 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
     notes += normal_notes(contact, half_width, {})
     if rows_follow(contact):
         return notes + _near_end(contact, found)
-    return notes + _over_end(contact, found) + _travelled(contact, found, history)
+    return notes + _beyond_rows(contact, found) + _over_end(contact, found) + _travelled(contact, found, history)
+
+
+def _beyond_rows(contact: Contact, found: ContactHistory) -> list[str]:
+    """Given rows, the outermost of which carry pressure: the patch may continue beyond."""
+    if not rows_given(contact) or not np.any(found.pressure[:, :, [0, -1]] > 0.0):
+        return []
+    return [
+        f"contact {contact.name!r}: the patch reaches the outermost of the rows given by cells=, and no pressure acts "
+        "beyond: extend them"
+    ]
 
 
 def _light(contact: Contact, found: ContactHistory, history: History) -> list[str]:

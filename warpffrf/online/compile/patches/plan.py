@@ -21,6 +21,7 @@ The number of cells follows from the error they may add to force and largest pre
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -31,7 +32,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.half_space import rectangle
 from warpffrf.model.placement.nearest import curvatures_on, facing_place, is_ball
-from warpffrf.model.reduced.far_field import WHOLE, FarField
+from warpffrf.model.reduced.far_field import WHOLE, FarField, cutoff
 from warpffrf.online.compile.patches.sides import PARALLEL, Surface, facing, in_world, levers, meridian, middle_of
 
 Array = np.ndarray
@@ -69,6 +70,17 @@ def span_of(columns: int) -> float:
 
 
 @dataclass(frozen=True, eq=False)
+class Along:
+    """Rows by arc length along the first meridian: middles `s` and `length` (rows,) [m], the arc length of any z, and
+    the `weight` (rows, rows) of the half-space between two of them, None: 1."""
+
+    s: Array
+    length: Array
+    arc: Callable[[Array | float], Any]
+    weight: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class PatchPlan:
     """Cells of a pair: `columns` strips, rows between `edges` [m; in W where they follow], and near
     tables (levels, columns, rows, rows) from ln W `first` on, `step` apart, over W^power.
@@ -76,8 +88,8 @@ class PatchPlan:
 
     columns: int
     edges: Array  # of the rows
+    along: Along
     aspect: float  # extent in z over width of rows that follow; 0 of others
-    stretch: float  # length along the meridian per z of rows that follow, where they face the second surface
     curvature: float
     least: float
     most: float
@@ -103,8 +115,7 @@ class PatchPlan:
             )
         least, most = NARROWEST / across, widest(contact)
         follows = rows_follow(contact)
-        stretch = _stretch(contact) if follows else 1.0
-        aspect = _aspect(across, along) / stretch
+        aspect = _aspect(across, along) / _stretch(contact) if follows else 0.0
         crowned = is_crowned(contact)
         wanted = _counts(
             contact.cell_error, TAILED / SPAN if _begins(contact) else 1.0, follows=follows, crowned=crowned
@@ -112,6 +123,8 @@ class PatchPlan:
         columns, rows = contact.cells or wanted
         if follows:
             edges = aspect * np.linspace(-1.0, 1.0, rows + 1)
+        elif rows_given(contact):
+            edges = _given_edges(contact)
         else:
             _refuse_across(contact)
             low, high = common_width(contact)
@@ -122,7 +135,7 @@ class PatchPlan:
                 edges = off_end_edges(about, None if contact.cells is None else rows)
             elif crowned:
                 edges = crowned_edges(low, high, _nearest(contact, low, high), rows)
-        plan = cls._tabulated(contact, columns, edges, aspect if follows else 0.0, stretch, across, least, most)
+        plan = cls._tabulated(contact, columns, edges, aspect, across, least, most)
         return replace(plan, crowned=crowned, off_end=crowned and off_end)
 
     def spread(self, contact: Contact, columns: int, rows: int, least: float, most: float) -> PatchPlan:
@@ -133,14 +146,13 @@ class PatchPlan:
         high = min(max(most, low), self.most)
         curve = PchipInterpolator(np.linspace(0.0, 1.0, len(self.edges)), self.edges)
         edges = curve(np.linspace(0.0, 1.0, rows + 1))
-        plan = self._tabulated(contact, columns, edges, self.aspect, self.stretch, self.curvature, low, high)
+        plan = self._tabulated(contact, columns, edges, self.aspect, self.curvature, low, high)
         return replace(plan, crowned=self.crowned, off_end=self.off_end)
 
     @classmethod
     def _tabulated(
-        cls, contact: Contact, columns: int, edges: Array, aspect: float, stretch: float, curvature: float,
-        least: float, most: float,
-    ) -> PatchPlan:  # fmt: skip
+        cls, contact: Contact, columns: int, edges: Array, aspect: float, curvature: float, least: float, most: float
+    ) -> PatchPlan:
         """The plan with its near tables."""
         bodies = bodies_under(contact)
         follows = aspect > 0.0
@@ -149,16 +161,14 @@ class PatchPlan:
             count = int(np.ceil(np.log(most / least) / STEP)) + 1
             first, step, power = float(np.log(least)), STEP, 2.0
             levels = first + step * np.arange(max(count, 4))
-        z, length = 0.5 * stretch * (edges[1:] + edges[:-1]), stretch * np.diff(edges)
-        table = np.stack(
-            [near_table(columns, np.exp(x), z, length, bodies, ends=not follows) / np.exp(power * x) for x in levels]
-        )
+        along = _along_meridian(contact, edges, follows=follows)
+        tables = [near_table(columns, np.exp(x), along, bodies, ends=not follows) / np.exp(power * x) for x in levels]
         ends = [end for body in bodies for end in body.strengths()] if follows else []
         begins = _begins(contact)
         of_hertz = not follows and contact.law.curve is None
         span = TAILED if begins else span_of(columns) if of_hertz else SPAN
-        cells = (columns, edges, aspect, stretch, curvature, least, most, begins, span)
-        return cls(*cells, table, first, step, power, ends)
+        cells = (columns, edges, along, aspect, curvature, least, most, begins, span)
+        return cls(*cells, np.stack(tables), first, step, power, ends)
 
     @property
     def follows(self) -> bool:
@@ -235,15 +245,15 @@ def _odd(count: float) -> int:
 
 
 def rows_follow(contact: Contact) -> bool:
-    """Whether the rows of a contact move with the nearest point: its patch is short."""
-    return _aspect(*relative_curvatures(contact)) < LINE_ASPECT
+    """Whether the rows of a contact move with the nearest point: its patch is short, and their boundaries not given."""
+    return not rows_given(contact) and _aspect(*relative_curvatures(contact)) < LINE_ASPECT
 
 
 def is_crowned(contact: Contact) -> bool:
     """Whether rows are fixed and fine about a crown, which deviates from the straight line between its ends by more
     than `STRAIGHT`: axes that cross by round-off, or slightly, do not count.
     """
-    if rows_follow(contact):
+    if rows_follow(contact) or rows_given(contact):
         return False
     low, high = common_width(contact)
     return relative_curvatures(contact)[1] * (high - low) > 8.0 * STRAIGHT
@@ -251,12 +261,19 @@ def is_crowned(contact: Contact) -> bool:
 
 def widest(contact: Contact) -> float:
     """Largest W [m]: beyond it, the half-space does not represent the bodies."""
+    across, along = smallest_radii(contact)
     aspect = _aspect(*relative_curvatures(contact)) if rows_follow(contact) else 0.0
+    return min(across * WIDEST, along * (LONGEST_ROWS / aspect) if aspect > 0.0 else np.inf)
+
+
+def smallest_radii(contact: Contact) -> tuple[float, float]:
+    """Smallest radius of curvature [m] of the two surfaces, across and along the first meridian: of an extruded curve
+    where they face each other, of others in any direction in their middles."""
     if any(port.surface.shape.profile().curve is not None for port in contact.ports):
-        across, along = facing_place(*contact.ports).sharper
-        return min(WIDEST / across, LONGEST_ROWS / (along * aspect) if along * aspect > 0.0 else np.inf)
-    radius = min(r for r in (radius_of(contact.a.surface), radius_of(contact.b.surface)) if r > 0.0)
-    return radius * min(WIDEST, LONGEST_ROWS / aspect if aspect > 0.0 else np.inf)
+        across, along = (1.0 / k if k > 0.0 else np.inf for k in facing_place(*contact.ports).sharper)
+        return across, along
+    radius = min((r for r in (radius_of(port.surface) for port in contact.ports) if r > 0.0), default=np.inf)
+    return radius, radius
 
 
 def _aspect(across: float, along: float) -> float:
@@ -307,6 +324,45 @@ def _stretch(contact: Contact) -> float:
     return float(np.hypot(1.0, facing_place(*contact.ports).slope)) if _faces_anywhere(contact) else 1.0
 
 
+def _along_meridian(contact: Contact, edges: Array, *, follows: bool) -> Along:
+    """The rows between `edges` [m; in W where they follow] along the meridian; others than those that follow the
+    place where the surfaces face each other, or have given boundaries, on one that is nearly straight."""
+    if follows or not rows_given(contact):
+        stretch = _stretch(contact) if follows else 1.0
+        return Along(0.5 * stretch * (edges[1:] + edges[:-1]), stretch * np.diff(edges), lambda z: z)
+    shape, grid = contact.a.surface.shape, np.asarray(contact.a.surface.grid.z)
+    z = np.linspace(grid[0], grid[-1], SAMPLES)
+    steep = np.hypot(1.0, shape.slope_at(z))
+    length = np.append(0.0, np.cumsum(0.5 * (steep[1:] + steep[:-1]) * np.diff(z)))
+    s, radial, axial = np.interp(edges, z, length), *shape.profile().normal_at(0.5 * (edges[1:] + edges[:-1]))
+    weight = cutoff(np.outer(radial, radial) + np.outer(axial, axial))
+    return Along(0.5 * (s[1:] + s[:-1]), np.diff(s), lambda at: np.interp(at, z, length), weight)
+
+
+def rows_given(contact: Contact) -> bool:
+    """Whether the boundaries of the rows are given."""
+    return contact.cells is not None and np.ndim(contact.cells[1]) > 0
+
+
+def _given_edges(contact: Contact) -> Array:
+    """The given boundaries (rows + 1,) [m]. Raises `InputError` where they leave the surfaces, and for friction on rows
+    whose normals differ by more than the half-space between them allows."""
+    edges = np.asarray(contact.cells[1] if contact.cells else ())
+    low, high = common_width(contact)
+    if edges[0] < low or edges[-1] > high:
+        raise InputError(
+            f"contact {contact.name!r}: cells: the rows reach from z = {edges[0]:g} to {edges[-1]:g} m, the surfaces "
+            f"only from {low:g} to {high:g} m"
+        )
+    angle = np.arctan(contact.a.surface.shape.slope_at(np.linspace(edges[0], edges[-1], SAMPLES)))
+    if contact.friction.acts and np.ptp(angle) > WHOLE:
+        raise InputError(
+            f"contact {contact.name!r}: cells: the normals of the rows differ by {np.ptp(angle):.2g} rad, with "
+            f"friction at most by {WHOLE:g}; take fewer of them"
+        )
+    return edges
+
+
 def widths(contact: Contact) -> Array:
     """The limits (n, 2) [m] on the first surface's meridian between which it, and the second where that ends, have
     material where they face each other at the start. A rigid surface ends where the table of its profile does.
@@ -355,8 +411,10 @@ def _refuse_across(contact: Contact) -> None:
 
 def _nearest(contact: Contact, low: float, high: float) -> float:
     """Position between `low` and `high` [m] on the first meridian where the second surface, its axis parallel, is
-    nearest.
+    nearest; of an extruded curve across it where they are nearest.
     """
+    if _faces_anywhere(contact) and not _lies_along(contact):
+        return float(np.clip(facing_place(*contact.ports).z, low, high))
     z = np.linspace(low, high, 401)
     near = np.zeros(len(z))
     for port in contact.ports:
@@ -440,20 +498,23 @@ def _largest_row(steps: Array, rows: int) -> float:
     return float(brentq(missing, float(steps[0]) * 0.1, float(steps[-1])))  # pyright: ignore[reportArgumentType]
 
 
-def near_table(columns: int, width: float, z: Array, length: Array, bodies: list[Any], *, ends: bool) -> Array:
+def near_table(columns: int, width: float, along: Along, bodies: list[Any], *, ends: bool) -> Array:
     """Weak displacement (columns, rows, rows) [m^3/Pa] by distance in strips, of the receiving row, of the row under
-    pressure. width W [m]; z, length [m] of the rows on the first surface.
+    pressure. width W [m].
     """
-    strip = 2.0 * width / columns
+    strip, z, length = 2.0 * width / columns, along.s, along.length
     k = strip * np.arange(columns)[:, None, None]
     seen, loaded = z[None, :, None], z[None, None, :]
     total = sum(body.half_space for body in bodies) * rectangle(k, seen - loaded, strip, length)
-    for (place, side, _), those in _ends_of(bodies).items() if ends else ():
+    for (end, side, _), those in _ends_of(bodies).items() if ends else ():
+        place = along.arc(end)
         a, b = (np.maximum(side * (place - v), 0.0) for v in (seen, loaded))
         total += sum(body.half_space for body in those) * rectangle(k, a + b, strip, length)
         quarter = those[0].far.quarter.displacement(k, a, b)
         total += sum(1.0 / body.far.youngs_modulus for body in those) * quarter * strip * length
     weak = total * strip * length[:, None]
+    if along.weight is not None:
+        weak *= along.weight
     return 0.5 * (weak + weak.transpose(0, 2, 1))
 
 

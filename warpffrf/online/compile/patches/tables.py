@@ -14,7 +14,7 @@ from warpffrf.model.checks.contacts import on_same_surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.contact_surface import ContactSurface
-from warpffrf.online.compile.patches.plan import PatchPlan, radius_of, relative_curvatures
+from warpffrf.online.compile.patches.plan import PatchPlan, relative_curvatures, smallest_radii
 from warpffrf.online.compile.patches.several import fill_beside
 from warpffrf.online.compile.strips import pressure_tables, product_numbers, waves
 from warpffrf_kernels.core.model import Model
@@ -106,8 +106,7 @@ def _why_not(contact: Contact, contacts: list[Contact], dynamic: Collection[int]
     if any(port.body.index in dynamic for port in contact.ports):
         return "their local modes have inertia"
     across, _ = relative_curvatures(contact)
-    radii = [radius_of(port.surface) for port in contact.ports]
-    sharpest = max((1.0 / radius for radius in radii if radius > 0.0), default=0.0)
+    sharpest = 1.0 / smallest_radii(contact)[0]
     return None if across > HUGGING * sharpest else "the surfaces are nearly as curved as each other"
 
 
