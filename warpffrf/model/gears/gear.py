@@ -241,7 +241,7 @@ class Gear:
     def _check(self) -> None:
         z, sign, x = self.teeth, self.side, self.generating_shift
         depth, xi_c = self.tool_center
-        if xi_c < 0.0:
+        if xi_c < 0.0 and not self.internal:
             alpha = self.pressure_angle
             most = (0.25 * np.pi - self.dedendum * np.tan(alpha)) * np.cos(alpha) / (1.0 - np.sin(alpha))
             raise InputError(
