@@ -46,7 +46,7 @@ PHYSICS = [
     "wf.bases.Balanced", "wf.bases.CraigBampton", "wf.bases.CraigChang", "wf.bases.Krylov", "wf.bases.POD",
     "wf.bases.TrialVectorDerivatives", "wf.damping.Rayleigh", "wf.films.Roughness",
     "wf.bearings.catalogue_torque", "wf.bearings.contamination_factor", "wf.bearings.drag_torque",
-    "wf.bearings.duty_life", "wf.bearings.fit",
+    "wf.bearings.duty_life", "wf.bearings.fit", "wf.gears.Gear", "wf.gears.GearPair",
 ]  # fmt: skip
 
 

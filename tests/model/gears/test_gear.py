@@ -159,6 +159,14 @@ def test_tip_relief(plain: Gear, shape: str, middle: float) -> None:
     assert relieved.tip_form_diameter == pytest.approx(plain.tip_diameter, abs=1e-12)
 
 
+def test_a_rounding_may_be_longer_than_the_relief() -> None:
+    for gear in (PINION, INTERNAL):
+        short = replace(gear, tip_rounding=0.5e-3, tip_relief=20e-6, tip_relief_length=0.3e-3)
+        plain = replace(gear, tip_rounding=0.5e-3)
+        curve = short.flank("right")
+        assert np.abs(plain.flank("right").foot(curve.at(np.linspace(0.0, curve.length, 500)))[1]).max() < 20e-6
+
+
 WRONG: list[tuple[dict[str, Any], str]] = [
     ({"teeth": 12}, "12 teeth with profile_shift 0 .* are undercut; make it larger than 0.298"),
     ({"teeth": 9, "profile_shift": 0.8}, "the teeth are pointed within the tip circle"),

@@ -149,6 +149,9 @@ def test_impossible_gears_and_cams_are_refused() -> None:
         mesh.gear(PINION, WIDTH, teeth=16, **sizes)
     with pytest.raises(InputError, match="along must be a whole number of at least 1"):
         mesh.gear(PINION, WIDTH, along=0, **sizes)
+    pointed = Gear(M, 12, profile_shift=0.922, addendum=0.87, dedendum=1.367, root_radius=0.109, tip_rounding=0.45e-3)
+    with pytest.raises(InputError, match="inverted cells, as tips are narrow .* a smaller tip_rounding"):
+        mesh.gear(pointed, WIDTH, rim_radius=11e-3, axial=1)
     counts: dict[str, Any] = {"sectors": 24, "axial": 1}
     with pytest.raises(InputError, match="curve must be a closed surfaces.Curve"):
         mesh.cam(PINION.flank(), WIDTH, bore_radius=1e-3, **counts)

@@ -224,16 +224,12 @@ def right_half(gear: Gear) -> dict[str, Pieces]:
         alpha = gear.pressure_angle
         rolled = gear.tool_center[0] / np.tan(alpha) / (0.5 * gear.reference_diameter)
         found["fillet"] = pieces(trochoid(gear), -0.5 * np.pi, -alpha, 0.5 * np.pi - alpha + abs(rolled), OTHERS)
-    breaks = [start, end]
+    breaks = np.array([start, end])  # of the curvature
     if gear.tip_relief:
-        begin = gear.tip_rho - sign * gear.tip_relief_length
-        breaks[1:1] = (
-            [begin] if gear.tip_relief_shape == "parabolic" else [begin, begin + sign * BLEND * gear.tip_relief_length]
-        )
-    flank = [
-        pieces(path, sign * a, sign * b, (b - a) / gear.base_radius)
-        for a, b in zip(breaks[:-1], breaks[1:], strict=True)
-    ]
+        begin = gear.tip_rho - sign * gear.tip_relief_length * np.array([1.0, 1.0 - BLEND])
+        breaks = np.concatenate([breaks, begin[: 1 if gear.tip_relief_shape == "parabolic" else 2]])
+    breaks = np.unique(sign * np.clip(breaks, min(start, end), max(start, end)))
+    flank = [pieces(path, a, b, (b - a) / gear.base_radius) for a, b in zip(breaks[:-1], breaks[1:], strict=True)]
     found["involute"] = joined(flank)
     point, tangent, _ = path(np.array(sign * end))
     if gear.tip_rounding:

@@ -83,7 +83,7 @@ def gear(
 
     Facet sets, k from 1 on: `flank_right_k` and `flank_left_k`, the involute with its tip rounding; `roots`, fillets
     and root lands; `tips`; `bore`, or `outside` of an internal gear; `ends`; of a segment `side_low` and `side_high`.
-    Raises `InputError` for a rim too thin for the mesh, and other impossible sizes.
+    Raises `InputError` for a rim too thin for the mesh, inverted cells, and other impossible sizes.
 
     >>> pinion = wf.gears.Gear(4.5e-3, 16, profile_shift=0.1817)
     >>> mesh = wf.mesh.gear(pinion, 14e-3, rim_radius=15e-3, teeth=3, order=1)
@@ -108,7 +108,15 @@ def gear(
         place = np.empty((*lattice.shape[:2], len(y), 3))
         place[..., 0], place[..., 1], place[..., 2] = lattice[..., :1], y, -lattice[..., 1:]
         lattices.append(place)
-    return _repeated(assembled(lattices, order, sets, "gear"), gear.teeth, count)
+    sector = assembled(lattices, order, sets, "gear")
+    try:
+        sector.check()
+    except InputError as error:
+        raise InputError(
+            "gear: the mesh has inverted cells, as tips are narrow or fillets tight; take another tip_diameter, a "
+            "smaller tip_rounding or a larger root_radius"
+        ) from error
+    return _repeated(sector, gear.teeth, count)
 
 
 def _sector(
