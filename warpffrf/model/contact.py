@@ -110,6 +110,8 @@ class Contact(reprs.Item):
         self.kinematics = kinematics
         self.capacity = capacity
         self.overlap = overlap
+        # where surfaces meet that are apart at the initial pose, a `placement.nearest.FacingPlace`; None: found there
+        self.meeting: Any = None
 
     def _require_bodies(self, a: SurfacePort, b: SurfacePort) -> None:
         label = self.label

@@ -27,6 +27,7 @@ from warpffrf.model.gears.gear import FLANKS, Gear
 from warpffrf.model.gears.pair import GearPair
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.placement.nearest import FacingPlace
 
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
@@ -95,11 +96,15 @@ def add_gear_pair(
     sides = FLANKS if flank == "both" else (flank,)
     angle, axes = _placed(hubs[0].body, hubs[1].body, pair, direction, sides[0], name)
     mesh = GearMesh(name, pair, (hubs[0], hubs[1]), axes)
+    bends = [1.0 / float(rho) for rho in pair.curvature_radii(0.0)]
+    meeting = FacingPlace((sum(bends), 0.0), (max(map(abs, bends)), 0.0), 0.0, 0.0)
     for side in sides:
-        for k, t in meeting(pair, angle, side, rotation, name):
+        for k, t in teeth_in_mesh(pair, angle, side, rotation, name):
             a, b = (_surface(hub.body, f"flank_{side}_{tooth}", name) for hub, tooth in zip(hubs, (k, t), strict=True))
             label = f"{name} {side} {k}-{t}"
-            mesh.contacts[side, k, t] = scene.add(Contact(a, b, friction=friction, cells=cells, name=label))
+            contact = Contact(a, b, friction=friction, cells=cells, name=label)
+            contact.meeting = meeting
+            mesh.contacts[side, k, t] = scene.add(contact)
     scene.gears.append(mesh)
     return mesh
 
@@ -113,7 +118,7 @@ def places(pair: GearPair, angle: Any, side: str, teeth: Any) -> Any:
     return one.base_radius * (middle + np.remainder(turned - middle + np.pi, 2.0 * np.pi) - np.pi)
 
 
-def meeting(pair: GearPair, angle: float, side: str, rotation: Any, name: str) -> list[tuple[int, int]]:
+def teeth_in_mesh(pair: GearPair, angle: float, side: str, rotation: Any, name: str) -> list[tuple[int, int]]:
     """Teeth of gears 1 and 2 that meet while gear 1 rotates from `angle` + rotation[0] to `angle` + rotation[1]; None:
     any rotation."""
     z_1, z_2 = pair.gear_1.teeth, pair.gear_2.teeth

@@ -144,6 +144,20 @@ def facing_place(one: SurfacePort, other: SurfacePort) -> FacingPlace:
     )
 
 
+_KNOWN: WeakKeyDictionary[Any, tuple[bytes, FacingPlace]] = WeakKeyDictionary()
+
+
+def meeting_place(contact: Any) -> FacingPlace:
+    """The place where the surfaces of a contact are nearest, or will meet where it has `meeting`; found once for the
+    poses of the bodies."""
+    if contact.meeting is not None:
+        return contact.meeting
+    poses = b"".join(np.append(port.body.position, port.body.rotation).tobytes() for port in contact.ports)
+    if _KNOWN.get(contact, (b"",))[0] != poses:
+        _KNOWN[contact] = poses, facing_place(*contact.ports)
+    return _KNOWN[contact][1]
+
+
 def _opposite(a: SurfacePort, b: SurfacePort) -> tuple[np.ndarray, np.ndarray, float]:
     """Nearest points (3,) of both ideal surfaces, world, and the gap [m]."""
     if not is_ball(a) and (is_ball(b) or a.surface.shape.profile().planar):

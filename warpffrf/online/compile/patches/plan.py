@@ -31,7 +31,7 @@ from scipy.interpolate import PchipInterpolator
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.half_space import rectangle
-from warpffrf.model.placement.nearest import curvatures_on, facing_place, is_ball
+from warpffrf.model.placement.nearest import is_ball, meeting_place
 from warpffrf.model.reduced.far_field import WHOLE, FarField, cutoff
 from warpffrf.online.compile.patches.sides import PARALLEL, Surface, facing, in_world, levers, meridian, middle_of
 
@@ -270,7 +270,7 @@ def smallest_radii(contact: Contact) -> tuple[float, float]:
     """Smallest radius of curvature [m] of the two surfaces, across and along the first meridian: of an extruded curve
     where they face each other, of others in any direction in their middles."""
     if any(port.surface.shape.profile().curve is not None for port in contact.ports):
-        across, along = (1.0 / k if k > 0.0 else np.inf for k in facing_place(*contact.ports).sharper)
+        across, along = (1.0 / k if k > 0.0 else np.inf for k in meeting_place(contact).sharper)
         return across, along
     radius = min((r for r in (radius_of(port.surface) for port in contact.ports) if r > 0.0), default=np.inf)
     return radius, radius
@@ -293,7 +293,7 @@ def relative_curvatures(contact: Contact) -> tuple[float, float]:
     """
     a, b = contact.a, contact.b
     if _faces_anywhere(contact):
-        return curvatures_on(a, b)
+        return meeting_place(contact).curvatures
     z_a = middle_of(a.surface)
     first = [float(k) for k in a.surface.shape.curvatures(0.0, z_a)]
     second = [float(k) for k in b.surface.shape.curvatures(0.0, middle_of(b.surface))]
@@ -321,7 +321,7 @@ def _faces_anywhere(contact: Contact) -> bool:
 def _stretch(contact: Contact) -> float:
     """Length along the meridian of the first surface per z where the surfaces face each other at the start; 1 in the
     middle of others than balls and extruded curves."""
-    return float(np.hypot(1.0, facing_place(*contact.ports).slope)) if _faces_anywhere(contact) else 1.0
+    return float(np.hypot(1.0, meeting_place(contact).slope)) if _faces_anywhere(contact) else 1.0
 
 
 def _along_meridian(contact: Contact, edges: Array, *, follows: bool) -> Along:
@@ -414,7 +414,7 @@ def _nearest(contact: Contact, low: float, high: float) -> float:
     nearest; of an extruded curve across it where they are nearest.
     """
     if _faces_anywhere(contact) and not _lies_along(contact):
-        return float(np.clip(facing_place(*contact.ports).z, low, high))
+        return float(np.clip(meeting_place(contact).z, low, high))
     z = np.linspace(low, high, 401)
     near = np.zeros(len(z))
     for port in contact.ports:
