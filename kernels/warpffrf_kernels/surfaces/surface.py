@@ -116,9 +116,11 @@ class Foot:
 
 @wp.struct
 class Section:
-    """A place of a curve: u [m], the point [m], tangent (not of unit length) and second derivative there."""
+    """A place of a curve: u [m], the point [m], tangent (not of unit length) and second derivative there; `free`: 1
+    where the point whose foot it is lies below the material behind the curve."""
 
     u: real
+    free: int
     point: wp.vec2d
     slope: wp.vec2d
     bend: wp.vec2d
@@ -181,6 +183,10 @@ def section_near(model: Model, s: int, x: real, y: real) -> Section:
     i = wp.clamp(int(wp.floor((x - model.surfaces.seed_corner[s, 0]) / pitch)), 0, model.surfaces.seed_columns[s] - 1)
     j = wp.clamp(int(wp.floor((y - model.surfaces.seed_corner[s, 1]) / pitch)), 0, model.surfaces.seed_rows[s] - 1)
     piece = model.surfaces.curve_seed[model.surfaces.seed_start[s] + i * model.surfaces.seed_rows[s] + j]
+    free = int(0)
+    if piece < 0:
+        free = 1
+        piece = -1 - piece
     p = wp.vec2d(x, y)
     length = model.surfaces.curve_knot[first + piece + 1] - model.surfaces.curve_knot[first + piece]
     t = real(0.5) * length
@@ -204,6 +210,7 @@ def section_near(model: Model, s: int, x: real, y: real) -> Section:
         elif wp.abs(move) <= FOOT_TOLERANCE * length:
             step = PIECES
         found = on_piece(model, s, piece, t)
+    found.free = free
     return found
 
 
@@ -228,6 +235,8 @@ def foot_from(model: Model, s: int, x: vec3, near: Section) -> Foot:
     found.z = x[2]
     found.normal = vec3(scale * near.slope[1], -scale * near.slope[0], real(0.0))
     found.distance = (x[0] - near.point[0]) * found.normal[0] + (x[1] - near.point[1]) * found.normal[1]
+    if near.free != 0:
+        found.distance = wp.abs(found.distance)
     past = past_end(model, s, near.u)
     if past != real(0.0):
         off = wp.vec2d(x[0], x[1]) - near.point + past * near.slope

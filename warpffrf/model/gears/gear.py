@@ -19,6 +19,7 @@ SHAPES = ("linear", "parabolic")
 FLANKS = ("right", "left")
 STEEPEST = np.radians(45.0)  # pressure angles beyond are no gears
 LEAST_TEETH = 5
+DEPTH = 0.5  # of the thickness at the tip: of the material that a flank has behind it
 
 
 def involute_function(alpha: Any) -> Any:
@@ -168,7 +169,8 @@ class Gear:
         number = require_count(tooth, "flank: tooth", 1, self.teeth)
         part = outline.joined([self.half[name] for name in ("fillet", "involute", "rounding") if name in self.half])
         part = part if side == "right" else outline.mirrored(part)
-        return outline.curve(outline.rotated(part, 2.0 * np.pi * (number - 1) / self.teeth))
+        depth = DEPTH * self.tooth_thickness(self.tip_form_diameter)
+        return outline.curve(outline.rotated(part, 2.0 * np.pi * (number - 1) / self.teeth), depth=depth)
 
     def surfaces(self, sides: Sequence[str] = FLANKS, teeth: Sequence[int] | None = None) -> dict[str, Extruded]:
         """The flanks of `teeth`, None: of all, as contact surfaces "flank_right_1" ... about the y axis, as in

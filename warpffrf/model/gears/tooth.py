@@ -186,11 +186,12 @@ def rotated(part: Pieces, angle: float) -> Pieces:
     return part[0], part[1] @ R, part[2] @ R
 
 
-def curve(part: Pieces, *, closed: bool = False) -> Curve:
+def curve(part: Pieces, *, closed: bool = False, depth: float | None = None) -> Curve:
     lengths, points, tangents = part
     if closed:
         points[-1], tangents[-1] = points[0], tangents[0]
-    return Curve(knots=np.concatenate([[0.0], np.cumsum(lengths)]), points=points, tangents=tangents, closed=closed)
+    knots = np.concatenate([[0.0], np.cumsum(lengths)])
+    return Curve(knots=knots, points=points, tangents=tangents, closed=closed, depth=depth)
 
 
 def angle_of(vector: Array) -> float:

@@ -47,7 +47,8 @@ class Curve:
     """A plane curve by points and tangents at knots, the material to its left.
 
     knots (n,) [m], increasing, the arc length; points (n, 2) [m]; tangents (n, 2), of unit length. `closed`: the last
-    point is the first one. `Curve.through` and `Curve.arcs` make the usual ones. Raises `InputError` for knots that do
+    point is the first one. depth [m]: of the material behind an open curve, such as a part of the thickness of a tooth;
+    deeper points are in free space; None: unlimited. `Curve.through` and `Curve.arcs` make the usual ones. Raises `InputError` for knots that do
     not increase, tangents without direction, a closed curve whose ends differ, and a curve that intersects itself.
     """
 
@@ -55,11 +56,16 @@ class Curve:
     points: Any
     tangents: Any
     closed: bool = False
+    depth: float | None = None
 
     def __post_init__(self) -> None:
         knots = require_array(self.knots, "curve: knots", (None,))
         points = require_array(self.points, "curve: points", (len(knots), 2))
         tangents = require_array(self.tangents, "curve: tangents", (len(knots), 2))
+        if self.depth is not None:
+            object.__setattr__(self, "depth", require_number(self.depth, "curve: depth", positive=True))
+            if self.closed:
+                raise InputError("curve: a closed curve has no depth; its material is all that it encloses")
         if len(knots) < 2 or np.any(np.diff(knots) <= 0.0):
             raise InputError("curve: knots must increase and be two or more")
         lengths = np.linalg.norm(tangents, axis=1)
@@ -182,7 +188,8 @@ class Curve:
 
     def foot(self, points: Any) -> tuple[Array, Array]:
         """u [m] of the nearest points to `points` (..., 2) [m], and the distances [m], positive outside the
-        material. Beyond an end u is that of the tangent, and the distance that of the end."""
+        material. Beyond an end u is that of the tangent, and the distance that of the end; below `depth` it is that of
+        the curve, positive."""
         p = np.asarray(points, float)
         places, tree = self._samples()
         u = places[tree.query(p.reshape(-1, 2))[1].reshape(p.shape[:-1])]
@@ -203,25 +210,31 @@ class Curve:
         ends = np.clip(u, self.knots[0], self.knots[-1])
         if not self.closed and np.any(ends != u):
             distance = np.where(ends == u, distance, np.linalg.norm(p - self.at(ends), axis=-1))
-        return u, distance
+        return u, distance if self.depth is None else np.where(distance < -self.depth, -distance, distance)
 
     def seeds(self) -> tuple[Array, float, Array]:
         """Lower corner (2,) [m] and pitch [m] of a lattice, and the piece (columns, rows) nearest to the centre of
-        each of its cells."""
+        each of its cells, -1 - piece below `depth`."""
         low, high = self.points.min(axis=0), self.points.max(axis=0)
-        low, high = low - MARGIN * self.extent, high + MARGIN * self.extent
+        margin = max(MARGIN * self.extent, 1.5 * (self.depth or 0.0))
+        low, high = low - margin, high + margin
         pitch = float((high - low).max()) / SEEDS
         counts = np.maximum(np.ceil((high - low) / pitch).astype(int), 1)
         x, y = (low[i] + pitch * (np.arange(counts[i]) + 0.5) for i in (0, 1))
         _, tree = self._samples()
-        nearest = tree.query(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2))[1]
-        return low, pitch, np.minimum(nearest // SAMPLES, len(self.knots) - 2).reshape(counts)
+        centers = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+        nearest = np.minimum(tree.query(centers.reshape(-1, 2))[1] // SAMPLES, len(self.knots) - 2).reshape(counts)
+        if self.depth is None:
+            return low, pitch, nearest
+        u, _ = self.foot(centers)
+        below = np.sum((centers - self.at(u)) * self.normal(u), axis=-1) < -self.depth
+        return low, pitch, np.where(below, -1 - nearest, nearest)
 
     def describe(self) -> dict[str, Any]:
         """Plain numbers and lists for hashing and files: the arguments."""
         return {
             "knots": self.knots.tolist(), "points": self.points.tolist(), "tangents": self.tangents.tolist(),
-            "closed": self.closed,
+            "closed": self.closed, "depth": self.depth,
         }  # fmt: skip
 
     # --- inside
