@@ -60,9 +60,10 @@ def wheel_s1002(
 ) -> ProfiledCylinder:
     """The tread and flange of a wheel with the profile S1002 (EN 13715), flange height 28 mm, thickness 32.5 mm.
 
-    radius [m] of the nominal running circle, at `axis_point`, 70 mm from the back of the flange. axis_direction points
-    away from the flange, to the field side. The profile reaches from -69 mm, on the far side of the flange, where it is
-    72 degrees steep, to 60 mm. Arguments as for `ProfiledCylinder`: what is None is fitted to the nodes.
+    radius [m] of the nominal running circle, at axis_point (3,) [m], 70 mm from the back of the flange. axis_direction
+    (3,) points away from the flange, to the field side; both in the user frame of the body. The profile reaches from
+    -69 mm, on the far side of the flange, where it is 72 degrees steep, to 60 mm. Parameters that are None are fitted
+    to the nodes, within fit_tolerance [m], as of a `ProfiledCylinder`.
 
     >>> tread = wf.surfaces.wheel_s1002(radius=0.46, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
     >>> f"{1e3 * (tread.radius_at(-0.055) - 0.46):.3f} mm"  # the tip of the flange
