@@ -35,7 +35,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.compile.patches.plan import end_places, is_crowned, rows_follow, widest, widths
 from warpffrf.online.diagnosis.border_notes import BORDER
 from warpffrf.online.diagnosis.patch_off_end import shares_at_ends
-from warpffrf.online.history.history import ContactHistory, History
+from warpffrf.online.history.history import CellHistory, ContactHistory, History
 from warpffrf_kernels.rolling.places import LIGHT
 
 FEWEST = 6  # strips, or rows of a point contact, under pressure: with 8 the error of forces is 0.1 %, of peaks 0.9 %
@@ -71,9 +71,7 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
             "depth in each cell of the patch, not at each material point; damping in a rolling contact "
             "wants grid='body_fixed'"
         )
-    middle = float(np.mean(np.asarray(contact.a.surface.grid.z)[[0, -1]]))
-    curvature = max(abs(float(np.max(np.abs(port.surface.shape.curvatures(0.0, middle))))) for port in contact.ports)
-    spans = 2.0 * float(np.max(cells.half_width)) * curvature
+    spans = 2.0 * float(np.max(cells.half_width * _sharpest(contact, cells)))
     if spans > WIDE * WHOLE:
         notes.append(
             f"contact {contact.name!r}: the patch spans {spans:.2g} rad of a surface, and the half-space under it is "
@@ -87,6 +85,20 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
     if rows_follow(contact):
         return notes + _near_end(contact, found)
     return notes + _over_end(contact, found) + _travelled(contact, found, history)
+
+
+def _sharpest(contact: Contact, cells: CellHistory) -> np.ndarray:
+    """Largest curvature (T,) [1/m] of the two surfaces under the patch; a rigid curve does not count."""
+    middle = float(np.mean(np.asarray(contact.a.surface.grid.z)[[0, -1]]))
+    found = np.zeros(len(cells.column))
+    for port, column in ((contact.a, cells.column), (contact.b, cells.column_second)):
+        surface, theta = port.surface, np.zeros(len(found))
+        if (curve := surface.shape.profile().curve) is not None and port.rigid:
+            continue
+        if curve is not None:
+            theta = surface.grid.theta_start + surface.grid.pitch * np.asarray(column)
+        found = np.maximum(found, np.max(np.abs(surface.shape.curvatures(theta, middle)), axis=0))
+    return found
 
 
 def _light(contact: Contact, found: ContactHistory, history: History) -> list[str]:
