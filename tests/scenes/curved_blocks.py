@@ -17,6 +17,7 @@ from warpffrf.offline import ContactGrid, reduce
 STEEL = wf.Material(210e9, 0.3, 7850.0, name="steel")
 LENGTH, WIDTH, DEPTH = 10e-3, 14e-3, 6e-3  # m along the curve, along its axis, below it
 COUNTS = (10, 7, 5)
+ROUND_OFF = 1e-9  # m
 OVER = 0.1  # of the length: how far the curve reaches beyond the face at either end
 
 
@@ -47,8 +48,9 @@ def mesh_below(curve: Curve, *, counts: Any = COUNTS, width: float = WIDTH, dept
     return Mesh(np.column_stack([section, width * w]), flat.cells, sets, name="block")
 
 
-def extruded(curve: Curve, **tolerance: float) -> Extruded:
-    return Extruded(curve=curve, axis_direction=(0, 0, 1), x_direction=(1, 0, 0), **tolerance)
+def extruded(curve: Curve, **place: Any) -> Extruded:
+    """The surface along z with the section `curve`."""
+    return Extruded(curve=curve, axis_direction=(0, 0, 1), x_direction=(1, 0, 0), **place)
 
 
 def block(curve: Curve, *, tangential: bool = False, contact_fixed: bool = True, **mesh: Any) -> wf.ReducedBody:
@@ -59,15 +61,37 @@ def block(curve: Curve, *, tangential: bool = False, contact_fixed: bool = True,
     )  # fmt: skip
 
 
-def pressed(lower: wf.ReducedBody, upper: wf.ReducedBody, load: float, **contact: Any) -> wf.Scene:
-    """A block on the ground, another, upside down, on a vertical guide, pressed down by `load` [N]."""
+def twin(radius: float) -> wf.ReducedBody:
+    """A block with two arcs next to each other along x, `left` and `right`, on one `back`."""
+    flat = box((2.0 * LENGTH, DEPTH, WIDTH), (2 * COUNTS[0], COUNTS[2], COUNTS[1]), center=(0.0, -0.5 * DEPTH, 0.0))
+    x, y, _ = flat.points.T
+    top = np.sqrt(radius**2 - (np.abs(x) - 0.5 * LENGTH) ** 2) - radius
+    points = flat.points + np.outer((1.0 + y / DEPTH) * top, (0.0, 1.0, 0.0))
+    mesh = Mesh(points, flat.cells, {"back": flat.facet_sets["y_min"], "face": flat.facet_sets["y_max"]}, name="twin")
+    mesh = mesh.select("left", "face", lambda p: p[:, 0] < ROUND_OFF)
+    mesh = mesh.select("right", "face", lambda p: p[:, 0] > -ROUND_OFF)
+    faces = {name: at * 0.5 * LENGTH for name, at in (("left", -1.0), ("right", 1.0))}
+    return reduce(
+        mesh, STEEL, interfaces={"back": "rigid"}, modes=0,
+        contact={name: extruded(arc(radius), axis_point=(x, 0.0, 0.0)) for name, x in faces.items()},
+        grid=ContactGrid(contact_fixed=True), progress=False,
+    )  # fmt: skip
+
+
+def pressed(
+    lower: wf.ReducedBody, upper: wf.ReducedBody, load: float, *, faces: Any = (("face", "face"),), **contact: Any
+) -> wf.Scene:
+    """A block on the ground, another, upside down, on a vertical guide, pressed down by `load` [N]; contacts `pair`,
+    `pair_2` of their `faces`."""
     scene = wf.Scene(gravity=(0, 0, 0))
     one = scene.add_body(lower, name="lower")
     other = scene.add_body(upper, name="upper", rotation={"axis": (0, 0, 1), "angle": np.pi})
     scene.add(wf.joints.Fixed(scene.ground, one["back"]))
     scene.add(wf.joints.Prismatic(scene.ground, other["back"], axis=(0, 1, 0), name="guide"))
     scene.add(wf.forces.PointForce(other["back"], (0.0, -load, 0.0)))
-    scene.add(wf.Contact(one["face"], other["face"], name="pair", **contact))
+    for number, (first, second) in enumerate(faces):
+        name = f"pair_{number + 1}" if number else "pair"
+        scene.add(wf.Contact(one[first], other[second], name=name, **contact))
     return scene
 
 

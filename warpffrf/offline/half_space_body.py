@@ -131,7 +131,9 @@ class _Patch:
         z = np.linspace(self.along[0], self.along[1], rows)
         if self.across is not None:
             return np.linspace(self.across[0], self.across[1], columns), z
-        return 2.0 * np.pi / columns * np.arange(columns), z
+        curve = self.shape.profile().curve
+        start, turn = (0.0, 2.0 * np.pi) if curve is None else (curve.knots[0], curve.length)
+        return start + turn / columns * np.arange(columns), z
 
     def surface(self, name: str, material: Material, free_ends: bool, skin_points: int) -> ContactSurface:
         theta, z = self.chart(COLUMNS, ROWS)

@@ -40,7 +40,7 @@ from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 from warpffrf_kernels.surfaces.surface import (
     axes_of,
     chart_of,
-    gradient_of,
+    foot_of,
     local_around,
     local_normal,
     local_point,
@@ -80,12 +80,13 @@ def cell_at(rows: int, m: int, d: int) -> int:
 def opposite(model: Model, B: int, origin: vec3, frame: mat33, x: vec3, c: vec3, along_c: int) -> vec3:
     """Chart coordinates (theta, z) on surface B opposite the world point x, and the gap along the direction."""
     local = wp.transpose(frame) * (x - origin)
-    place = chart_of(model, B, local)
-    steep = -wp.dot(wp.transpose(frame) * c, gradient_of(model, B, local))
-    gap = place[2] / wp.max(steep, STEEPEST)
+    near = foot_of(model, B, local)
+    steep = -wp.dot(wp.transpose(frame) * c, near.normal)
+    gap = near.distance / wp.max(steep, STEEPEST)
     if along_c != 0:
         place = chart_of(model, B, local + gap * (wp.transpose(frame) * c))
-    return vec3(place[0], place[1], gap)
+        return vec3(place[0], place[1], gap)
+    return vec3(near.theta, near.z, gap)
 
 
 @kernel

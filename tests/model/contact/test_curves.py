@@ -10,6 +10,8 @@ from scipy.spatial import KDTree
 
 from warpffrf.model import signals
 from warpffrf.model.errors import InputError
+from warpffrf.model.placement.nearest import curvatures_on
+from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Curve, Cylinder, Extruded, cam, from_description
 
 R = 0.05  # m
@@ -132,3 +134,31 @@ def test_a_cam_carries_its_follower(roller: float | None) -> None:
 def test_bad_curves_are_refused(make, message: str) -> None:
     with pytest.raises(InputError, match=re.escape(message)):
         make()
+
+
+def test_relative_curvatures_of_two_curves() -> None:
+    """Where they are nearest: an ellipse's vertex on an arc, wherever the curves begin; beyond an end, that of the
+    end."""
+    phi = np.linspace(0.0, 2.0 * np.pi, 201)[:-1] + 1.0
+    ellipse = Curve.through(np.stack([0.03 * np.cos(phi), 0.02 * np.sin(phi)], axis=1), closed=True)
+    arc = Curve.arcs((0.01, 0.0), 0.5 * np.pi + np.arcsin(0.2), [(0.02, 0.05)])  # its middle faces up and left
+    scene = Scene(gravity=(0, 0, 0))
+    axis = {"axis_direction": (0, 0, 1), "x_direction": (1, 0, 0)}
+    one = scene.add_rigid_body(1.0, (1.0,) * 3, name="one", surfaces={"face": Extruded(curve=ellipse, **axis)})
+    middle = arc.at(0.5 * arc.length)
+    normal = arc.normal(0.5 * arc.length)
+    turned = np.arctan2(normal[0], -normal[1])  # the normal of the middle then points down
+    rotation = {"axis": (0, 0, 1), "angle": -turned}
+    c, s = np.cos(-turned), np.sin(-turned)
+    at = np.array([c * middle[0] - s * middle[1], s * middle[0] + c * middle[1]])
+    above = np.array([0.0, 0.02 + 1e-3]) - at
+    other = scene.add_rigid_body(
+        1.0, (1.0,) * 3, name="other", position=(*above, 0.0), rotation=rotation,
+        surfaces={"face": Extruded(curve=arc, **axis)},
+    )  # fmt: skip
+    ports = one["face"], other["face"]
+    expected = 0.02 / 0.03**2 + 1.0 / 0.05
+    for a, b in (ports, ports[::-1]):
+        assert curvatures_on(a, b) == pytest.approx((expected, 0.0), rel=1e-3)
+    other.position = other.position + np.array([0.05, 0.0, 0.0])  # the arc ends before the ellipse
+    assert curvatures_on(*ports)[0] > 1.0 / 0.05

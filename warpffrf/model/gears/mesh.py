@@ -23,7 +23,7 @@ from warpffrf.model.bodies import Body, Port
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_array, unknown_name
 from warpffrf.model.friction import FrictionLike
-from warpffrf.model.gears.gear import FLANKS, Gear
+from warpffrf.model.gears.gear import FLANKS
 from warpffrf.model.gears.pair import GearPair
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments

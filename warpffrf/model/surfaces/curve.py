@@ -48,8 +48,9 @@ class Curve:
 
     knots (n,) [m], increasing, the arc length; points (n, 2) [m]; tangents (n, 2), of unit length. `closed`: the last
     point is the first one. depth [m]: of the material behind an open curve, such as a part of the thickness of a tooth;
-    deeper points are in free space; None: unlimited. `Curve.through` and `Curve.arcs` make the usual ones. Raises `InputError` for knots that do
-    not increase, tangents without direction, a closed curve whose ends differ, and a curve that intersects itself.
+    deeper points are in free space; None: unlimited. `Curve.through` and `Curve.arcs` make the usual ones. Raises
+    `InputError` for knots that do not increase, tangents without direction, a closed curve whose ends differ, and a
+    curve that intersects itself.
     """
 
     knots: Any

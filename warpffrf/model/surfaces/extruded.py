@@ -19,6 +19,7 @@ from warpffrf.model.surfaces.curve import Curve
 from warpffrf.model.surfaces.fit import reference_direction
 from warpffrf.model.surfaces.profile import SurfaceProfile
 
+ENDS = 1e-6  # of the curve's length: nodes may lie beyond its ends by this
 ACROSS = 1e-6  # length of `x_direction` across the axis below which it is undefined
 
 
@@ -31,7 +32,8 @@ class Extruded(Shape):
     axis_point (3,) [m]: the origin of the curve's coordinates; axis_direction (3,); x_direction (3,): that of the
     curve's x, projected across the axis, by default +x, or +y where the axis is near x. User frame of the body.
     Nothing is fitted: `fit_tolerance` [m], 1e-5 of the curve's extent where None, is how far nodes of a mesh may lie
-    off it. Raises `InputError` for a `curve` that is none, and an x_direction along the axis.
+    off it, and none may lie beyond its ends. Raises `InputError` for a `curve` that is none, and an x_direction along
+    the axis.
     """
 
     curve: Any = None
@@ -103,11 +105,28 @@ class Extruded(Shape):
         theta, _ = np.broadcast_arrays(np.asarray(theta, float), np.asarray(z, float))
         return self._known().curvature(theta), np.zeros(theta.shape)
 
+    def fitted(self, points: Any, normals: Any = None) -> Any:
+        """As `Shape.fitted`; raises `InputError` for points beyond the ends of an open curve too."""
+        curve, u = self._known(), self.chart(points)[0]
+        beyond = float(max(curve.knots[0] - np.min(u), np.max(u) - curve.knots[-1]))
+        if not curve.closed and beyond > ENDS * curve.length:
+            raise InputError(
+                f"surface {self.kind}: nodes lie up to {beyond:.3g} m beyond the ends of the curve, which is "
+                f"{curve.length:.4g} m long; make it longer, or choose other facets"
+            )
+        return super().fitted(points, normals)
+
     def describe(self) -> dict[str, Any]:
         return super().describe() | {"curve": None if self.curve is None else self.curve.describe()}
 
     def _completed(self, points: np.ndarray, normals: np.ndarray | None) -> Any:
         raise InputError(f"surface {self.kind}: curve must be given; it is not fitted to nodes")
+
+    def _wrong_side(self) -> str:
+        return (
+            "the normals of the facets point to the wrong side of this surface: the material must lie to the left of "
+            "the curve, seen against axis_direction; reverse the order of its points, or the axis"
+        )
 
     def _known(self) -> Curve:
         if self.curve is None:

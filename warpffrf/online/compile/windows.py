@@ -42,7 +42,7 @@ class Extent:
     width: float  # m, length of the grid along the meridian
     reach: float  # m, longest support of a node along the meridian
     round: bool  # a sphere: it may rotate in any way
-    planar: bool  # theta is a length
+    planar: bool = False  # theta is a length
 
     @classmethod
     def of(cls, surface: ContactSurface | RigidSurface, axial: float = 0.0, *, flattest: bool = False) -> Extent:

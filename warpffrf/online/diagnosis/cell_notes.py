@@ -32,18 +32,10 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.reduced.far_field import ASYMMETRIC, WHOLE
 from warpffrf.model.reduced.local_modes import compliance, curvature, leaning
 from warpffrf.model.scene import Scene
-from warpffrf.online.compile.patches.plan import (
-    end_places,
-    is_crowned,
-    rows_follow,
-    rows_given,
-    smallest_radii,
-    widest,
-    widths,
-)
+from warpffrf.online.compile.patches.plan import end_places, is_crowned, rows_follow, rows_given, widest, widths
 from warpffrf.online.diagnosis.border_notes import BORDER
 from warpffrf.online.diagnosis.patch_off_end import shares_at_ends
-from warpffrf.online.history.history import ContactHistory, History
+from warpffrf.online.history.history import CellHistory, ContactHistory, History
 from warpffrf_kernels.rolling.places import LIGHT
 
 FEWEST = 6  # strips, or rows of a point contact, under pressure: with 8 the error of forces is 0.1 %, of peaks 0.9 %
@@ -79,7 +71,7 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
             "depth in each cell of the patch, not at each material point; damping in a rolling contact "
             "wants grid='body_fixed'"
         )
-    spans = 2.0 * float(np.max(cells.half_width)) / smallest_radii(contact)[0]
+    spans = 2.0 * float(np.max(cells.half_width * _sharpest(contact, cells)))
     if spans > WIDE * WHOLE:
         notes.append(
             f"contact {contact.name!r}: the patch spans {spans:.2g} rad of a surface, and the half-space under it is "
@@ -103,6 +95,20 @@ def _beyond_rows(contact: Contact, found: ContactHistory) -> list[str]:
         f"contact {contact.name!r}: the patch reaches the outermost of the rows given by cells=, and no pressure acts "
         "beyond: extend them"
     ]
+
+
+def _sharpest(contact: Contact, cells: CellHistory) -> np.ndarray:
+    """Largest curvature (T,) [1/m] of the two surfaces under the patch; a rigid curve does not count."""
+    middle = float(np.mean(np.asarray(contact.a.surface.grid.z)[[0, -1]]))
+    found = np.zeros(len(cells.column))
+    for port, column in ((contact.a, cells.column), (contact.b, cells.column_second)):
+        surface, theta = port.surface, np.zeros(len(found))
+        if (curve := surface.shape.profile().curve) is not None and port.rigid:
+            continue
+        if curve is not None:
+            theta = surface.grid.theta_start + surface.grid.pitch * np.asarray(column)
+        found = np.maximum(found, np.max(np.abs(surface.shape.curvatures(theta, middle)), axis=0))
+    return found
 
 
 def _light(contact: Contact, found: ContactHistory, history: History) -> list[str]:

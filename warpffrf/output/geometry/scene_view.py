@@ -167,8 +167,8 @@ def scene_view(scene: Any) -> SceneView:
     bearings = {bearing.name: bearing.describe() for bearing in scene.bearings}
     gears = {mesh.name: mesh.describe() for mesh in scene.gears}
     return SceneView(
-        scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped, films, small_sliding, bearings, gears,
-        scene.describe(),
+        scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped, films, small_sliding, bearings,
+        gears, scene.describe(),
     )  # fmt: skip
 
 

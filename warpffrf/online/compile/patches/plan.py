@@ -268,8 +268,10 @@ def widest(contact: Contact) -> float:
 
 def smallest_radii(contact: Contact) -> tuple[float, float]:
     """Smallest radius of curvature [m] of the two surfaces, across and along the first meridian: of an extruded curve
-    where they face each other, of others in any direction in their middles."""
-    if any(port.surface.shape.profile().curve is not None for port in contact.ports):
+    across which patches lie where they face each other, of one along which they travel where it is flattest, of others
+    in any direction in their middles."""
+    curved = any(port.surface.shape.profile().curve is not None for port in contact.ports)
+    if curved and (contact.meeting is not None or not _lies_along(contact)):
         across, along = (1.0 / k if k > 0.0 else np.inf for k in meeting_place(contact).sharper)
         return across, along
     radius = min((r for r in (radius_of(port.surface) for port in contact.ports) if r > 0.0), default=np.inf)
