@@ -54,8 +54,8 @@ class Scene(reprs.Shown):
     """A multibody model: bodies with poses, and the elements that connect and load them.
 
     gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts`, `lumped_contacts`, `films`,
-    `sensors` are lists in the order of adding; `bearings` and `gears` are assemblies, whose parts are in the other lists
-    too; `ground` is the world as a body. SI units, world axes, quaternions (x, y, z, w).
+    `sensors` are lists in the order of adding; `bearings` and `gears` are assemblies, whose parts are in the other
+    lists, too; `ground` is the world as a body. SI units, world axes, quaternions (x, y, z, w).
 
     >>> scene = wf.Scene(gravity=(0, 0, -9.81))  # m/s2
     >>> arm = scene.add_rigid_body(1.0, (0.01, 0.01, 0.01), name="arm", position=(0.1, 0, 0))  # kg, kg m2, m
