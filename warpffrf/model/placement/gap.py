@@ -227,7 +227,8 @@ def _gap(contact: Contact, theta: Any, z: Any, offset: Any) -> tuple[np.ndarray,
     body_a, body_b = contact.a.body, contact.b.body
     theta, z = np.broadcast_arrays(np.asarray(theta, float), np.asarray(z, float))
     world = body_a.to_world(first.point(theta, z)) - np.asarray(offset, float)
-    theta_b, z_b, distance = second.chart(body_b.to_user(world))
+    local = body_b.to_user(world)
+    (theta_b, z_b, _), distance = second.chart(local), second.gap(local)
     n_a = body_a.to_world(first.normal(theta, z)) - body_a.position
     n_b = body_b.to_world(second.normal(theta_b, z_b)) - body_b.position
     facing = np.einsum("...i,...i->...", n_a, n_b) < 0.0

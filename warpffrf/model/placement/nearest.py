@@ -73,7 +73,7 @@ def lamina_gap(roller: SurfacePort, other: SurfacePort, z: np.ndarray, drop: np.
     for i in range(ROUNDS):
         tried = theta[:, None] + width * np.linspace(-1.0, 1.0, FINER[0] if i else LATTICE[0])
         world = roller.body.to_world(shape.point(tried, z[:, None]))
-        distance = other.surface.shape.chart(other.body.to_user(world))[2] + _missing(other, world)
+        distance = other.surface.shape.gap(other.body.to_user(world)) + _missing(other, world)
         best = np.argmin(distance, axis=1)
         theta, gap = tried[np.arange(len(z)), best], distance[np.arange(len(z)), best]
         width /= CLOSER
@@ -96,7 +96,7 @@ def _least(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
         around, along = (c + h * np.linspace(-1.0, 1.0, n) for c, h, n in zip(center, half, counts, strict=True))
         around, along = np.clip(around, first, last), np.clip(along, low, high)
         world = one.body.to_world(shape.point(around[:, None], along[None, :]))
-        distance = opposite.chart(other.body.to_user(world))[2]
+        distance = opposite.gap(other.body.to_user(world))
         i, j = np.unravel_index(np.argmin(distance), distance.shape)
         center, half = (float(around[i]), float(along[j])), (half[0] / CLOSER, half[1] / CLOSER)
     return center

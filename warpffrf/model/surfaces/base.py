@@ -116,6 +116,10 @@ class Shape(ABC):
         """Unit directions e_0, e_1, e_a as rows (3, 3), user frame."""
         return np.stack([self.e_0, self.e_1, self.e_a])
 
+    def gap(self, points: Any) -> np.ndarray:
+        """Distance (...) [m] of `points` (..., 3) [m] from the material: that of the chart, except where it ends."""
+        return self.chart(points)[2]
+
     def along(self, theta: Any, z: Any) -> np.ndarray:
         """Unit directions t_z (..., 3) of the tangents of the meridian at theta [rad, of a plane m], z [m]: n x
         e_theta, towards greater z; user frame."""

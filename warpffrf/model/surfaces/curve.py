@@ -189,8 +189,7 @@ class Curve:
 
     def foot(self, points: Any) -> tuple[Array, Array]:
         """u [m] of the nearest points to `points` (..., 2) [m], and the distances [m], positive outside the
-        material. Beyond an end u is that of the tangent, and the distance that of the end; below `depth` it is that of
-        the curve, positive."""
+        material; beyond an end those of the tangent there."""
         p = np.asarray(points, float)
         places, tree = self._samples()
         u = places[tree.query(p.reshape(-1, 2))[1].reshape(p.shape[:-1])]
@@ -207,11 +206,18 @@ class Curve:
                 break
         if self.closed:
             u = self.knots[0] + np.remainder(u - self.knots[0], self.length)
-        distance = np.sum((p - self.at(u)) * self.normal(u), axis=-1)
+        return u, np.sum((p - self.at(u)) * self.normal(u), axis=-1)
+
+    def gap(self, points: Any) -> Array:
+        """Distances [m] of `points` (..., 2) [m] from the material: as `foot`, but beyond an end, and below `depth`, all
+        is free space, at the distance of the end or the curve."""
+        p = np.asarray(points, float)
+        u, distance = self.foot(p)
+        if self.closed:
+            return distance
         ends = np.clip(u, self.knots[0], self.knots[-1])
-        if not self.closed and np.any(ends != u):
-            distance = np.where(ends == u, distance, np.linalg.norm(p - self.at(ends), axis=-1))
-        return u, distance if self.depth is None else np.where(distance < -self.depth, -distance, distance)
+        distance = np.where(ends == u, distance, np.linalg.norm(p - self.at(ends), axis=-1))
+        return distance if self.depth is None else np.where(distance < -self.depth, -distance, distance)
 
     def seeds(self) -> tuple[Array, float, Array]:
         """Lower corner (2,) [m] and pitch [m] of a lattice, and the piece (columns, rows) nearest to the centre of
@@ -227,9 +233,7 @@ class Curve:
         nearest = np.minimum(tree.query(centers.reshape(-1, 2))[1] // SAMPLES, len(self.knots) - 2).reshape(counts)
         if self.depth is None:
             return low, pitch, nearest
-        u, _ = self.foot(centers)
-        below = np.sum((centers - self.at(u)) * self.normal(u), axis=-1) < -self.depth
-        return low, pitch, np.where(below, -1 - nearest, nearest)
+        return low, pitch, np.where(self.foot(centers)[1] < -self.depth, -1 - nearest, nearest)
 
     def describe(self) -> dict[str, Any]:
         """Plain numbers and lists for hashing and files: the arguments."""

@@ -85,6 +85,10 @@ class Extruded(Shape):
         u, distance = self._known().foot(local[..., :2])
         return u, local[..., 2], distance
 
+    def gap(self, points: Any) -> np.ndarray:
+        local = (np.asarray(points, float) - self.axis_point) @ self.frame.T
+        return self._known().gap(local[..., :2])
+
     def point(self, theta: Any, z: Any) -> np.ndarray:
         theta, z = np.broadcast_arrays(np.asarray(theta, float), np.asarray(z, float))
         return self.axis_point + self._known().at(theta) @ self.frame[:2] + z[..., None] * self.e_a
