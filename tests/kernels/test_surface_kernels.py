@@ -247,6 +247,8 @@ CURVES = {
     "closed": Curve.through(LOBE, closed=True),
     "open": Curve.arcs((0.0, 0.0), 0.3, [(0.02, 0.03), (0.01, np.inf), (0.015, -0.02), (0.01, 0.05)]),
 }
+DEPTH = 1.5e-3  # m
+THIN = Curve(**(CURVES["open"].describe() | {"depth": DEPTH}))
 NEWTON = 1e-12  # m: both end their Newton iterations at round-off
 
 
@@ -264,6 +266,22 @@ def test_the_foot_on_an_extruded_curve_is_that_of_the_host(name: str) -> None:
     assert np.allclose(curve.at(found[:, 0, 0]), curve.at(foot), rtol=0.0, atol=1e3 * NEWTON)  # its square is the error
     assert np.array_equal(found[:, 0, 1], x[:, 2]) and np.array_equal(found[:, 0, 2], found[:, 2, 0])
     assert np.allclose(found[:, 1, :2], curve.normal(foot), rtol=0.0, atol=1e-7)
+
+
+def test_ends_and_depth_of_a_curve_are_those_of_the_host() -> None:
+    """Beyond the ends the distance is that of the end, and the normal points away from it; below the depth, which is
+    known to a cell of the lattice, all is free space."""
+    rng, (start, end) = np.random.default_rng(4), THIN.knots[[0, -1]]
+    u = rng.uniform(start - 2e-3, end + 2e-3, 2000)
+    x = THIN.at(u) + rng.uniform(-4e-3, 4e-3, 2000)[:, None] * THIN.normal(u)
+    foot, distance = THIN.foot(x)
+    known = np.abs(distance + DEPTH) > THIN.seeds()[1]
+    found = charted(Numbers(planar=2, curve=THIN), np.column_stack([x, np.zeros(2000)]))
+    assert np.allclose(found[known, 2, 0], THIN.gap(x)[known], rtol=0.0, atol=NEWTON)
+    past = ((foot < start) | (foot > end)) & known & (distance > -DEPTH)
+    away = x - THIN.at(np.clip(foot, start, end))
+    assert past.sum() > 50 and np.sum(distance < -DEPTH) > 200
+    assert np.allclose(found[past, 1, :2], (away / np.linalg.norm(away, axis=1)[:, None])[past], rtol=0.0, atol=1e-7)
 
 
 @pytest.mark.parametrize("name", list(CURVES))
