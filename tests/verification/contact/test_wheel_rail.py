@@ -82,16 +82,16 @@ def test_a_patch_that_has_moved_to_the_flange_is_named(monkeypatch: pytest.Monke
 
 
 def test_cells_that_are_not_about_the_pressure_are_named() -> None:
-    """By a record whose pressure is beside the middle of its rows."""
+    """By a record whose pressure is off the middle of its rows."""
     wheelset, curve = track(BENCHMARK_ENDS)
     pose = (-3e-3, 0.0, 0.0)
     contact = wheel_on_rail.scene("tread", wheelset, curve, pose, LIGHT).contact(wheel_on_rail.CONTACT)
     rows, pressure = wheelset.touch(1, *pose).s + np.linspace(-2e-3, 2e-3, 11), np.zeros((1, 13, 11))
     pressure[0, 6, 5] = 1e8
-    cells = SimpleNamespace(z=rows[None])
-    assert cell_notes._along_profile(contact, SimpleNamespace(cells=cells, pressure=pressure)) == []
+    record: Any = SimpleNamespace(cells=SimpleNamespace(z=rows[None]), pressure=pressure)
+    assert cell_notes._along_profile(contact, record) == []
     pressure[0, 6] = np.roll(pressure[0, 6], 3)
-    (note,) = cell_notes._along_profile(contact, SimpleNamespace(cells=cells, pressure=pressure))
+    (note,) = cell_notes._along_profile(contact, record)
     assert "no pressure acts where the surfaces were found to be nearest" in note
 
 

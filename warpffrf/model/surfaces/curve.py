@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -148,7 +149,7 @@ class Curve:
         """The larger side [m] of the rectangle about its points."""
         return float(np.ptp(self.points, axis=0).max())
 
-    @property
+    @cached_property
     def coefficients(self) -> Array:
         """(n - 1, 2, 4): x and y of each piece in ascending powers of u less its first knot."""
         h = np.diff(self.knots)[:, None]
@@ -184,7 +185,7 @@ class Curve:
         """u [m] of the nearest points to `points` (..., 2) [m], and the distances [m], positive outside the
         material."""
         p = np.asarray(points, float)
-        places, tree = self._samples()
+        places, tree = self._samples
         u = places[tree.query(p.reshape(-1, 2))[1].reshape(p.shape[:-1])]
         limit = 2.0 * np.diff(self.knots).max()
         for _ in range(FOOT_STEPS):
@@ -209,7 +210,7 @@ class Curve:
         pitch = float((high - low).max()) / SEEDS
         counts = np.maximum(np.ceil((high - low) / pitch).astype(int), 1)
         x, y = (low[i] + pitch * (np.arange(counts[i]) + 0.5) for i in (0, 1))
-        _, tree = self._samples()
+        _, tree = self._samples
         nearest = tree.query(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2))[1]
         return low, pitch, np.minimum(nearest // SAMPLES, len(self.knots) - 2).reshape(counts)
 
@@ -222,6 +223,7 @@ class Curve:
 
     # --- inside
 
+    @cached_property
     def _samples(self) -> tuple[Array, Any]:
         """Places (m,) [m] along the curve, SAMPLES a piece and the last knot, and the tree of their points."""
         from scipy.spatial import KDTree
