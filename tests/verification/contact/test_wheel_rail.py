@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,8 @@ import pytest
 from references.wheel_rail import BENCHMARK, BENCHMARK_ENDS, Wheelset
 from scenes import wheel_on_rail
 from warpffrf.model.surfaces.railway import RAIL_ENDS, head_of_arcs
+from warpffrf.online.diagnosis import cell_notes
+from warpffrf.output.simulate import equilibrium
 
 PLACE = 5e-5  # m, of the patch's middle from where the rigid profiles touch
 HERTZ = 0.01
@@ -63,6 +66,33 @@ def test_the_manchester_benchmark_in_two_places_at_once(case: Any) -> None:
     assert np.count_nonzero(np.diff(pressed.astype(int)) == 1) == (2 if part == "flange" else 1)
     assert found.force_magnitude[-1] == pytest.approx(case.force, rel=HERTZ)
     assert 1e-6 * found.peak_pressure[-1] == pytest.approx(case.peak, rel=PRESSURE)
+
+
+@pytest.mark.slow
+def test_a_patch_that_has_moved_to_the_flange_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As a run that began on the tread, where rows are as long as their z."""
+    wheelset, curve = track(BENCHMARK_ENDS)
+    case = BENCHMARK["flange"][-1]
+    scene = wheel_on_rail.scene("flange", wheelset, curve, case.pose, case.load)
+    said = "the patch moved along the profile of wheel['rim']"
+    assert said not in equilibrium(scene, progress=False).report()
+    monkeypatch.setattr(cell_notes, "stretch_at_start", lambda _: 1.0)
+    report = " ".join(equilibrium(scene, progress=False).report().split())
+    assert said in report and "found to be nearest" not in report
+
+
+def test_cells_that_are_not_about_the_pressure_are_named() -> None:
+    """By a record whose pressure is off the middle of its rows."""
+    wheelset, curve = track(BENCHMARK_ENDS)
+    pose = (-3e-3, 0.0, 0.0)
+    contact = wheel_on_rail.scene("tread", wheelset, curve, pose, LIGHT).contact(wheel_on_rail.CONTACT)
+    rows, pressure = wheelset.touch(1, *pose).s + np.linspace(-2e-3, 2e-3, 11), np.zeros((1, 13, 11))
+    pressure[0, 6, 5] = 1e8
+    record: Any = SimpleNamespace(cells=SimpleNamespace(z=rows[None]), pressure=pressure)
+    assert cell_notes._along_profile(contact, record) == []
+    pressure[0, 6] = np.roll(pressure[0, 6], 3)
+    (note,) = cell_notes._along_profile(contact, record)
+    assert "no pressure acts where the surfaces were found to be nearest" in note
 
 
 def test_closing_the_gap_reaches_the_height_of_the_profiles() -> None:

@@ -85,7 +85,7 @@ def _least(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
     shape, opposite = one.surface.shape, other.surface.shape
     middle = one.body.to_user(other.body.to_world(opposite.axis_point))
     reach = float(np.linalg.norm(middle - shape.axis_point)) + float(shape.radius) + float(opposite.size)
-    low, high = _meridian_ends(one.surface) or (-reach, reach)
+    low, high = _meridian_ends(one.surface, reach)
     center, half = (0.0, 0.5 * (low + high)), (np.pi, 0.5 * (high - low))
     first, last = -np.inf, np.inf
     if (curve := shape.profile().curve) is not None:
@@ -102,15 +102,15 @@ def _least(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
     return center
 
 
-def _meridian_ends(surface: Any) -> tuple[float, float] | None:
-    """The limits [m] of a surface's meridian: of its grid, its table, its arc; None without any."""
+def _meridian_ends(surface: Any, reach: float) -> tuple[float, float]:
+    """The limits [m] of a surface's meridian: of its grid or its table, of others of its arc and `reach` [m]."""
     if surface.grid is not None:
         return float(surface.grid.z[0]), float(surface.grid.z[-1])
-    profile = surface.shape.profile()
-    if len(profile.breaks):
-        return float(profile.breaks[1]), float(profile.breaks[-2])  # the outermost pieces are beyond the table
-    limit = abs(profile.crown) * EDGE
-    return (-limit, limit) if limit else None
+    table = getattr(surface.shape, "table", None)
+    if table is not None:
+        return float(table[0, 0]), float(table[0, -1])
+    limit = min(reach, abs(surface.shape.profile().crown) * EDGE or np.inf)
+    return -limit, limit
 
 
 def curvatures_on(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:

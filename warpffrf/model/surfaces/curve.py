@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -155,7 +156,7 @@ class Curve:
         """The larger side [m] of the rectangle about its points."""
         return float(np.ptp(self.points, axis=0).max())
 
-    @property
+    @cached_property
     def coefficients(self) -> Array:
         """(n - 1, 2, 4): x and y of each piece in ascending powers of u less its first knot."""
         h = np.diff(self.knots)[:, None]
@@ -191,7 +192,7 @@ class Curve:
         """u [m] of the nearest points to `points` (..., 2) [m], and the distances [m], positive outside the
         material; beyond an end those of the tangent there."""
         p = np.asarray(points, float)
-        places, tree = self._samples()
+        places, tree = self._samples
         u = places[tree.query(p.reshape(-1, 2))[1].reshape(p.shape[:-1])]
         limit = 2.0 * np.diff(self.knots).max()
         for _ in range(FOOT_STEPS):
@@ -209,8 +210,8 @@ class Curve:
         return u, np.sum((p - self.at(u)) * self.normal(u), axis=-1)
 
     def gap(self, points: Any) -> Array:
-        """Distances [m] of `points` (..., 2) [m] from the material: as `foot`, but beyond an end, and below `depth`, all
-        is free space, at the distance of the end or the curve."""
+        """Distances [m] of `points` (..., 2) [m] from the material: as `foot`, but beyond an end, and below `depth`,
+        all is free space, at the distance of the end or the curve."""
         p = np.asarray(points, float)
         u, distance = self.foot(p)
         if self.closed:
@@ -228,7 +229,7 @@ class Curve:
         pitch = float((high - low).max()) / SEEDS
         counts = np.maximum(np.ceil((high - low) / pitch).astype(int), 1)
         x, y = (low[i] + pitch * (np.arange(counts[i]) + 0.5) for i in (0, 1))
-        _, tree = self._samples()
+        _, tree = self._samples
         centers = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
         nearest = np.minimum(tree.query(centers.reshape(-1, 2))[1] // SAMPLES, len(self.knots) - 2).reshape(counts)
         if self.depth is None:
@@ -244,6 +245,7 @@ class Curve:
 
     # --- inside
 
+    @cached_property
     def _samples(self) -> tuple[Array, Any]:
         """Places (m,) [m] along the curve, SAMPLES a piece and the last knot, and the tree of their points."""
         from scipy.spatial import KDTree

@@ -32,7 +32,16 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.reduced.far_field import ASYMMETRIC, WHOLE
 from warpffrf.model.reduced.local_modes import compliance, curvature, leaning
 from warpffrf.model.scene import Scene
-from warpffrf.online.compile.patches.plan import end_places, is_crowned, rows_follow, rows_given, widest, widths
+from warpffrf.online.compile.patches.plan import (
+    end_places,
+    faces_curve,
+    is_crowned,
+    rows_follow,
+    rows_given,
+    stretch_at_start,
+    widest,
+    widths,
+)  # fmt: skip
 from warpffrf.online.diagnosis.border_notes import BORDER
 from warpffrf.online.diagnosis.patch_off_end import shares_at_ends
 from warpffrf.online.history.history import CellHistory, ContactHistory, History
@@ -43,6 +52,7 @@ FEWEST = 6  # strips, or rows of a point contact, under pressure: with 8 the err
 # other by the mesh alone, the error of this influence is 2 % and more
 APART, APART_ON_SPHERES = 1.5, 6.0
 ROLLED = 0.1  # of W: with less the contact does not roll
+SLOPED = 0.03  # of the length of rows that follow along a profile, without a note
 WIDE = 0.9  # of WHOLE: span of a patch without a note
 ROUND_OFF = 1e-6  # of W
 SHORT = 0.5  # of the half-width: last rows of patches that run off an end, without a note
@@ -83,8 +93,34 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
     half_width = strips * float(cells.half_width[last]) / found.pressure.shape[1]
     notes += normal_notes(contact, half_width, {})
     if rows_follow(contact):
-        return notes + _near_end(contact, found)
+        return notes + _along_profile(contact, found) + _near_end(contact, found)
     return notes + _beyond_rows(contact, found) + _over_end(contact, found) + _travelled(contact, found, history)
+
+
+def _along_profile(contact: Contact, found: ContactHistory) -> list[str]:
+    """A patch on an extruded curve whose cells are not about it, or have another shape than at the start."""
+    cells, pressed = found.cells, found.pressure > 0.0
+    loaded = np.any(pressed, axis=(1, 2))
+    if cells is None or not faces_curve(contact) or not loaded.any():
+        return []
+    notes, middle = [], cells.z.shape[1] // 2
+    off = loaded & ~np.any(pressed[:, :, middle], axis=1)
+    if off.any():
+        notes.append(
+            f"contact {contact.name!r}: in {np.count_nonzero(off)} saved rows no pressure acts where the surfaces were "
+            "found to be nearest, and few cells carry the load: the search along a hollow profile ended too early; "
+            "give the rows, cells=(strips, boundaries)"
+        )
+    steep = np.hypot(1.0, contact.a.surface.shape.slope_at(cells.z[loaded].mean(axis=1)))
+    change = float(np.abs(steep / stretch_at_start(contact) - 1.0).max())
+    if change > SLOPED:
+        notes.append(
+            f"contact {contact.name!r}: the patch moved along the profile of {contact.a.label} to where rows of cells "
+            f"are {change:.0%} longer or shorter than at the start, for which the half-space between them is "
+            "tabulated: pressures err by about as much; begin the run there, or give the rows, "
+            "cells=(strips, boundaries)"
+        )
+    return notes
 
 
 def _beyond_rows(contact: Contact, found: ContactHistory) -> list[str]:

@@ -115,7 +115,7 @@ class PatchPlan:
             )
         least, most = NARROWEST / across, widest(contact)
         follows = rows_follow(contact)
-        aspect = _aspect(across, along) / _stretch(contact) if follows else 0.0
+        aspect = _aspect(across, along) / stretch_at_start(contact) if follows else 0.0
         crowned = is_crowned(contact)
         wanted = _counts(
             contact.cell_error, TAILED / SPAN if _begins(contact) else 1.0, follows=follows, crowned=crowned
@@ -270,8 +270,7 @@ def smallest_radii(contact: Contact) -> tuple[float, float]:
     """Smallest radius of curvature [m] of the two surfaces, across and along the first meridian: of an extruded curve
     across which patches lie where they face each other, of one along which they travel where it is flattest, of others
     in any direction in their middles."""
-    curved = any(port.surface.shape.profile().curve is not None for port in contact.ports)
-    if curved and (contact.meeting is not None or not _lies_along(contact)):
+    if faces_curve(contact) and (contact.meeting is not None or not _lies_along(contact)):
         across, along = (1.0 / k if k > 0.0 else np.inf for k in meeting_place(contact).sharper)
         return across, along
     radius = min((r for r in (radius_of(port.surface) for port in contact.ports) if r > 0.0), default=np.inf)
@@ -314,13 +313,17 @@ def relative_curvatures(contact: Contact) -> tuple[float, float]:
     return first[0] + c2 * second[0] + (1.0 - c2) * second[1], first[1] + c2 * second[1] + (1.0 - c2) * second[0]
 
 
+def faces_curve(contact: Contact) -> bool:
+    """Whether one of the surfaces is an extruded curve."""
+    return any(port.surface.shape.profile().curve is not None for port in contact.ports)
+
+
 def _faces_anywhere(contact: Contact) -> bool:
     """Whether the place where the surfaces face each other is to be searched: of balls and extruded curves."""
-    ports = contact.ports
-    return any(is_ball(port) or port.surface.shape.profile().curve is not None for port in ports)
+    return faces_curve(contact) or any(is_ball(port) for port in contact.ports)
 
 
-def _stretch(contact: Contact) -> float:
+def stretch_at_start(contact: Contact) -> float:
     """Length along the meridian of the first surface per z where the surfaces face each other at the start; 1 in the
     middle of others than balls and extruded curves."""
     return float(np.hypot(1.0, meeting_place(contact).slope)) if _faces_anywhere(contact) else 1.0
@@ -330,7 +333,7 @@ def _along_meridian(contact: Contact, edges: Array, *, follows: bool) -> Along:
     """The rows between `edges` [m; in W where they follow] along the meridian; others than those that follow the
     place where the surfaces face each other, or have given boundaries, on one that is nearly straight."""
     if follows or not rows_given(contact):
-        stretch = _stretch(contact) if follows else 1.0
+        stretch = stretch_at_start(contact) if follows else 1.0
         return Along(0.5 * stretch * (edges[1:] + edges[:-1]), stretch * np.diff(edges), lambda z: z)
     shape, grid = contact.a.surface.shape, np.asarray(contact.a.surface.grid.z)
     z = np.linspace(grid[0], grid[-1], SAMPLES)
