@@ -51,7 +51,7 @@ SECTIONS = wp.constant(3)  # both ends and the middle
 TIE = wp.constant(wp.float64(1.0e-11))
 SECANTS = wp.constant(40)  # as many bisections of 15 degrees reach 1e-11; secants take five
 SETTLED = wp.constant(wp.float64(1.0e-9))  # columns
-LOOKS = wp.constant(9)  # sections of the initial search for the smallest gap
+LOOKS = wp.constant(33)  # sections of the initial search for the smallest gap: a wheel's flange, root and tread
 STEPS = wp.constant(12)  # of Newton's method from there
 HALVINGS = wp.constant(6)
 EDGE_STEP = wp.constant(wp.float64(1.0e-3))  # of A's width: step of the differences along it
@@ -190,6 +190,7 @@ def least_place(model: Model, A: int, B: int, view: View, column: real, z_start:
     theta = model.surfaces.theta[A] + column * pitch
     best = gap_at(model, A, B, view, theta, z)
     looks = int(LOOKS)
+    between = (high - low) / real(looks - 1)
     i = int(0)
     while i < looks:
         at = low + (high - low) * real(i) / real(looks - 1)
@@ -213,6 +214,8 @@ def least_place(model: Model, A: int, B: int, view: View, column: real, z_start:
         h_zz = (by_z[1] - here[1]) * R / dz
         h_az = (by_z[0] - here[0]) / dz
         least = REGULAR * (wp.abs(h_aa) + wp.abs(h_zz)) + REGULAR / (high - low)
+        if h_zz < least:  # concave along z: a step along each direction by itself
+            h_az = real(0.0)
         h_aa = wp.max(h_aa, least)
         h_zz = wp.max(h_zz, least)
         bound = real(0.9) * wp.sqrt(h_aa * h_zz)
@@ -231,7 +234,7 @@ def least_place(model: Model, A: int, B: int, view: View, column: real, z_start:
             x_to = x + share * wp.clamp(move_a / (R * pitch), -real(8.0), real(8.0))
             if model.surfaces.periodic[A] == 0:
                 x_to = wp.clamp(x_to, real(0.0), real(model.surfaces.columns[A] - 1))
-            z_to = wp.clamp(z + share * move_z, low, high)
+            z_to = wp.clamp(z + share * wp.clamp(move_z, -between, between), low, high)
             g = gap_at(model, A, B, view, model.surfaces.theta[A] + x_to * pitch, z_to)
             tries += 1
             share *= real(0.5)

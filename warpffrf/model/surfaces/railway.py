@@ -79,6 +79,7 @@ def wheel_s1002(
     )
 
 
+@named_arguments
 def rail_uic60() -> Curve:
     """The section of the head of a rail UIC 60, 60E1 of EN 13674-1, for `Extruded`: x across, y upwards, the origin in
     the middle of the top, the sides down to 30 mm below it.
