@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -158,7 +159,7 @@ def test_relative_curvatures_of_two_curves() -> None:
     ellipse = Curve.through(np.stack([0.03 * np.cos(phi), 0.02 * np.sin(phi)], axis=1), closed=True)
     arc = Curve.arcs((0.01, 0.0), 0.5 * np.pi + np.arcsin(0.2), [(0.02, 0.05)])  # its middle faces up and left
     scene = Scene(gravity=(0, 0, 0))
-    axis = {"axis_direction": (0, 0, 1), "x_direction": (1, 0, 0)}
+    axis: Any = {"axis_direction": (0, 0, 1), "x_direction": (1, 0, 0)}
     one = scene.add_rigid_body(1.0, (1.0,) * 3, name="one", surfaces={"face": Extruded(curve=ellipse, **axis)})
     middle = arc.at(0.5 * arc.length)
     normal = arc.normal(0.5 * arc.length)

@@ -81,6 +81,15 @@ def test_solution_equals_dense_algebra(bar, name, placed):
     assert factor.fill >= sp.tril(K).nnz and factor.bytes >= 8 * sp.tril(K).nnz
 
 
+def test_parts_that_nothing_connects():
+    """Two lattices apart, in one matrix."""
+    K, x = lattice((6, 5, 4))
+    whole, places = sp.csc_matrix(sp.block_diag([K, K])), np.concatenate([x, x + [20.0, 0.0, 0.0]])
+    F = np.random.default_rng(3).standard_normal((whole.shape[0], 2))
+    found = factorise(whole, places, "multifrontal").solve(F)
+    assert np.abs(whole @ found - F).max() < EXACT * np.abs(F).max()
+
+
 @pytest.mark.parametrize("name", installed())
 def test_hermitian_systems(bar, name):
     K, x = bar

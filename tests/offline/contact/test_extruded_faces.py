@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from warpffrf.offline import ContactGrid, reduce
 from warpffrf.offline.contact.node_loads import ContactFacets
 
 RADIUS = 0.05
-AXIS = {"axis_point": (0.0, 0.0, 0.0), "axis_direction": (0.0, 1.0, 0.0)}
+AXIS: dict[str, Any] = {"axis_point": (0.0, 0.0, 0.0), "axis_direction": (0.0, 1.0, 0.0)}
 CIRCLE = Curve.arcs((RADIUS, 0.0), 0.5 * np.pi, [(2.0 * np.pi * RADIUS, RADIUS)], closed=True)
 
 
@@ -31,7 +32,8 @@ def body(kind: str) -> wf.ReducedBody:
 
 def test_a_circle_has_the_compliance_of_a_cylinder() -> None:
     """Of nodes, far field and tractions, on a grid that closes around; on the general path by itself."""
-    own, known = (body(kind).contact_surfaces["rim"] for kind in ("curve", "cylinder"))
+    surfaces: list[Any] = [body(kind).contact_surfaces["rim"] for kind in ("curve", "cylinder")]
+    own, known = surfaces
     assert own.grid.periodic and own.grid.columns == known.grid.columns
     assert own.grid.pitch == pytest.approx(RADIUS * known.grid.pitch)
     for found, same in (

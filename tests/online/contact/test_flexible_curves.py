@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from warpffrf.offline import ContactGrid, reduce
 RADIUS, LOAD, SPEED = 0.05, 20e3, 5.0  # m, N, rad/s
 CIRCLE = Curve.arcs((RADIUS, 0.0), 0.5 * np.pi, [(2.0 * np.pi * RADIUS, RADIUS)], closed=True)
 OPEN = Curve.arcs((0.0, RADIUS), np.pi, [(np.pi * RADIUS, RADIUS)])  # the half with x < 0
-AXIS = {"axis_point": (0.0, 0.0, 0.0), "axis_direction": (0.0, 1.0, 0.0)}
+AXIS: dict[str, Any] = {"axis_point": (0.0, 0.0, 0.0), "axis_direction": (0.0, 1.0, 0.0)}
 # Cubic pieces of 0.02 rad are off a circle by 4e-10 R, 2e-11 m of an approach of 1e-5 m, and bent by 3e-5 more or
 # less where they join; pressures follow the root of the curvature, and the patch covers half a piece.
 AS_ROUND = 1e-5

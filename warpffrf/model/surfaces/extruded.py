@@ -110,7 +110,8 @@ class Extruded(Shape):
         return self._known().curvature(theta), np.zeros(theta.shape)
 
     def fitted(self, points: Any, normals: Any = None) -> Any:
-        """As `Shape.fitted`; raises `InputError` for points beyond the ends of an open curve too."""
+        """As `Shape.fitted`, with `points` (n, 3) [m] and `normals` (n, 3) of facets; raises `InputError` for points
+        beyond the ends of an open curve too."""
         curve, u = self._known(), self.chart(points)[0]
         beyond = float(max(curve.knots[0] - np.min(u), np.max(u) - curve.knots[-1]))
         if not curve.closed and beyond > ENDS * curve.length:

@@ -44,6 +44,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -299,7 +300,7 @@ NODAL_KINDS = ("quad4", "quad9")  # facets whose nodes can be a full tensor prod
 class ContactFacets:
     """Facets of a contact surface in the chart of its `shape`: (kind, nodes, chart) of each block."""
 
-    shape: object
+    shape: Any
     blocks: list[tuple[str, Array, Chart]]
 
     @classmethod

@@ -133,6 +133,8 @@ class FlatCells:
         on = np.abs(y) < tolerance
         places[used] = np.stack([s, t, np.where(on, 0.0, -y)], axis=1)
         bears[used] = chart.before(points[used]) & (y < DEEPEST * chart.smallest_radius(points[used]))
+        if chart.shape.profile().curve is not None:
+            bears[used] &= y > -tolerance  # not the next tooth, above a flank
         kept = {}
         for kind, found in numbers.items():
             good = found[bears[cells[kind][found]].all(axis=1) & _upright(places, kind, cells[kind][found])]

@@ -91,6 +91,8 @@ class Multifrontal(Factor):
         F11[row[own] - start, column[own]] = value[own]
         F21[np.searchsorted(border, row[later]), column[later]] = value[later]
         for child in fronts.children[p]:
+            if not len(fronts.borders[child]):  # a part that no dof connects with the others
+                continue
             S, reached = self._updates.pop(child), fronts.borders[child]
             cut = int(np.searchsorted(reached, end))
             inside, beyond = reached[:cut] - start, np.searchsorted(border, reached[cut:])
