@@ -90,9 +90,29 @@ def view_of(model: Model, w: int, pair: int, trial: Trial) -> View:
 
 
 @wp.func
+def wrap_column(model: Model, s: int, column: real, middle: real) -> real:
+    """A column of a surface that closes around, nearest to `middle`; unchanged of others."""
+    period = period_of(model, s)
+    if period == real(0.0):
+        return column
+    return wrap(column, period / model.surfaces.pitch[s], middle)
+
+
+@wp.func
 def gap_at(model: Model, A: int, B: int, view: View, theta: real, z: real) -> real:
-    """g [m] at chart coordinates of A."""
-    return distance_of(model, B, view.at + view.turn * local_point(model, A, theta, z))
+    """g [m] at chart coordinates of A. More than a column beyond the ends of the grid on an extruded curve, over which
+    patches run, there is no material along its tangents: then the distance from there."""
+    x = view.at + view.turn * local_point(model, A, theta, z)
+    if model.surfaces.planar[B] != EXTRUDED or model.surfaces.rigid[B] != 0 or model.surfaces.periodic[B] != 0:
+        return distance_of(model, B, x)
+    foot = chart_of(model, B, x)
+    last = real(model.surfaces.columns[B] - 1)
+    column = (foot[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+    column = wrap_column(model, B, column, real(0.5) * last)
+    beyond = model.surfaces.pitch[B] * (wp.max(-column, column - last) - real(1.0))
+    if beyond > real(0.0):
+        return wp.sqrt(foot[2] * foot[2] + beyond * beyond)
+    return foot[2]
 
 
 @wp.func
@@ -112,15 +132,6 @@ def slopes(model: Model, A: int, B: int, view: View, column: real, z: real) -> w
         along = vec3(slope * wp.cos(theta), slope * wp.sin(theta), real(1.0))
     gradient = wp.transpose(view.turn) * gradient_of(model, B, view.at + view.turn * x)
     return wp.vec2d(wp.dot(gradient, around), wp.dot(gradient, along))
-
-
-@wp.func
-def wrap_column(model: Model, s: int, column: real, middle: real) -> real:
-    """A column of a surface that closes around, nearest to `middle`; unchanged of others."""
-    period = period_of(model, s)
-    if period == real(0.0):
-        return column
-    return wrap(column, period / model.surfaces.pitch[s], middle)
 
 
 @wp.func

@@ -158,6 +158,22 @@ def test_two_flanks_of_two_bodies() -> None:
         assert pair.mid_peak_pressure[0] == pytest.approx(alone.contact("pair").mid_peak_pressure[0], rel=2e-2)
 
 
+def test_a_curve_ends_with_its_grid() -> None:
+    """A block next to another, below the tangent in which its curve ends, does not touch it."""
+    body, scene = block(15e-3), wf.Scene(gravity=(0, 0, 0))
+    turned = {"axis": (0, 0, 1), "angle": np.pi}
+    one = scene.add_body(body, name="one", position=(14e-3, -4e-3, 0.0), rotation=turned)
+    other = scene.add_body(body, name="other")
+    for held in (one, other):
+        scene.add(wf.joints.Fixed(scene.ground, held["back"]))
+    scene.add(wf.Contact(one["face"], other["face"], grid="contact_fixed", name="pair"))
+    result = wf.simulate(scene, 1e-5, step=1e-5, progress=False)
+    pair = result.contact("pair")
+    end = 14e-3 - 0.5 * blocks.LENGTH - 0.5 * blocks.LENGTH  # from end to end along x
+    assert np.all(pair.force == 0.0)
+    assert np.all(pair.approach < -0.8 * end)
+
+
 def test_what_is_refused() -> None:
     mesh, curve = blocks.mesh_below(blocks.arc(15e-3), counts=(6, 2, 2)), blocks.arc(15e-3)
     cases = {

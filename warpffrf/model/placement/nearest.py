@@ -88,9 +88,9 @@ def _least(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
     low, high = _meridian_ends(one.surface, reach)
     center, half = (0.0, 0.5 * (low + high)), (np.pi, 0.5 * (high - low))
     first, last = -np.inf, np.inf
-    if (curve := shape.profile().curve) is not None:
-        center, half = (0.5 * float(curve.knots[0] + curve.knots[-1]), center[1]), (0.5 * curve.length, half[1])
-        first, last = (first, last) if curve.closed else curve.knots[[0, -1]]
+    if (ends := _ends(one)) is not None:
+        center, half = (0.5 * (ends[0] + ends[1]), center[1]), (0.5 * (ends[1] - ends[0]), half[1])
+        first, last = ends
     for tried in range(ROUNDS):
         counts = FINER if tried else LATTICE
         around, along = (c + h * np.linspace(-1.0, 1.0, n) for c, h, n in zip(center, half, counts, strict=True))
@@ -198,12 +198,31 @@ def _normal(port: SurfacePort, x: np.ndarray) -> np.ndarray:
     return _turned(port, shape.normal(*shape.chart(port.body.to_user(x))[:2]))
 
 
+def _ends(port: SurfacePort) -> tuple[float, float] | None:
+    """Arc lengths [m] between which an extruded surface can be touched: those of the curve, or of the contact grid on
+    it; None of other surfaces."""
+    surface, curve = port.surface, port.surface.shape.profile().curve
+    if curve is None:
+        return None
+    along = curve.knots if surface.grid is None or surface.grid.periodic else surface.grid.theta
+    return float(along[0]), float(along[-1])
+
+
+def _closes(port: SurfacePort) -> bool:
+    """Whether an extruded surface has no ends along its curve."""
+    grid = port.surface.grid
+    return port.surface.shape.profile().curve.closed if grid is None else grid.periodic
+
+
 def _tensor(port: SurfacePort, x: np.ndarray) -> np.ndarray:
     """Curvature tensor (3, 3) [1/m] of a surface at its point nearest x, world axes."""
     shape: Any = port.surface.shape
     theta, z, _ = shape.chart(port.body.to_user(x))
-    if (curve := shape.profile().curve) is not None and not curve.closed:  # beyond its ends it is straight
-        theta = np.clip(theta, *curve.knots[[0, -1]])
+    if (ends := _ends(port)) is not None and not _closes(port):
+        middle, turn = 0.5 * (ends[0] + ends[1]), shape.profile().turn
+        if np.isfinite(turn):
+            theta = middle + np.remainder(theta - middle + 0.5 * turn, turn) - 0.5 * turn
+        theta = np.clip(theta, *ends)
     around, along = (_turned(port, direction) for direction in (shape.around(theta), shape.along(theta, z)))
     k_around, k_along = (float(kappa) for kappa in shape.curvatures(theta, z))
     return k_around * np.outer(around, around) + k_along * np.outer(along, along)
