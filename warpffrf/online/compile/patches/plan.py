@@ -402,15 +402,19 @@ def _lies_along(contact: Contact) -> bool:
 
 
 def _refuse_across(contact: Contact) -> None:
-    """Raises `InputError` for a plane whose axis is across that of the rolling body: its ends are not ends of rows."""
+    """Raises `InputError` for a plane or an extruded surface whose axis is across that of the rolling body: its ends
+    are not ends of rows.
+    """
     for port in contact.ports:
         if port.surface.shape.profile().planar and port.surface.grid is not None and not _lies_along(contact):
             roller = contact.b if port is contact.a else contact.a
             if port is contact.a or port.surface.far.ends:
+                cure = "reduce its body with that axis as the direction of the surface, Plane(..., direction=...)"
+                if port.surface.shape.profile().curve is not None:
+                    cure = "rotate a body so that the axes are parallel"
                 raise InputError(
                     f"contact {contact.name!r}: the ends of {port.label} lie across the axis of {roller.label}, along "
-                    "which rows of cells lie; reduce its body with that axis as the direction of the surface, "
-                    "Plane(..., direction=...)"
+                    f"which rows of cells lie; {cure}"
                 )
 
 
