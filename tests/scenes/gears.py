@@ -1,13 +1,11 @@
-"""Gear pairs on shafts, their bodies half-spaces under the flanks; gear 1 pushes with its right flanks, the wheel stands
-still or is moved."""
+"""Gear pairs on shafts, half-spaces under their flanks: gear 1 pushes with its right flanks, the wheel stands or is
+moved."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
 from typing import Any
-
-import numpy as np
 
 import warpffrf as wf
 
@@ -27,8 +25,7 @@ EQUAL = wf.gears.GearPair(_SAME, _SAME, 90e-3)
 @cache
 def half_space(gear: wf.gears.Gear, sides: tuple[str, ...] = ("right",)) -> wf.ReducedBody:
     flanks: Any = gear.surfaces(sides)
-    extent = dict.fromkeys(flanks, (-0.5 * WIDTH, 0.5 * WIDTH))
-    return wf.half_space_body(1.0, (1e-3,) * 3, STEEL, contact=flanks, extent=extent)
+    return wf.half_space_body(1.0, (1e-3,) * 3, STEEL, contact=flanks, extent=(-0.5 * WIDTH, 0.5 * WIDTH))
 
 
 def about_y(angle: float) -> dict[str, Any]:

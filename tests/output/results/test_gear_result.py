@@ -64,7 +64,7 @@ LONG = replace(
 
 
 def lag_of_flanks(angle: float) -> float:
-    """Transmission error [m] of the relieved flanks as curves, free of load: gear 2 is rotated back until they touch."""
+    """Transmission error [m] of the relieved flanks as curves, free of load: gear 2 is rotated until they touch."""
     one, two = LONG.gear_1, LONG.gear_2
     k = min(
         range(1, 17), key=lambda k: abs(np.remainder(2.0 * np.pi * (k - 1) / 16 + angle + np.pi, 2 * np.pi) - np.pi)
@@ -97,7 +97,7 @@ def rotated(points: np.ndarray, angle: Any) -> np.ndarray:
 
 
 def test_the_transmission_error_without_load() -> None:
-    """That of the flanks as curves: none where one pair touches off the relief, and micrometres where all are relieved."""
+    """That of the flanks as curves: none where one pair touches off the relief, and micrometres where all have it."""
     expected = []
     for place in (0.05, 0.47, 0.53):
         gear = settled(on_shafts(LONG, angle_at(LONG, place * LONG.gear_1.base_pitch), 0.2)).gear("mesh")

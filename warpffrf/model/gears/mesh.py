@@ -2,8 +2,9 @@
 
 The bodies are those of `mesh.gear`, reduced with `Gear.surfaces()`, or half-spaces with them: their axis is the user's
 +y, through the origin, and tooth 1 points to +x. Gear 2 is placed at the centre distance from gear 1, in the direction
-given, and rotated by the least angle at which flanks touch: its own rotation determines which teeth meet. The place g of a tooth k of gear 1 on the path of contact, and its tooth of gear
-2, are those of `GearPair`: with s = 1 for right flanks and -1 for left ones,
+given, and rotated by the least angle at which flanks touch: its own rotation determines which teeth meet. The place g
+of a tooth k of gear 1 on the path of contact, and its tooth of gear 2, are those of `GearPair`: with s = 1 for right
+flanks and -1 for left ones,
 
     g_k = r_b1 (s (psi - angle) - 2 pi s (k - 1)/z_1),   psi = s s_w1/d_w1,
 
@@ -23,7 +24,7 @@ from warpffrf.model.bodies import Body, Port
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_array, unknown_name
 from warpffrf.model.friction import FrictionLike
-from warpffrf.model.gears.gear import FLANKS, Gear
+from warpffrf.model.gears.gear import FLANKS
 from warpffrf.model.gears.pair import GearPair
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
@@ -87,8 +88,8 @@ def add_gear_pair(
     about +y; "both": with backlash. direction (3,): from gear 1 to gear 2, world, the opposite of an internal gear 2;
     None: that of tooth 1. rotation: (from, to) [rad] of gear 1 about +y from its initial position in the run; (0, 0)
     for equilibria near it; None: any rotation, all pairs of teeth that ever meet. friction, cells: as for `Contact`.
-    The position of gear 2 is changed, and its rotation by the least angle at which flanks touch; joints and loads of the
-    shafts are yours. Raises `InputError` for ports that are no hubs of bodies with these flanks.
+    Gear 2 is moved, and rotated by the least angle at which flanks touch; joints and loads of the shafts are yours.
+    Raises `InputError` for ports that are no hubs of bodies with these flanks.
     """
     hubs = [_hub(port, label) for port, label in ((gear_1, "gear_1"), (gear_2, "gear_2"))]
     if flank not in (*FLANKS, "both"):
@@ -110,7 +111,7 @@ def add_gear_pair(
 
 
 def places(pair: GearPair, angle: Any, side: str, teeth: Any) -> Any:
-    """g [m] of `teeth` of gear 1 rotated by `angle` [rad], the one of the turns of gear 1 nearest to the pitch point."""
+    """g [m] of `teeth` of gear 1 rotated by `angle` [rad], in the turn of gear 1 nearest to the pitch point."""
     s, one = (1.0 if side == "right" else -1.0), pair.gear_1
     width = one.tooth_thickness(pair.working_diameters[0]) / pair.working_diameters[0]
     turned = s * (s * width - np.asarray(angle) - 2.0 * np.pi / one.teeth * (np.asarray(teeth) - 1))
@@ -184,7 +185,7 @@ def _surface(body: Body, surface: str, name: str) -> Any:
     known = body.surfaces if body.reduced is None else body.reduced.contact_surfaces
     if surface not in known:
         raise InputError(
-            f"gear pair {name!r}: body {body.name!r} has no surface {surface!r}, which meets in this range of rotation; "
-            "reduce it with contact=gear.surfaces(), or limit rotation"
+            f"gear pair {name!r}: body {body.name!r} has no surface {surface!r}, which meets in this range of "
+            "rotation; reduce it with contact=gear.surfaces(), or limit rotation"
         )
     return body[surface]
