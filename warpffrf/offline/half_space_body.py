@@ -43,7 +43,7 @@ def half_space_body(
     material: Material,
     *,
     contact: Mapping[str, Shape],
-    extent: Mapping[str, Vector | Matrix] | None = None,
+    extent: Mapping[str, Vector | Matrix] | Vector | Matrix | None = None,
     free_ends: bool = True,
     points: Mapping[str, Vector] | None = None,
     center_of_mass: Vector = (0.0, 0.0, 0.0),
@@ -53,9 +53,10 @@ def half_space_body(
     mass [kg]; inertia_tensor (3, 3), or its diagonal (3,) [kg m2], about the centre of mass; center_of_mass (3,) [m];
     material: of the half-spaces; contact: {name: shape} of `warpffrf.surfaces` with all parameters given; extent:
     {name: (low, high)} [m], the limits of each surface along its axis from `axis_point`, not needed where the profile
-    is a table; of a plane ((low, high), (low, high)), across and along. free_ends: the body ends there with a face
-    across the axis; False: it continues, and only the cells end. points: {name: (3,) [m]}, ports for joints and forces,
-    by default {"center": center_of_mass}. User frame. Its surfaces carry pressures with `grid="contact_fixed"` only.
+    is a table; of a plane ((low, high), (low, high)), across and along; without names: of all. free_ends: the body ends
+    there with a face across the axis; False: it continues, and only the cells end. points: {name: (3,) [m]}, ports for
+    joints and forces, by default {"center": center_of_mass}. User frame. Its surfaces carry pressures with
+    `grid="contact_fixed"` only.
 
     Returns a `ReducedBody` without modes, for `Scene.add_body`. Raises `InputError` for a shape with parameters left to
     be fitted, missing limits, and an impossible inertia.
@@ -75,6 +76,8 @@ def half_space_body(
         raise InputError(f"{label}: material must be a warpffrf.Material, got {material!r}")
     if not contact:
         raise InputError(f"{label}: contact names no surface; add a body without any by scene.add_rigid_body")
+    if extent is not None and not isinstance(extent, Mapping):
+        extent = dict.fromkeys(contact, extent)
     extent = dict(extent or {})
     if unknown := [name for name in extent if name not in contact]:
         raise InputError(f"{label}: extent names {unknown[0]!r}, which is no surface of contact")

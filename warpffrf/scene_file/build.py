@@ -60,7 +60,7 @@ class Builder:
         values = self.source.values
         sections = {**{s: self.fixed[s] for s in ("materials", "meshes", "reduced_bodies")}, "signals": signal_kinds()}
         sections["ground"] = shape_kinds()  # its surfaces
-        self.sections = {**sections, **{s: self.fixed[s] for s in ("bodies", "bearings")}, **self.items}
+        self.sections = {**sections, **{s: self.fixed[s] for s in ("bodies", "bearings", "gear_pairs")}, **self.items}
         known = (TITLE, "include", "parameters", "scene", *self.sections, "arrange", *RUNS)
         for key, table in values.items():
             if key not in known:
@@ -142,6 +142,8 @@ class Builder:
             )
         if isinstance(value, dict) and "kind" in value:
             kinds = contact_kinds() if role == "shapes" else laws or self.values
+            if role == "shapes" and path[-1] == "contact":
+                kinds = {"gear_surfaces": self.values["gear_surfaces"]}
             kinds = shape_kinds() if path[2:3] == ("surfaces",) and len(path) == 4 else kinds
             form = choose(self.source, path, value, kinds)
             self._check_table(path, value, form)
@@ -255,6 +257,11 @@ class Builder:
                 bearing = self._keep("bearings", name, form.call(self.scene, name, **arguments))
                 for body in (bearing.inner, bearing.outer, *bearing.between):
                     self.made.setdefault("bodies", {}).setdefault(body.name, body)
+        for name, table in values.get("gear_pairs", {}).items():
+            form = self._form(("gear_pairs", name), table)
+            with self._blamed(("gear_pairs", name), table):
+                arguments = self._arguments(("gear_pairs", name), table, form)
+                self._keep("gear_pairs", name, form.call(self.scene, name=name, **arguments))
         for section in sorted(self.items, key=lambda section: section not in FIRST_ITEMS):
             for name, table in values.get(section, {}).items():
                 with self._blamed((section, name), table):

@@ -19,6 +19,7 @@ from types import ModuleType
 from typing import Any, NotRequired
 
 from warpffrf.model.errors import InputError, suggestion
+from warpffrf.model.gears.gear import FLANKS
 from warpffrf.model.renamed import REPLACED
 from warpffrf.scene_file.source import Path, Source
 
@@ -297,7 +298,7 @@ def value_kinds() -> dict[str, Form]:
     from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES
     from warpffrf.model.forces import CHARACTERISTICS
     from warpffrf.model.friction import FRICTION_LAWS
-    from warpffrf.model.gears import Gear
+    from warpffrf.model.gears import Gear, GearPair
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
     from warpffrf.model.moments import ROLLING_LAWS
     from warpffrf.model.oils import OILS, DowsonHigginson, iso_vg
@@ -319,12 +320,19 @@ def value_kinds() -> dict[str, Form]:
     curves = {"through": Curve.through, "arcs": Curve.arcs, "cam": cam, "rail_uic60": rail_uic60, "gear": Gear}
     curves |= {"gear_flank": flat(Gear.flank, self=Gear), "gear_section": flat(Gear.section, self=Gear)}
     found.update({kind: form_of(kind, call, {"lift": "value"}) for kind, call in curves.items()})
+    found["gear_surfaces"] = form_of("gear_surfaces", _gear_surfaces, {"gear": "value"})
+    found["gear_pair"] = form_of("gear_pair", GearPair, {"gear_1": "value", "gear_2": "value"})
     found["wheel_s1002"] = form_of("wheel_s1002", wheel_s1002, {})
     found.update({snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in others})
     found.update(
         {kind: form_of(kind, cls, item_roles(cls)) for kinds in bearing_parts().values() for kind, cls in kinds}
     )
     return found
+
+
+def _gear_surfaces(gear: Any, sides: list[str] | None = None, teeth: list[int] | None = None) -> Any:
+    """All or some flanks of a gear, surfaces with their names."""
+    return gear.surfaces(sides or FLANKS, teeth)
 
 
 @cache
@@ -369,6 +377,7 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
     for section, laws in contacts.items():
         taken |= {(section, "law"): laws, (section, "friction"): FRICTION_LAWS}
     taken |= {(section, "rolling_resistance"): ROLLING_LAWS for section in ("lumped_contacts", "bearings")}
+    taken["gear_pairs", "friction"] = FRICTION_LAWS
     taken |= {("bearings", name): FORMS for name in ("inner_form", "outer_form")}
     taken |= {("bearings", name): dict(kinds) for name, kinds in bearing_parts().items()}
     return {at: {kind: value_kinds()[kind] for kind in kinds} for at, kinds in taken.items()}
@@ -425,6 +434,14 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
         "bearings": {
             "ball": form_of("ball bearing", balls, rings, ("scene", "name")),
             "roller": form_of("roller bearing", rollers, rings, ("scene", "name")),
+        },
+        "gear_pairs": {
+            "": form_of(
+                "gear pair",
+                Scene.add_gear_pair,
+                {"gear_1": "port", "gear_2": "port", "pair": "value"},
+                ("scene", "name"),
+            )
         },
         "arrange": {
             "place": form_of("place", Scene.place, {"port": "port", "onto": "port"}, ("self",)),

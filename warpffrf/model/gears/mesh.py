@@ -2,8 +2,9 @@
 
 The bodies are those of `mesh.gear`, reduced with `Gear.surfaces()`, or half-spaces with them: their axis is the user's
 +y, through the origin, and tooth 1 points to +x. Gear 2 is placed at the centre distance from gear 1, in the direction
-given, and rotated so that flanks touch. The place g of a tooth k of gear 1 on the path of contact, and its tooth of gear
-2, are those of `GearPair`: with s = 1 for right flanks and -1 for left ones,
+given, and rotated by the least angle at which flanks touch: its own rotation determines which teeth meet. The place g
+of a tooth k of gear 1 on the path of contact, and its tooth of gear 2, are those of `GearPair`: with s = 1 for right
+flanks and -1 for left ones,
 
     g_k = r_b1 (s (psi - angle) - 2 pi s (k - 1)/z_1),   psi = s s_w1/d_w1,
 
@@ -60,7 +61,7 @@ class GearMesh(reprs.Shown):
             "center_distance": self.pair.center_distance,
             "bodies": [hub.body.name for hub in self.hubs],
             "interfaces": [hub.interface_name for hub in self.hubs],
-            "hubs": [hub.world_point().tolist() for hub in self.hubs],
+            "centers": [hub.body.position.tolist() for hub in self.hubs],
             "axes": self.axes.tolist(),
             "contacts": [[*teeth, contact.name] for teeth, contact in self.contacts.items()],
         }
@@ -87,19 +88,19 @@ def add_gear_pair(
     about +y; "both": with backlash. direction (3,): from gear 1 to gear 2, world, the opposite of an internal gear 2;
     None: that of tooth 1. rotation: (from, to) [rad] of gear 1 about +y from its initial position in the run; (0, 0)
     for equilibria near it; None: any rotation, all pairs of teeth that ever meet. friction, cells: as for `Contact`.
-    The position and rotation of gear 2 are changed; joints and loads of the shafts are yours. Raises `InputError` for
-    ports that are no hubs of bodies with these flanks.
+    Gear 2 is moved, and rotated by the least angle at which flanks touch; joints and loads of the shafts are yours.
+    Raises `InputError` for ports that are no hubs of bodies with these flanks.
     """
     hubs = [_hub(port, label) for port, label in ((gear_1, "gear_1"), (gear_2, "gear_2"))]
     if flank not in (*FLANKS, "both"):
         raise unknown_name(f"gear pair {name!r}: flank", flank, (*FLANKS, "both"))
     sides = FLANKS if flank == "both" else (flank,)
-    angle, axes = _placed(hubs[0].body, hubs[1].body, pair, direction, sides[0], name)
+    angles, axes = _placed(hubs[0].body, hubs[1].body, pair, direction, sides[0], name)
     mesh = GearMesh(name, pair, (hubs[0], hubs[1]), axes)
     bends = [1.0 / float(rho) for rho in pair.curvature_radii(0.0)]
     meeting = FacingPlace((sum(bends), 0.0), (max(map(abs, bends)), 0.0), 0.0, 0.0)
     for side in sides:
-        for k, t in teeth_in_mesh(pair, angle, side, rotation, name):
+        for k, t in teeth_in_mesh(pair, angles, side, rotation, name):
             a, b = (_surface(hub.body, f"flank_{side}_{tooth}", name) for hub, tooth in zip(hubs, (k, t), strict=True))
             label = f"{name} {side} {k}-{t}"
             contact = Contact(a, b, friction=friction, cells=cells, name=label)
@@ -110,7 +111,7 @@ def add_gear_pair(
 
 
 def places(pair: GearPair, angle: Any, side: str, teeth: Any) -> Any:
-    """g [m] of `teeth` of gear 1 rotated by `angle` [rad], the one of the turns of gear 1 nearest to the pitch point."""
+    """g [m] of `teeth` of gear 1 rotated by `angle` [rad], in the turn of gear 1 nearest to the pitch point."""
     s, one = (1.0 if side == "right" else -1.0), pair.gear_1
     width = one.tooth_thickness(pair.working_diameters[0]) / pair.working_diameters[0]
     turned = s * (s * width - np.asarray(angle) - 2.0 * np.pi / one.teeth * (np.asarray(teeth) - 1))
@@ -118,15 +119,17 @@ def places(pair: GearPair, angle: Any, side: str, teeth: Any) -> Any:
     return one.base_radius * (middle + np.remainder(turned - middle + np.pi, 2.0 * np.pi) - np.pi)
 
 
-def teeth_in_mesh(pair: GearPair, angle: float, side: str, rotation: Any, name: str) -> list[tuple[int, int]]:
-    """Teeth of gears 1 and 2 that meet while gear 1 rotates from `angle` + rotation[0] to `angle` + rotation[1]; None:
-    any rotation."""
+def teeth_in_mesh(
+    pair: GearPair, angles: tuple[float, float], side: str, rotation: Any, name: str
+) -> list[tuple[int, int]]:
+    """Teeth of gears 1 and 2 that meet while gear 1 rotates by rotation[0] to rotation[1] from `angles`, those of both
+    gears [rad], at which flanks touch; None: any rotation."""
     z_1, z_2 = pair.gear_1.teeth, pair.gear_2.teeth
     pitch = pair.gear_1.base_pitch
-    first = np.argmin(np.abs(places(pair, angle, side, np.arange(1, z_1 + 1))))
-    start = float(places(pair, angle, side, first + 1))
-    opposite = _opposite(pair, angle, side, start)
-    # tooth `first` + n is at g = start - s n p, n of either sign, and meets the tooth `opposite` - sigma n
+    first = int(np.argmin(np.abs(places(pair, angles[0], side, np.arange(1, z_1 + 1)))))
+    start = float(places(pair, angles[0], side, first + 1))
+    opposite = _opposite(pair, angles[1], side, start)
+    # tooth `first` + n is at g = start - s n p, n of either sign, and meets the tooth `opposite` - sigma s n
     s = 1 if side == "right" else -1
     low, high = pair.path["A"] - ENTRY * pitch, pair.path["E"] + ENTRY * pitch
     if rotation is None:
@@ -135,24 +138,25 @@ def teeth_in_mesh(pair: GearPair, angle: float, side: str, rotation: Any, name: 
         moved = -s * require_array(rotation, f"gear pair {name!r}: rotation", (2,)) * pair.gear_1.base_radius
         ends = (start - high + moved.min()) / pitch, (start - low + moved.max()) / pitch
         numbers = range(int(np.ceil(ends[0])), int(np.floor(ends[1])) + 1)
-    found = [((int(first) + s * n) % z_1 + 1, (opposite - 1 - s * pair.side * n) % z_2 + 1) for n in numbers]
+    found = [((first + s * n) % z_1 + 1, (opposite - 1 - s * pair.side * n) % z_2 + 1) for n in numbers]
     return list(dict.fromkeys(found))
 
 
-def _opposite(pair: GearPair, angle: float, side: str, g: float) -> int:
-    """The tooth of gear 2 that touches gear 1 at g."""
+def _opposite(pair: GearPair, angle_2: float, side: str, g: float) -> int:
+    """The tooth of gear 2, rotated by `angle_2` [rad], that touches gear 1 at g."""
     s, alpha = (1.0 if side == "right" else -1.0), pair.working_pressure_angle
     place = np.array([0.5 * pair.working_diameters[0], 0.0]) + g * np.array([np.sin(alpha), -s * np.cos(alpha)])
     away = place - pair.side * np.array([pair.center_distance, 0.0])
-    curve = pair.gear_2.flank(side)
-    turned = -pair.mating_angle(angle, side) - 2.0 * np.pi * np.arange(pair.gear_2.teeth) / pair.gear_2.teeth
+    turned = -angle_2 - 2.0 * np.pi * np.arange(pair.gear_2.teeth) / pair.gear_2.teeth
     c, sn = np.cos(turned), np.sin(turned)
-    _, distance = curve.foot(np.stack([c * away[0] - sn * away[1], sn * away[0] + c * away[1]], axis=-1))
-    return int(np.argmin(np.abs(distance))) + 1
+    points = np.stack([c * away[0] - sn * away[1], sn * away[0] + c * away[1]], axis=-1)
+    return int(np.argmin(np.abs(pair.gear_2.flank(side).foot(points)[1]))) + 1
 
 
-def _placed(one: Body, two: Body, pair: GearPair, direction: Any, side: str, name: str) -> tuple[float, np.ndarray]:
-    """Moves gear 2 to its place; returns the angle of gear 1 from the line of centres [rad], and the axes."""
+def _placed(
+    one: Body, two: Body, pair: GearPair, direction: Any, side: str, name: str
+) -> tuple[tuple[float, float], np.ndarray]:
+    """Moves gear 2 to its place; returns the angles of both gears from the line of centres [rad], and the axes."""
     axes = rot.matrix(one.rotation)
     axis, tooth = axes[:, 1], axes[:, 0]
     towards = tooth if direction is None else require_array(direction, f"gear pair {name!r}: direction", (3,))
@@ -161,12 +165,14 @@ def _placed(one: Body, two: Body, pair: GearPair, direction: Any, side: str, nam
         raise InputError(f"gear pair {name!r}: direction must not be along the axis of gear_1")
     e_0 = pair.side * towards / np.linalg.norm(towards)
     e_1 = np.cross(axis, e_0)
-    angle = float(np.arctan2(tooth @ e_1, tooth @ e_0))
-    turned = pair.mating_angle(angle, side)
+    own = rot.matrix(two.rotation)[:, 0]
+    angle, present = (float(np.arctan2(x @ e_1, x @ e_0)) for x in (tooth, own))
+    pitch, turned = 2.0 * np.pi / pair.gear_2.teeth, pair.mating_angle(angle, side)
+    turned += pitch * float(np.round((present - turned) / pitch))
     x = np.cos(turned) * e_0 + np.sin(turned) * e_1
     two.position = one.position + pair.center_distance * pair.side * e_0
     two.rotation = rot.quaternion(np.stack([x, axis, np.cross(x, axis)], axis=1))
-    return angle, np.stack([e_0, e_1, axis])
+    return (angle, turned), np.stack([e_0, e_1, axis])
 
 
 def _hub(port: Any, label: str) -> Port:
@@ -179,7 +185,7 @@ def _surface(body: Body, surface: str, name: str) -> Any:
     known = body.surfaces if body.reduced is None else body.reduced.contact_surfaces
     if surface not in known:
         raise InputError(
-            f"gear pair {name!r}: body {body.name!r} has no surface {surface!r}, which meets in this range of rotation; "
-            "reduce it with contact=gear.surfaces(), or limit rotation"
+            f"gear pair {name!r}: body {body.name!r} has no surface {surface!r}, which meets in this range of "
+            "rotation; reduce it with contact=gear.surfaces(), or limit rotation"
         )
     return body[surface]

@@ -82,7 +82,8 @@ class GearResult(reprs.Shown):
         flank = self.teeth[0][0]
         s = 1.0 if flank == "right" else -1.0
         lag = self._angle(1) - np.array([self.pair.mating_angle(float(angle), flank) for angle in self.angle])
-        lag = np.remainder(lag + np.pi, 2.0 * np.pi) - np.pi
+        pitch = 2.0 * np.pi / self.pair.gear_2.teeth
+        lag = np.remainder(lag + 0.5 * pitch, pitch) - 0.5 * pitch
         alpha, (e_0, e_1, _) = self.pair.working_pressure_angle, self._axes
         along = np.sin(alpha) * e_0 - s * np.cos(alpha) * e_1
         apart = (self._moved(1)[1] - self._moved(0)[1]) @ along
@@ -114,17 +115,15 @@ class GearResult(reprs.Shown):
         return np.arctan2(x @ e_1, x @ e_0)
 
     def _moved(self, i: int) -> tuple[Array, Array]:
-        """Direction (T, 3) of tooth 1, and displacement (T, 3) [m] of the hub from its initial place."""
-        name, start = self.description["bodies"][i], np.asarray(self.description["hubs"][i])
+        """Direction (T, 3) of tooth 1, and displacement (T, 3) [m] of the gear's centre with its hub."""
+        name, start = self.description["bodies"][i], np.asarray(self.description["centers"][i])
         motion, body = self.result.history.bodies[name], self.result.view.bodies[name]
-        point, turned, moved = np.zeros(3), np.zeros((len(self.time), 3)), np.zeros((len(self.time), 3))
+        turned, moved = np.zeros((len(self.time), 3)), np.zeros((len(self.time), 3))
         if body.reduced is not None:
             interface = body.reduced.interfaces[self.description["interfaces"][i]]
-            point, both = interface.point, motion.modal @ interface.modes
-            moved, turned = both[:, :3], both[:, 3:]
-        axes = np.array([rot.matrix(q) for q in motion.rotation])
+            both = motion.modal @ interface.modes
+            turned = both[:, 3:]
+            moved = both[:, :3] - np.cross(turned, interface.point)
+        axes = np.reshape([rot.matrix(q) for q in motion.rotation], (-1, 3, 3))
         tooth = np.array([1.0, 0.0, 0.0]) + np.cross(turned, [1.0, 0.0, 0.0])
-        return (
-            np.einsum("tij,tj->ti", axes, tooth),
-            motion.position + np.einsum("tij,tj->ti", axes, point + moved) - start,
-        )
+        return np.einsum("tij,tj->ti", axes, tooth), motion.position + np.einsum("tij,tj->ti", axes, moved) - start

@@ -1,0 +1,57 @@
+"""Gear pairs on shafts, half-spaces under their flanks: gear 1 pushes with its right flanks, the wheel stands or is
+moved."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import warpffrf as wf
+
+STEEL = wf.Material(206e9, 0.3, 7850.0, name="steel")
+PLAY, WIDTH = -50e-6, 14e-3  # m
+FZG = wf.gears.GearPair(
+    wf.gears.Gear(4.5e-3, 16, profile_shift=0.1817, tip_diameter=82.45e-3, thickness_allowance=PLAY),
+    wf.gears.Gear(4.5e-3, 24, profile_shift=0.1715, tip_diameter=118.35e-3, thickness_allowance=PLAY),
+    91.5e-3,
+)
+TIPS = {"tip_rounding": 0.2e-3, "tip_relief": 25e-6, "tip_relief_length": 3e-3}
+RELIEVED = wf.gears.GearPair(replace(FZG.gear_1, **TIPS), replace(FZG.gear_2, **TIPS), 91.5e-3)
+_SAME = wf.gears.Gear(4.5e-3, 20, thickness_allowance=PLAY)
+EQUAL = wf.gears.GearPair(_SAME, _SAME, 90e-3)
+
+
+@cache
+def half_space(gear: wf.gears.Gear, sides: tuple[str, ...] = ("right",)) -> wf.ReducedBody:
+    flanks: Any = gear.surfaces(sides)
+    return wf.half_space_body(1.0, (1e-3,) * 3, STEEL, contact=flanks, extent=(-0.5 * WIDTH, 0.5 * WIDTH))
+
+
+def about_y(angle: float) -> dict[str, Any]:
+    return {"axis": (0, 1, 0), "angle": angle}
+
+
+def on_shafts(
+    pair: wf.gears.GearPair, angle: float, torque: float, *, moved: float | None = None, rotation: Any = (0.0, 0.0)
+) -> wf.Scene:
+    """Gear 1 at an angle [rad] from the line of centres under a torque [N m] about -y; the wheel rotates by `moved`
+    [rad] in 1 s, None: fixed. Joints `shaft_1` and `shaft_2`, gear pair `mesh`."""
+    scene = wf.Scene()
+    one = scene.add_body(half_space(pair.gear_1), name="pinion", rotation=about_y(angle))
+    two = scene.add_body(half_space(pair.gear_2), name="wheel")
+    scene.add_gear_pair(one["center"], two["center"], pair, name="mesh", direction=(1, 0, 0), rotation=rotation)
+    scene.add(wf.joints.Revolute(scene.ground, one["center"], axis=(0, 1, 0), name="shaft_1"))
+    scene.add(wf.forces.PointTorque(one["center"], (0.0, -torque, 0.0)))
+    if moved is None:
+        scene.add(wf.joints.Fixed(scene.ground, two["center"], name="shaft_2"))
+    else:
+        shaft = scene.add(wf.joints.Revolute(scene.ground, two["center"], axis=(0, 1, 0), name="shaft_2"))
+        scene.add(wf.joints.Drive(shaft, wf.signals.Table([0.0, 1.0], [0.0, moved]), quantity="position"))
+    return scene
+
+
+def angle_at(pair: wf.gears.GearPair, g: float) -> float:
+    """Rotation [rad] of gear 1 at which its tooth 1 touches at g [m] with its right flank."""
+    width = pair.gear_1.tooth_thickness(pair.working_diameters[0]) / pair.working_diameters[0]
+    return float(width - g / pair.gear_1.base_radius)
