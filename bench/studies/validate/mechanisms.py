@@ -9,6 +9,7 @@ import numpy as np
 
 from demos import cam_follower
 from references.oscillator import errors
+from scenes import hunting
 from scenes import mechanisms as made
 from studies.bodies.free_flight import AFTER_TEN, rigid_flight
 from studies.hard_cases.cases import squeezer
@@ -127,3 +128,16 @@ def cam_and_roller_follower() -> Iterator[Row]:
         else:
             low = middle
     yield Row("jump speed", 0.5 * (low + high) * jump, jump, 0.02, "rad/s")
+
+
+@case(
+    ROOM,
+    "J. Klingel, Organ Fortschr. Eisenbahnwes. 38 (1883) 113; A. H. Wickens, Fundamentals of Rail Vehicle Dynamics",
+)
+def hunting_wheelset() -> Iterator[Row]:
+    """A free wheelset of two cones, slope 1:20, on round rails, half-spaces, 100 kN, friction; rolling without slip"""
+    found, (kappa, conicity, b, r) = hunting.hunting(), hunting.kinematics()
+    yield Row("wavelength", found.wave, hunting.wavelength(), 0.005, "m")
+    yield Row("roll per lateral displacement", found.roll, kappa, 0.005, "rad/m")
+    yield Row("lateral speed per yaw", found.drift, found.speed / (1.0 + kappa * r), 0.005, "m/s")
+    yield Row("yaw rate per lateral displacement", found.steer, -found.speed * conicity / (b * r), 0.005, "rad/(m s)")
