@@ -33,14 +33,15 @@ from warpffrf_kernels.surfaces.surface import (
     EXTRUDED,
     axes_of,
     chart_of,
-    distance_of,
+    extruded_foot,
     gradient_of,
     local_point,
     origin_of,
     period_of,
+    profile_of,
     radius_of,
     section_at,
-    slope_of,
+    smooth_distance,
 )
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -103,33 +104,36 @@ def gap_at(model: Model, A: int, B: int, view: View, theta: real, z: real) -> re
     """g [m] at chart coordinates of A. More than a column beyond the ends of the grid on an extruded curve, over which
     patches run, there is no material along its tangents: then the distance from there."""
     x = view.at + view.turn * local_point(model, A, theta, z)
-    if model.surfaces.planar[B] != EXTRUDED or model.surfaces.rigid[B] != 0 or model.surfaces.periodic[B] != 0:
-        return distance_of(model, B, x)
-    foot = chart_of(model, B, x)
+    if model.surfaces.planar[B] != EXTRUDED:
+        return smooth_distance(model, B, x)
+    foot = extruded_foot(model, B, x)
+    if model.surfaces.rigid[B] != 0 or model.surfaces.periodic[B] != 0:
+        return foot.distance
     last = real(model.surfaces.columns[B] - 1)
-    column = (foot[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+    column = (foot.theta - model.surfaces.theta[B]) / model.surfaces.pitch[B]
     column = wrap_column(model, B, column, real(0.5) * last)
     beyond = model.surfaces.pitch[B] * (wp.max(-column, column - last) - real(1.0))
     if beyond > real(0.0):
-        return wp.sqrt(foot[2] * foot[2] + beyond * beyond)
-    return foot[2]
+        return wp.sqrt(foot.distance * foot.distance + beyond * beyond)
+    return foot.distance
 
 
 @wp.func
 def slopes(model: Model, A: int, B: int, view: View, column: real, z: real) -> wp.vec2d:
     """dg/dtheta and dg/dz at a column and axial position of A."""
     theta = model.surfaces.theta[A] + column * model.surfaces.pitch[A]
-    x = local_point(model, A, theta, z)
-    around = vec3(-x[1], x[0], real(0.0))
+    x = vec3(real(0.0), theta, z)
+    around = vec3(real(0.0), real(1.0), real(0.0))
     along = vec3(real(0.0), real(0.0), real(1.0))
     if model.surfaces.planar[A] == EXTRUDED:
-        way = section_at(model, A, theta).slope
-        around = vec3(way[0], way[1], real(0.0))
-    elif model.surfaces.planar[A] != 0:
-        around = vec3(real(0.0), real(1.0), real(0.0))
-    else:
-        slope = slope_of(model, A, z)
-        along = vec3(slope * wp.cos(theta), slope * wp.sin(theta), real(1.0))
+        at = section_at(model, A, theta)
+        x = vec3(at.point[0], at.point[1], z)
+        around = vec3(at.slope[0], at.slope[1], real(0.0))
+    elif model.surfaces.planar[A] == 0:
+        profile = profile_of(model, A, z)
+        x = vec3(profile[0] * wp.cos(theta), profile[0] * wp.sin(theta), z)
+        around = vec3(-x[1], x[0], real(0.0))
+        along = vec3(profile[1] * wp.cos(theta), profile[1] * wp.sin(theta), real(1.0))
     gradient = wp.transpose(view.turn) * gradient_of(model, B, view.at + view.turn * x)
     return wp.vec2d(wp.dot(gradient, around), wp.dot(gradient, along))
 
@@ -169,8 +173,15 @@ def settle(model: Model, A: int, B: int, view: View, start: real, z: real) -> re
     x = start
     step = int(0)
     while step < SECANTS:
-        slope = slopes(model, A, B, view, x, z)[0]
-        turn = slopes(model, A, B, view, x + real(0.5), z)[0] - slope  # half a column further
+        slope = real(0.0)
+        turn = real(0.0)
+        part = int(0)
+        while part < 2:  # here, and half a column further
+            found = slopes(model, A, B, view, x + real(0.5) * real(part), z)[0]
+            turn = found - slope
+            if part == 0:
+                slope = found
+            part += 1
         to = x
         if wp.abs(slope) * pitch > flat or turn * pitch > flat:
             if slope > real(0.0):
@@ -217,9 +228,25 @@ def least_place(model: Model, A: int, B: int, view: View, column: real, z_start:
         dz = EDGE_STEP * (high - low)
         if z + dz > high:
             dz = -dz
-        here = slopes(model, A, B, view, x, z) / R
-        by_x = slopes(model, A, B, view, x + real(0.5), z) / R
-        by_z = slopes(model, A, B, view, x, z + dz) / R
+        here = wp.vec2d(real(0.0), real(0.0))
+        by_x = wp.vec2d(real(0.0), real(0.0))
+        by_z = wp.vec2d(real(0.0), real(0.0))
+        part = int(0)
+        while part < 3:
+            x_part = x
+            z_part = z
+            if part == 1:
+                x_part += real(0.5)
+            if part == 2:
+                z_part += dz
+            found = slopes(model, A, B, view, x_part, z_part) / R
+            if part == 0:
+                here = found
+            elif part == 1:
+                by_x = found
+            else:
+                by_z = found
+            part += 1
         # gradient and second derivatives by arc length around and by z
         h_aa = (by_x[0] - here[0]) / (real(0.5) * pitch * R)
         h_zz = (by_z[1] - here[1]) * R / dz

@@ -379,13 +379,19 @@ def meridian_of(model: Model, s: int, rho: real, zeta: real) -> wp.vec4d:
 
 
 @wp.func
+def smooth_distance(model: Model, s: int, x: vec3) -> real:
+    """`distance_of` from a plane or a surface of revolution."""
+    if model.surfaces.planar[s] != 0:
+        return x[0]
+    return model.surfaces.side[s] * meridian_of(model, s, wp.sqrt(x[0] * x[0] + x[1] * x[1]), x[2])[1]
+
+
+@wp.func
 def distance_of(model: Model, s: int, x: vec3) -> real:
     """Signed distance [m] of x from the surface, positive in the free space."""
     if model.surfaces.planar[s] == EXTRUDED:
         return extruded_foot(model, s, x).distance
-    if model.surfaces.planar[s] != 0:
-        return x[0]
-    return model.surfaces.side[s] * meridian_of(model, s, wp.sqrt(x[0] * x[0] + x[1] * x[1]), x[2])[1]
+    return smooth_distance(model, s, x)
 
 
 @wp.func
