@@ -60,7 +60,7 @@ def gear(
     *,
     rim_radius: float,
     teeth: int | None = None,
-    along: int = 12,
+    along: Any = 12,
     across: int = 4,
     layers: int = 2,
     rim_layers: int | None = None,
@@ -75,7 +75,8 @@ def gear(
         in `surfaces.Extruded(curve=gear.flank("right", 3), axis_point=(0, 0, 0))`.
     width: along the axis; rim_radius: of the bore of an external gear, of the outside of an internal one.
     teeth: of a segment, from tooth 1 on; None: all teeth, rotationally periodic.
-    along: cells along the involute; those on fillet and root are as long.
+    along: cells along the involute, those on fillet and root are as long; or their boundaries (n + 1,) as shares of its
+        length, rising from 0 at the fillet to 1.
     across: cells across the tooth behind `layers` thin ones at each flank; rim_layers: below the teeth, None: growing
         by 1.4 from those at the flank.
     axial: cells along the axis, or their boundaries (n + 1,), rising from -width/2 to width/2.
@@ -95,14 +96,24 @@ def gear(
     half = 0.5 * require_number(width, "gear: width", positive=True)
     rim = require_number(rim_radius, "gear: rim_radius", positive=True)
     count = gear.teeth if teeth is None else require_count(teeth, "gear: teeth", 1, gear.teeth - 1)
-    n = {name: require_count(value, f"gear: {name}", 1) for name, value in
-         (("along", along), ("across", across), ("layers", layers))}  # fmt: skip
+    n = {name: require_count(value, f"gear: {name}", 1) for name, value in (("across", across), ("layers", layers))}
+    shares = (
+        np.asarray(along, float) if np.ndim(along) else np.linspace(0, 1, require_count(along, "gear: along", 1) + 1)
+    )
+    if (
+        shares.ndim != 1
+        or len(shares) < 2
+        or shares[0] != 0.0
+        or shares[-1] != 1.0
+        or not np.all(np.diff(shares) > 0.0)
+    ):
+        raise InputError(f"gear: boundaries of along must rise from 0 to 1, got {along!r}")
     if order not in KINDS:
         raise InputError(f"gear: order must be 1 (hex8) or 2 (hex27), got {order!r}")
     cells_along: Any = axial if np.ndim(axial) else require_count(axial, "gear: axial", 1)
-    require_cells("gear", count, 2 * n["along"], n["across"] + 2 * n["layers"], cells_along)
+    require_cells("gear", count, 2 * len(shares), n["across"] + 2 * n["layers"], cells_along)
     y = refined(axial_lines(-half, half, cells_along, None, "gear"), order)
-    flat, sets = _sector(gear, rim, n, rim_layers, order)
+    flat, sets = _sector(gear, rim, shares, n, rim_layers, order)
     lattices = []
     for lattice in flat:
         place = np.empty((*lattice.shape[:2], len(y), 3))
@@ -120,7 +131,7 @@ def gear(
 
 
 def _sector(
-    gear: Gear, rim: float, n: dict[str, int], rim_layers: int | None, order: int
+    gear: Gear, rim: float, shares: Array, n: dict[str, int], rim_layers: int | None, order: int
 ) -> tuple[list[Array], dict[str, Sequence[Face]]]:
     """Lattices (a, b, 2) [m] of the sector of tooth 1, and its facet sets."""
     from scipy.optimize import brentq
@@ -132,7 +143,7 @@ def _sector(
     s_form = s_fillet + lengths["fillet"]
     s_end = s_form + lengths["involute"]
     s_tip = s_end + rounding
-    size = lengths["involute"] / n["along"]
+    size = lengths["involute"] / (len(shares) - 1)
 
     def inclination(s: float) -> float:
         """b [rad] of the true normal."""
@@ -153,7 +164,7 @@ def _sector(
         return sign * np.stack([X - dip, h * np.sin(q * b) / np.sin(b)], axis=-1)
 
     fillet = places(s_N, s_form, LEAST)
-    outer = np.concatenate([fillet, places(s_form, s_end, 1)[1:]])
+    outer = np.concatenate([fillet, refined(s_form + lengths["involute"] * shares, order)[1:]])
     if rounding:
         outer = np.concatenate([outer, places(s_end, s_tip, 1)[1:]])
     corner = contour.at(s_tip)
