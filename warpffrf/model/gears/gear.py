@@ -176,8 +176,8 @@ class Gear:
         return outline.curve(outline.rotated(part, 2.0 * np.pi * (number - 1) / self.teeth), depth=depth)
 
     def surfaces(self, sides: Sequence[str] = FLANKS, teeth: Sequence[int] | None = None) -> dict[str, Extruded]:
-        """The flanks, of `sides` and `teeth`, None: of all, as contact surfaces "flank_right_1" ... about the y axis, as in
-        `mesh.gear`: for `reduce(contact=...)` and `half_space_body(contact=...)`."""
+        """The flanks of `sides` and `teeth`, None: of all, as contact surfaces "flank_right_1" ... about the y axis as
+        in `mesh.gear`: for `reduce(contact=...)` and `half_space_body(contact=...)`."""
         return {
             f"flank_{side}_{k}": Extruded(curve=self.flank(side, k))
             for side in sides

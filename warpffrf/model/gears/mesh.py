@@ -83,6 +83,7 @@ def add_gear_pair(
 ) -> GearMesh:
     """Bring two gears into mesh: place gear 2, and add a contact for each pair of teeth that meets; returns them.
 
+    scene: with both bodies; name: of the pair, for `result.gear(name)` and the names of its contacts.
     gear_1, gear_2: the hubs, ports of bodies whose axis is the user's +y and whose flanks are `Gear.surfaces()`. pair:
     their geometry. flank: of gear 1, that pushes: the right one where gear 1 drives about -y of its frame, the left one
     about +y; "both": with backlash. direction (3,): from gear 1 to gear 2, world, the opposite of an internal gear 2;
