@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from scenes.gears import EQUAL, FZG, PLAY, about_y, half_space
+from scenes.gears import EQUAL, FZG, PLAY, STEEL, WIDTH, about_y, angle_at, half_space
 from warpffrf.model.errors import InputError
 from warpffrf.model.gears.mesh import ENTRY, GearMesh
 
@@ -53,7 +53,7 @@ def gap(contact: wf.Contact) -> float:
         x, y = first.at(u).T
         at = two.to_user(one.to_world(np.stack([x, np.zeros_like(x), -y], axis=1)))
         assert np.abs(at[:, 1]).max() < TOUCH
-        distance = second.foot(at[:, [0, 2]] * [1.0, -1.0])[1]
+        distance = second.gap(at[:, [0, 2]] * [1.0, -1.0])
         nearest = int(np.argmin(distance))
         low, high = u[max(nearest - 1, 0)], u[min(nearest + 1, 399)]
     return float(distance.min())  # pyright: ignore[reportPossiblyUnboundVariable]
@@ -160,3 +160,25 @@ def test_what_is_refused() -> None:
         with pytest.raises(InputError, match=re.escape(message)):
             call()
     assert not scene.gears
+
+
+def test_contact_grids_that_end_within_the_path_are_named(caplog: pytest.LogCaptureFixture) -> None:
+    """Those of flexible flanks end a cell before the flank; half-spaces have no grid that matters."""
+    pinion, wheel = FZG.gear_1, FZG.gear_2
+    mesh = wf.mesh.gear(
+        pinion, WIDTH, rim_radius=20e-3, teeth=1, along=6, across=2, layers=2, axial=3, rim_layers=1, order=1
+    )
+    flexible = wf.reduce(
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact=pinion.surfaces(("right",), (1,)),
+        grid=wf.ContactGrid(contact_fixed=True), progress=False,
+    )  # fmt: skip
+    scene = wf.Scene()
+    one = scene.add_body(flexible, name="one", rotation=about_y(angle_at(FZG, 0.0)))
+    two = scene.add_body(half_space(wheel), name="two")
+    caplog.clear()
+    pair = scene.add_gear_pair(one["bore"], two["center"], FZG, name="m", direction=(1, 0, 0), rotation=(0.0, 0.0))
+    (contact,) = pair.contacts.values()
+    grid, curve = contact.a.surface.grid, contact.a.surface.shape.curve
+    radius = np.linalg.norm(curve.at(grid.theta[[0, -1]]), axis=1)
+    low, high = 1e3 * (np.sqrt(radius**2 - pinion.base_radius**2) - FZG.pitch_rho[0])
+    assert f"contact grids of flanks end at {low:.2f} and {high:.2f} mm" in caplog.text

@@ -79,7 +79,7 @@ def lag_of_flanks(angle: float) -> float:
                 u = np.linspace(low, high, 200)
                 p = rotated(rotated(curve.at(u), angle) - [LONG.center_distance, 0.0], -turned)
                 p = rotated(p, -PITCH_2 * np.round(np.arctan2(p[:, 1], p[:, 0]).mean() / PITCH_2))
-                d = np.min([two.flank("right", t).foot(p)[1] for t in (24, 1, 2)], axis=0)
+                d = np.min([two.flank("right", t).gap(p) for t in (24, 1, 2)], axis=0)
                 low, high = u[max(np.argmin(d) - 1, 0)], u[min(np.argmin(d) + 1, 199)]
             least = min(least, float(d.min()))  # pyright: ignore[reportPossiblyUnboundVariable]
         return least

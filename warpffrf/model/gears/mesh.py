@@ -21,6 +21,7 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Body, Port
+from warpffrf.model.checks.plausibility import warn
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_array, unknown_name
 from warpffrf.model.friction import FrictionLike
@@ -108,6 +109,7 @@ def add_gear_pair(
             contact.meeting = meeting
             mesh.contacts[side, k, t] = scene.add(contact)
     scene.gears.append(mesh)
+    warn(_uncovered(mesh))
     return mesh
 
 
@@ -151,7 +153,7 @@ def _opposite(pair: GearPair, angle_2: float, side: str, g: float) -> int:
     turned = -angle_2 - 2.0 * np.pi * np.arange(pair.gear_2.teeth) / pair.gear_2.teeth
     c, sn = np.cos(turned), np.sin(turned)
     points = np.stack([c * away[0] - sn * away[1], sn * away[0] + c * away[1]], axis=-1)
-    return int(np.argmin(np.abs(pair.gear_2.flank(side).foot(points)[1]))) + 1
+    return int(np.argmin(np.abs(pair.gear_2.flank(side).gap(points)))) + 1
 
 
 def _placed(
@@ -190,3 +192,30 @@ def _surface(body: Body, surface: str, name: str) -> Any:
             "rotation; reduce it with contact=gear.surfaces(), or limit rotation"
         )
     return body[surface]
+
+
+def _uncovered(mesh: GearMesh) -> list[str]:
+    """A doubt where the contact grids of flexible flanks end within the path of contact: what teeth touch with beyond
+    is concentrated at the ends of the grids."""
+    pair, ends = mesh.pair, dict[tuple[float, float], None]()
+    for contact in mesh.contacts.values():
+        low, high = pair.path["A"], pair.path["E"]
+        for port, gear, pitch, sign in zip(
+            contact.ports, (pair.gear_1, pair.gear_2), pair.pitch_rho, (1.0, -float(pair.side)), strict=True
+        ):
+            if port.rigid or port.surface.half_space:
+                continue
+            curve, grid = port.surface.shape.curve, port.surface.grid
+            radius = np.linalg.norm(curve.at(grid.theta[[0, -1]]), axis=1)
+            rho = np.sqrt(np.maximum(radius**2 - gear.base_radius**2, 0.0))
+            first, last = sorted(sign * (rho - pitch))
+            low, high = max(low, first), min(high, last)
+        ends[round(low, 6), round(high, 6)] = None
+    path = round(pair.path["A"], 6), round(pair.path["E"], 6)
+    return [
+        f"gear pair {mesh.name!r}: contact grids of flanks end at {low * 1e3:.2f} and {high * 1e3:.2f} mm on the path "
+        f"of contact, which reaches from {path[0] * 1e3:.2f} to {path[1] * 1e3:.2f} mm: beyond them pressures and "
+        "deflections are too large; use finer cells along the flanks, or wf.half_space_body"
+        for low, high in ends
+        if (low, high) != path
+    ]

@@ -86,7 +86,7 @@ class GearPair:
 
         The part of the flanks with tip relief is included; roundings of tips are not.
         """
-        rho_1, rho_2 = self._pitch_rho
+        rho_1, rho_2 = self.pitch_rho
         ends = [reach(gear, 0.5 * gear.tip_form_diameter) for gear in (self.gear_1, self.gear_2)]
         A, E = self.side * (rho_2 - ends[1]), ends[0] - rho_1
         p = self.gear_1.base_pitch
@@ -116,11 +116,11 @@ class GearPair:
 
     def roll_angle(self, g: Any) -> Any:
         """xi_1 [rad] of gear 1 where contact is at g [m]: 0 on its base circle."""
-        return (self._pitch_rho[0] + np.asarray(g, float)) / self.gear_1.base_radius
+        return (self.pitch_rho[0] + np.asarray(g, float)) / self.gear_1.base_radius
 
     def curvature_radii(self, g: Any) -> tuple[Any, Any]:
         """rho_1 and rho_2 [m] of the flanks, without tip relief, at g [m]; rho_2 is negative on an internal gear."""
-        rho_1, rho_2 = self._pitch_rho
+        rho_1, rho_2 = self.pitch_rho
         g = np.asarray(g, float)
         return rho_1 + g, self.side * rho_2 - g
 
@@ -164,7 +164,7 @@ class GearPair:
         return self.gear_2.base_radius + self.side * self.gear_1.base_radius
 
     @property
-    def _pitch_rho(self) -> tuple[float, float]:
+    def pitch_rho(self) -> tuple[float, float]:
         """Distances [m] of the pitch point from the base circles along the path of contact, both positive."""
         t = float(np.tan(self.working_pressure_angle))
         return self.gear_1.base_radius * t, self.gear_2.base_radius * t
@@ -200,7 +200,7 @@ class GearPair:
                     f"gear pair: the tip circle of gear_{tip} cuts into the root circle of gear_{root} by "
                     f"{-clearance:.3g} m; correct its tip_diameter or center_distance"
                 )
-        rho_1, rho_2 = self._pitch_rho
+        rho_1, rho_2 = self.pitch_rho
         for name, other, rho, form in (
             ("gear_2", "gear_1", rho_1 + self.path["A"], one.root_form_rho),
             ("gear_1", "gear_2", two.side * (rho_2 - self.side * self.path["E"]), two.side * two.root_form_rho),
