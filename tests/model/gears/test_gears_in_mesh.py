@@ -116,7 +116,7 @@ def test_the_teeth_that_meet(pair: wf.gears.GearPair, flank: str) -> None:
                 q = turned(center + turned(p, line), -side * ratio * moved)
                 for t, other in enumerate(curves[1]):
                     near = np.hypot(*(q[:, None] - other.at(other.knots[::4])).T).min() < 2e-3
-                    if near and other.foot(q)[1].min() < SAMPLED:
+                    if near and other.gap(q).min() < SAMPLED:
                         found.add((k + 1, t + 1))
         return found
 
