@@ -18,6 +18,7 @@ KINEMATICS = 2e-4  # of the wavelength: 46 displacements in the demo
 WAVE, LIGHT_WAVE = 0.03, 0.01  # under the load and a fifth of it: patches move over where rigid profiles jump
 PLACE = 5e-4  # m, of a patch's centre from the place of the rigid profiles, where it lies within zones of unlike radii
 HERTZ = 0.03  # likewise
+ROLL = 0.06  # the sharper one of both contacts yields by 10 um more, 7e-6 rad
 LOAD = 1e-3  # of the load
 MIDPOINTS = 100
 
@@ -52,12 +53,12 @@ def compare(result: wf.Result) -> list[Check]:
     way = demo.way(result)
     found = [Check("wavelength", way.wavelength, wavelength(way.amplitude), "rolling without slip", WAVE, "m")]
     top = int(np.argmax(way.y))
-    roll, yaw = rigid().roll(way.amplitude), 0.0
-    found.append(Check("roll", way.roll[top], roll, "rigid profiles", 0.1, "mrad", 1e3))
+    roll = rigid().roll(way.amplitude)
+    found.append(Check("roll", way.roll[top], roll, "rigid profiles", ROLL, "mrad", 1e3))
     for name, side in demo.SIDES.items():
         contact = result.contact(name)
         s, peak = contact.center_of_pressure[top, 1], contact.peak_pressure[top]
-        touch = rigid().touch(side, way.amplitude, roll, yaw)
+        touch = rigid().touch(side, way.amplitude, roll, 0.0)
         found += [
             Check(f"{name}: place", s, touch.s, "rigid profiles", PLACE, "mm", 1e3, scale=1.0),
             Check(f"{name}: pressure", peak, demo.hertz_peak(contact, top), "Hertz", HERTZ, "MPa", 1e-6),
