@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import warpffrf as wf
@@ -189,3 +190,16 @@ def test_what_is_refused() -> None:
         wf.half_space_body(1.0, (1, 1, 3), STEEL, contact={"skin": BALL}, extent={"skin": extent})
     with pytest.raises(wf.InputError, match=r"is a half-space, which is elastic only under the cells"):
         pressed(body_of(BALL, extent), 1.0, grid="body_fixed")
+
+
+@pytest.mark.parametrize("shape", [BALL, PLANE], ids=["ball", "plane"])
+def test_forces_move_no_point_of_a_picture(shape: Any) -> None:
+    """Normal and tangential ones on all nodes: the body is rigid but for its half-spaces."""
+    extent = (-HALF_WIDTH, HALF_WIDTH)
+    body = body_of(shape, (extent, extent) if shape is PLANE else extent)
+    surface = body.contact_surfaces["skin"]
+    loads = np.ones((2, surface.grid.columns, surface.grid.rows))
+    assert body.surface is not None and surface.tangential is not None
+    for found in (surface.recover(loads[0]), surface.tangential.recover(loads)):
+        assert found.shape == body.surface.points.shape
+        assert not np.any(found)

@@ -187,7 +187,8 @@ class Tangential:
 
     def recover(self, forces: np.ndarray) -> np.ndarray:
         """Displacement (n, 3) [m], user axes, of the display points under forces (2, columns, rows) [N]."""
-        c, r, recovery = self.grid.columns_per_sector, self.grid.rows, self.recovery
+        r, recovery = self.grid.rows, self.recovery
+        c = self.grid.columns_per_sector if recovery.sectors > 1 else self.grid.columns
         whole = np.zeros((2, c * recovery.sectors, r))
         place = recovery.offset + recovery.stride * np.arange(self.grid.columns)
         whole[:, place % whole.shape[1]] = forces
