@@ -52,7 +52,7 @@ def patch_plans(
         try:
             plans[i] = PatchPlan.of(contact, off_end=off_end)
         except InputError as error:
-            if asked:
+            if asked or any(port.surface.half_space for port in contact.ports if not port.rigid):
                 raise
             notes.append(f"{error}: pressures on the body-fixed grid, not on the contact-fixed one")
     while beside := next(_beside_a_grid(contacts, plans), None):  # removing one may remove others
