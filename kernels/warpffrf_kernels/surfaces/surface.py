@@ -5,9 +5,9 @@ Coordinates are components along e_0, e_1, e_a of the surface's frame, measured 
 arc length of a curve in cubic pieces, the material to its left, and the normal (y', -x', 0)/|c'|; beyond its ends the
 chart of an open curve continues along its tangents, while all is free space, at the distance of the end, and so it is
 below the depth of its material. The foot of a point is the root of f(u) = (p - c).c' by Newton's method from the piece
-that a lattice names, negative in cells below that depth; with d the distance and kappa the curvature the normal rotates by kappa/(1 + kappa d)
-along the tangent. A *surface of revolution* has the point (R cos theta, R sin theta,
-z) with the profile
+that a lattice names, negative in cells below that depth; with d the distance and kappa the curvature the normal rotates
+by kappa/(1 + kappa d) along the tangent. A *surface of revolution* has the point (R cos theta, R sin theta, z) with the
+profile
 
     R(z) = R_0 + T z - arc(z) - table(z),        arc(z) = sign(Rc) z^2/(|Rc| + sqrt(Rc^2 - z^2)),
 
