@@ -62,11 +62,11 @@ def test_against_full_finite_elements(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("warpffrf.model.gears.mesh.ENTRY", 0.0)  # teeth 1 and 4 have no contact
     stiffness = []
     for g in PLACES.values():
-        for load, expected in zip(LOADS, known(g), strict=True):
-            gear = loaded(g, load).gear("mesh")
-            error = float(gear.transmission_error[0])
-            assert -error == pytest.approx(expected.approach, rel=DEFLECTION)
-            assert gear.load_share[0] == pytest.approx(expected.shares, abs=SHARE)
-        stiffness.append((load / -error, load / expected.approach))  # pyright: ignore[reportPossiblyUnboundVariable]
+        found = [(load, loaded(g, load).gear("mesh"), fe) for load, fe in zip(LOADS, known(g), strict=True)]
+        for _, gear, fe in found:
+            assert -gear.transmission_error[0] == pytest.approx(fe.approach, rel=DEFLECTION)
+            assert gear.load_share[0] == pytest.approx(fe.shares, abs=SHARE)
+        load, gear, fe = found[-1]
+        stiffness.append((load / -float(gear.transmission_error[0]), load / fe.approach))
     (single, single_fe), *_, (double, double_fe) = stiffness
     assert double / single == pytest.approx(double_fe / single_fe, rel=RATIO)
