@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from warpffrf.output.plots.panels import Panel, save_panels
 
 STEEL = wf.Material(youngs_modulus=206e9, poisson_ratio=0.3, density=7850, name="steel")
 MODULE, WIDTH, DISTANCE = 4.5e-3, 14e-3, 91.5e-3  # m
-TIPS = {"tip_rounding": 0.2e-3, "tip_relief": 25e-6, "tip_relief_length": 3e-3, "thickness_allowance": -50e-6}  # m
+TIPS: Any = {"tip_rounding": 0.2e-3, "tip_relief": 25e-6, "tip_relief_length": 3e-3, "thickness_allowance": -50e-6}  # m
 PINION = wf.gears.Gear(MODULE, 16, profile_shift=0.1817, tip_diameter=82.45e-3, **TIPS)
 WHEEL = wf.gears.Gear(MODULE, 24, profile_shift=0.1715, tip_diameter=118.35e-3, **TIPS)
 PAIR = wf.gears.GearPair(PINION, WHEEL, DISTANCE)

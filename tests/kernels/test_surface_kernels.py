@@ -4,7 +4,7 @@
 # pyright: reportInvalidTypeForm=false, reportAssignmentType=false, reportGeneralTypeIssues=false
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -248,7 +248,7 @@ CURVES = {
     "open": Curve.arcs((0.0, 0.0), 0.3, [(0.02, 0.03), (0.01, np.inf), (0.015, -0.02), (0.01, 0.05)]),
 }
 DEPTH = 1.5e-3  # m
-THIN = Curve(**(CURVES["open"].describe() | {"depth": DEPTH}))
+THIN = replace(CURVES["open"], depth=DEPTH)
 NEWTON = 1e-12  # m: both end their Newton iterations at round-off
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -81,7 +82,7 @@ def test_an_open_curve_continues_along_its_tangents() -> None:
 def test_ends_are_edges_and_depths_are_limits() -> None:
     """A quarter of a circle about the origin: beyond its ends, and below its depth, is free space."""
     curve = Curve.arcs((R, 0.0), 0.5 * np.pi, [(0.5 * np.pi * R, R)])
-    thin = Curve(**(curve.describe() | {"depth": 0.3 * R}))
+    thin = replace(curve, depth=0.3 * R)
     points = np.array([[0.8 * R, 0.1 * R], [0.5 * R, 0.1 * R], [0.9 * R, -0.02 * R], [R, 0.3 * R]])
     radius = np.linalg.norm(points, axis=1) - R
     end = np.linalg.norm(points[2] - [R, 0.0])
@@ -90,7 +91,7 @@ def test_ends_are_edges_and_depths_are_limits() -> None:
     pieces = thin.seeds()[2]
     assert pieces.min() < 0 and np.all(curve.seeds()[2] >= 0)
     with pytest.raises(InputError, match="a closed curve has no depth"):
-        Curve(**(CIRCLES["of an arc"].describe() | {"depth": 0.1 * R}))
+        replace(CIRCLES["of an arc"], depth=0.1 * R)
 
 
 def test_an_extruded_circle_has_the_chart_of_a_cylinder() -> None:
