@@ -9,7 +9,9 @@ surface rows are
   levels of W;
 - of a *point* contact, short near its ends, about the nearest point, with an aspect that Hertz's ellipse has at any
   load, so that one table, for W = 1, suffices: displacement per pressure grows with W. The contribution of the ends is
-  evaluated at the middle.
+  evaluated at the middle, lengths along the meridian are those at the slope of the start;
+- between *given* boundaries, of a profile that touches in several places: at distances along the meridian, the
+  half-space between rows cut off by the angle between their normals, as in the far field.
 
 Love's integral over the rectangle of a cell at the centre of another (`warpffrf.model.half_space`), of both
 bodies with their own E and nu, times the area of the receiving cell, symmetrised.
@@ -330,8 +332,8 @@ def stretch_at_start(contact: Contact) -> float:
 
 
 def _along_meridian(contact: Contact, edges: Array, *, follows: bool) -> Along:
-    """The rows between `edges` [m; in W where they follow] along the meridian; others than those that follow the
-    place where the surfaces face each other, or have given boundaries, on one that is nearly straight."""
+    """The rows between `edges` [m; in W where they follow] by arc length: of rows that follow by the slope at the
+    start, of given ones along the whole meridian; that of others is nearly straight."""
     if follows or not rows_given(contact):
         stretch = stretch_at_start(contact) if follows else 1.0
         return Along(0.5 * stretch * (edges[1:] + edges[:-1]), stretch * np.diff(edges), lambda z: z)
@@ -422,7 +424,7 @@ def _nearest(contact: Contact, low: float, high: float) -> float:
     """Position between `low` and `high` [m] on the first meridian where the second surface, its axis parallel, is
     nearest; of an extruded curve across it where they are nearest.
     """
-    if _faces_anywhere(contact) and not _lies_along(contact):
+    if faces_curve(contact) and not _lies_along(contact):
         return float(np.clip(meeting_place(contact).z, low, high))
     z = np.linspace(low, high, 401)
     near = np.zeros(len(z))
