@@ -6,9 +6,8 @@ Rolling Bearing Analysis). Here the outer ring, 6 mm thick, is held at two feet,
 Between them it bends away from the load: the roller there passes its load on to the neighbours, and five are loaded.
 
 The outer ring is a flexible body of quadratic cells with distributed contact: pressures on cells that travel with each
-patch. Inner ring and rollers are rigid, with Palmgren's law between them; rollers reach over the whole width of the
-outer ring. They are not constrained along the axis: they keep their axial position, and the notes state the small
-forces on them.
+patch. Inner ring and rollers are rigid, with Palmgren's law between them. Rollers are not constrained along the axis:
+they keep their axial position, and the notes state the small forces on them.
 """
 
 from __future__ import annotations

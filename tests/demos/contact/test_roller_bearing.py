@@ -23,7 +23,6 @@ from demos.roller_bearing import (
     ROLLER,
     STEEL,
     WALL,
-    WIDTH,
     Size,
     outer_ring,
 )
@@ -53,8 +52,8 @@ def rigid_loads() -> np.ndarray:
 def reference(size: Size = FULL) -> RingOnFeet:
     """The ring on feet by full finite elements."""
     phi = 2.0 * np.pi * np.arange(COUNT) / COUNT
-    C = compliance(outer_ring(size), STEEL, (BORE, BORE + WALL), FEET_SET, phi - 0.5 * np.pi, WIDTH)
-    return RingOnFeet(C, phi, WALL, WIDTH, 1.0 / (2.0 / ROLLER - 1.0 / BORE), CLEARANCE, STEEL, palmgren)
+    C = compliance(outer_ring(size), STEEL, (BORE, BORE + WALL), FEET_SET, phi - 0.5 * np.pi, LENGTH)
+    return RingOnFeet(C, phi, WALL, LENGTH, 1.0 / (2.0 / ROLLER - 1.0 / BORE), CLEARANCE, STEEL, palmgren)
 
 
 def sinks(result: wf.Result) -> np.ndarray:
