@@ -19,14 +19,14 @@ from synthetic_run import HALF_WIDTH, PEAK, PITCH, STEPS, WIDTH, R
 
 from references.pressure_wrench import traction_wrench
 from warpffrf.model.errors import InputError
-from warpffrf.model.surfaces import Bore, Cylinder, Plane, Sphere
+from warpffrf.model.surfaces import Bore, Cone, Cylinder, Plane, Sphere
 from warpffrf.online.history.history import FrictionHistory
 from warpffrf.output.accuracy.demands import steps_wanted
 from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.bodies.patch_on_skin import tangential_forces
 from warpffrf.output.budget.contacts import friction_lines
 from warpffrf.output.contact.cell_result import CellContactResult
-from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS, OPEN, SLIP
+from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS, OPEN, SLIP, center_creep
 from warpffrf.output.contact.friction import STICK as STICKS
 from warpffrf.output.geometry.places import rotate
 from warpffrf.output.plots.friction import FRICTION_PLOTS
@@ -38,6 +38,7 @@ FLOOR = Plane(origin=(0, 0, 0), outward=(0, 0, 1))
 ROLLER = Cylinder(radius=0.02, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
 HOLE = Bore(radius=0.02, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
 ROUND = 1e-3  # relative: a patch of half-width W on a radius R is flat to (W/R)^2, here 0.6e-3
+TIPPED = np.array([[0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)]])  # x, y, z, w: the axis z of the body along x of the world
 LEAST_CELLS = 0.05  # of T-gamma: Carter's traction is sampled at the middles of eight cells across
 
 
@@ -110,7 +111,10 @@ def test_t_gamma_of_rigid_slip_is_power_over_speed(shape: Any, rolling: float) -
     friction = contact.friction
     assert friction.spin_velocity == pytest.approx([spin], rel=1e-12)
     assert friction.spin_creepage == pytest.approx([spin / abs(rolling)], rel=1e-12)
-    assert friction.creepage[0] == pytest.approx(np.array(creep) / abs(rolling), rel=1e-12)
+    m, above = contact.mean_pressure.shape[2], contact.patch_center[0, 1] - contact.creep_place[0, 1]
+    assert above == pytest.approx(100.0 * 0.7e-3**2 * (1.0 - 1.0 / m**2) / 3.0, rel=1e-9)  # centre of pressure
+    expected = rigid(np.zeros(1), np.full(1, above), creep, spin)[:, 0]
+    assert friction.creepage[0] == pytest.approx(expected / abs(rolling), rel=1e-9)
     assert friction.t_gamma[0] > 0.0
     exact = 1e-12 if shape.kind == "plane" else ROUND
     assert friction.t_gamma == pytest.approx(friction.field_power / abs(rolling), rel=exact)
@@ -122,6 +126,24 @@ def test_t_gamma_of_rigid_slip_is_power_over_speed(shape: Any, rolling: float) -
     assert friction.spin_moment[0] < 0.0
     # and the power of the fields is mu times the wear rate
     assert friction.field_power == pytest.approx(MU * friction.wear_rate, rel=1e-12)
+
+
+def test_a_cone_creeps_by_the_radius_at_its_center() -> None:
+    """Rotating about its axis at Omega, the surface of a cone moves by Omega R(z) along e_theta; recorded elsewhere."""
+    cone = Cone(radius=0.02, half_angle=0.3, axis_point=(0, 0, 0), axis_direction=(0, 0, 1))
+    rate, z, z_0, theta = 5.0, 2e-3, -1e-3, 0.4
+    grid = SimpleNamespace(e_0=cone.e_0)
+    contact = SimpleNamespace(
+        view=SimpleNamespace(
+            first=SimpleNamespace(shape=cone, grid=grid), first_body=SimpleNamespace(name="a"),
+            second_body=SimpleNamespace(name="b"),
+        ),
+        bodies={"a": SimpleNamespace(angular_velocity=rate * np.array([[1.0, 0, 0]]), rotation=TIPPED)},
+        patch_center=np.array([[theta, z]]), creep_place=np.array([[theta, z_0]]),
+    )  # fmt: skip
+    drift = -0.03  # of the other body's plane
+    found = center_creep(contact, np.array([[rate * float(cone.radius_at(z_0)) + drift, 0.0]]))
+    assert found == pytest.approx(np.array([[rate * float(cone.radius_at(z)) + drift, 0.0]]), abs=1e-15)
 
 
 def test_no_rolling_no_creepage(patch: Result) -> None:

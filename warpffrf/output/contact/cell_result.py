@@ -97,13 +97,16 @@ class CellContactResult(PairResult):
 
     @cached_property
     def patch_center(self) -> np.ndarray:
-        """(T, 2) theta and z, centre of the cells."""
-        return np.stack([self.places.center, self.places.middle], axis=1)
+        """(T, 2) theta and z, centre of the cells, for a point contact at the height of the centre of pressure."""
+        z = self.places.middle
+        if self.patch_kind == "point":
+            z = np.where(self.touching, self.moments.center[:, 1], z)
+        return np.stack([self.places.center, z], axis=1)
 
     @property
     def creep_place(self) -> np.ndarray:
         """(T, 2) theta and z, centre of the cells."""
-        return self.patch_center
+        return np.stack([self.places.center, self.places.middle], axis=1)
 
     def cell_lines(self, i: int) -> tuple[np.ndarray, np.ndarray]:
         """Lines arc (columns + 1,) and z (rows + 1,) [m] between the cells of saved step `i`."""

@@ -32,16 +32,19 @@ a whole step that it does not have.
 Creep of a contact at the centre of its patch, and the moment of the tractions there, about the outward normal.
 
 The *centre* is the point of least distance of the surfaces: for cells that move with the patch their centre, on the
-contact grid the line of centres at mid-width, for a point contact at the height of the centre of pressure. With the
-outward normal n of the first surface there, e_theta x t_z = n, and positions x = x_1 e_theta + x_2 t_z from it, the
+contact grid the line of centres at mid-width, for a point contact on both at the height of the centre of pressure. With
+the outward normal n of the first surface there, e_theta x t_z = n, and positions x = x_1 e_theta + x_2 t_z from it, the
 rigid-body slip of the surfaces is
 
     w_1 = c_1 - omega_n x_2,      w_2 = c_2 + omega_n x_1,      omega_n = n.(omega_A - omega_B),
 
 the first (A) against the second (B), with the creep c at the centre (J. J. Kalker, Three-Dimensional Elastic Bodies in
 Rolling Contact, 1990, with the longitudinal direction along e_theta, the lateral one along t_z). The run records the
-creep in a neighbouring cell, from which the same equations give that at the centre. Tractions on the first body have
-the moment
+tangential creep c' at the place x', a neighbouring cell or the middle of given rows, so that at the centre x_C
+
+    c_i = t_i.(c'_1 t'_1 + c'_2 t'_2 + (omega_A - omega_B) x (x_C - x')),
+
+t, t' the tangents at both: on a tread the radius at x_C is another one. Tractions on the first body have the moment
 
     M_z = n.sum (x - x_C) x A (tau_1 e_theta + tau_2 t_z),
 
@@ -60,7 +63,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
 from warpffrf.output.contact.patch_moments import traction_forces
-from warpffrf.output.geometry.places import grid_theta_offset, rotate
+from warpffrf.output.geometry.places import grid_theta_offset, rotate, tangents
 
 OPEN, STICK, SLIP = 0, 1, 2
 STATES = ("open", "stick", "slip")
@@ -163,7 +166,7 @@ class FrictionResult(reprs.Shown):
         """(T, 2) [-] longitudinal and lateral creepage, creep along (e_theta, t_z) at the centre of the patch over the
         rolling speed; NaN without rolling or contact. All rows of a line contact have the same value: it is that of
         plane closed forms at the mean line load, which is below that at mid-width if ends are free."""
-        creep = center_creep(self.contact, self.creep_velocity, self.spin_velocity)
+        creep = center_creep(self.contact, self.creep_velocity)
         return creep / self._rolling_speed[:, None]
 
     @cached_property
@@ -323,29 +326,32 @@ def center_points(contact: Any) -> tuple[np.ndarray, np.ndarray]:
     return surface.shape.point(theta, z), surface.shape.normal(theta, z)
 
 
-def spin_velocity(contact: Any) -> np.ndarray:
-    """omega_n (T,) [rad/s] of the bodies' frames; the ground does not rotate."""
-    _, normal = center_points(contact)
-    turning, first = np.zeros_like(normal), contact.bodies.get(contact.view.first_body.name)
+def relative_rotation(contact: Any) -> np.ndarray:
+    """omega_A - omega_B (T, 3) [rad/s] of the bodies' frames, user axes of the first; the ground does not rotate."""
+    found, first = np.zeros((len(contact.patch_center), 3)), contact.bodies.get(contact.view.first_body.name)
     for body, sign in ((contact.view.first_body, 1.0), (contact.view.second_body, -1.0)):
         motion = contact.bodies.get(body.name)
         if motion is not None:
-            turning = turning + sign * np.asarray(motion.angular_velocity, dtype=float)
-    if first is not None:
-        turned = [rotate(q, n[None])[0] for q, n in zip(first.rotation, normal, strict=True)]
-        normal = np.array(turned).reshape(-1, 3)
-    return np.einsum("td,td->t", normal, turning)
+            found = found + sign * np.asarray(motion.angular_velocity, dtype=float)
+    if first is None:
+        return found
+    back = np.asarray(first.rotation) * (-1.0, -1.0, -1.0, 1.0)
+    return np.array([rotate(q, rate[None])[0] for q, rate in zip(back, found, strict=True)]).reshape(-1, 3)
 
 
-def center_creep(contact: Any, creep: np.ndarray, spin: np.ndarray) -> np.ndarray:
-    """Creep (T, 2) [m/s] along (e_theta, t_z) at the centre, from the recorded `creep` (T, 2) and the `spin` (T,)
-    [rad/s]."""
-    shape = contact.view.first.shape
-    center, recorded = contact.patch_center, contact.creep_place
-    away = center - recorded
-    across = contact.side * np.asarray(shape.radius_at(center[:, 1])) * away[:, 0]
-    along = np.sqrt(1.0 + np.asarray(shape.slope_at(center[:, 1])) ** 2) * away[:, 1]
-    return np.asarray(creep, dtype=float) + spin[:, None] * np.stack([-along, across], axis=1)
+def spin_velocity(contact: Any) -> np.ndarray:
+    """omega_n (T,) [rad/s]."""
+    return np.einsum("td,td->t", center_points(contact)[1], relative_rotation(contact))
+
+
+def center_creep(contact: Any, creep: np.ndarray) -> np.ndarray:
+    """Creep (T, 2) [m/s] along (e_theta, t_z) at the centre, from the recorded `creep` (T, 2)."""
+    shape, offset = contact.view.first.shape, grid_theta_offset(contact.view.first)
+    (theta, z), (theta_0, z_0) = contact.patch_center.T, contact.creep_place.T
+    away = shape.point(theta + offset, z) - shape.point(theta_0 + offset, z_0)
+    recorded = np.stack(tangents(shape, theta_0 + offset, z_0))  # (2, T, 3)
+    velocity = np.einsum("td,dtk->tk", creep, recorded) + np.cross(relative_rotation(contact), away)
+    return np.einsum("tk,dtk->td", velocity, np.stack(tangents(shape, theta + offset, z)))
 
 
 def spin_moment(contact: Any) -> np.ndarray:
