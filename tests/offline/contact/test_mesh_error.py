@@ -57,8 +57,8 @@ def pressed(growth: float, order: int, expected: float | None):
 
 @pytest.mark.slow
 def test_layers_that_grow_are_named() -> None:
-    """A note where the mesh is coarse enough for a far field, with which cells that travel do not depend on it; a warning
-    where a grid on the body was chosen for a half-width."""
+    """A note where the mesh is coarse enough for a far field, with which cells that travel do not depend on it; a
+    warning where a grid on the body was chosen for a half-width."""
     for expected, kind, words in (
         (None, "notes", "force at a given approach is about 5% too high"),
         (4e-3, "warnings", "alone cause an error of about 0.05"),
