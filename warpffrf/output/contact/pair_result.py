@@ -17,6 +17,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
+from warpffrf.model.surfaces.form_deviations import MeasuredForm
 from warpffrf.output.contact.friction import FrictionResult
 from warpffrf.output.contact.hertz import (
     HertzLine,
@@ -30,6 +31,7 @@ from warpffrf.output.contact.hertz import (
 )
 from warpffrf.output.contact.patch_moments import Moments
 from warpffrf.output.contact.stress_error import StressError
+from warpffrf.output.contact.wear import wear
 from warpffrf.output.exposed_histories import Recorded
 from warpffrf.output.geometry.places import grid_theta_offset
 from warpffrf.output.geometry.scene_view import PairView
@@ -113,12 +115,16 @@ class PairResult(reprs.Shown, ABC):
     )
     active_nodes = Recorded("(T,) number of active nodes of the contact grid, or of loaded cells.")
 
-    def __init__(self, history: Any, view: PairView, bodies: dict[str, Any] | None = None) -> None:
-        """bodies: motions by name, `History.bodies`; without them both user frames are at the world's origin."""
+    def __init__(
+        self, history: Any, view: PairView, bodies: dict[str, Any] | None = None, time: np.ndarray | None = None
+    ) -> None:
+        """bodies: motions by name, `History.bodies`; without them both user frames are at the world's origin. time (T,)
+        [s]: required by `wear`."""
         self.history = history
         self.view = view
         self.name = view.name
         self.bodies = bodies or {}
+        self.time = np.zeros(0) if time is None else time  # (T,) s
 
     def _facts(self) -> dict[str, Any]:
         touch = int(np.count_nonzero(self.touching))
@@ -140,6 +146,21 @@ class PairResult(reprs.Shown, ABC):
         """Tractions, slip, stick and slip areas, creepages, forces and spin moment, T-gamma, power and wear index;
         raises `InputError` for a contact without friction."""
         return FrictionResult(self)
+
+    def wear(self, coefficient: Any, *, repetitions: float = 1.0) -> tuple[MeasuredForm | None, MeasuredForm | None]:
+        """Depth that both surfaces wear by during the saved rows, by Archard's law, coefficient times int p |w| dt with
+        pressure p and slip speed |w|; forms of `warpffrf.films`, for `body["rim"].add_form(form)` in the next run.
+
+        coefficient [m2/N, the same as m3/(N m)]: specific wear coefficient, one number or (first, second); a surface
+        with 0 does not wear, its form is None. repetitions: of the run, each with the same wear. The depth depends on z
+        of a surface of revolution, as its mean around, and on the length u along the curve of an extruded one, as the
+        mean over the width covered. Its volume is exactly coefficient * repetitions * int p |w| dA dt, friction work
+        over coefficient of friction. Raises `InputError` without friction, without slip, and for planes and hollow
+        surfaces of revolution with a coefficient above 0.
+
+        `MeasuredForm.values` are the depths [m] at `z`, of an extruded surface at `theta` [m], its u.
+        """
+        return wear(self, self.time, coefficient, repetitions)
 
     # --- the grid on the first surface ---
 
