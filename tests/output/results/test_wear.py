@@ -114,8 +114,9 @@ def test_forms_and_surfaces_without_a_profile_are_refused() -> None:
         ("rim", 3.0, "must be one of films"),
     )
     for name, form, message in refused:
+        port: Any = body[name]
         with pytest.raises(wf.InputError, match=message):
-            body[name].add_form(form)
+            port.add_form(form)
     contact = patch_contact(CYLINDER, uniform, widths=(HALF, HALF))
     contact.time = TIME[:2]
     with pytest.raises(wf.InputError, match="negative"):
