@@ -33,7 +33,7 @@ from warpffrf.output.contact.patch_moments import Moments
 from warpffrf.output.contact.stress_error import StressError
 from warpffrf.output.contact.wear import wear
 from warpffrf.output.exposed_histories import Recorded
-from warpffrf.output.geometry.places import grid_theta_offset
+from warpffrf.output.geometry.places import Pose, grid_theta_offset
 from warpffrf.output.geometry.scene_view import PairView
 
 log = logging.getLogger("warpffrf")
@@ -240,6 +240,30 @@ class PairResult(reprs.Shown, ABC):
     def touching(self) -> np.ndarray:
         """(T,) bool, whether any pressure is positive."""
         return np.any(self.history.pressure > 0.0, axis=(1, 2))
+
+    @cached_property
+    def open_times(self) -> np.ndarray:
+        """(n, 2) s, begin and end of each time without contact: the first saved row without pressure and the next one
+        with it, at the end of the run the last row."""
+        shut = np.concatenate([[True], self.touching, [True]]).astype(int)
+        begin, end = (np.flatnonzero(np.diff(shut) == sign) for sign in (-1, 1))
+        return np.stack([self.time[begin], self.time[np.minimum(end, len(self.time) - 1)]], axis=1)
+
+    @cached_property
+    def second_place(self) -> np.ndarray:
+        """(T, 2) where the centre of pressure lies on the second surface: theta [rad] from its direction e_0, of an
+        extruded surface the length u along its curve [m], of a plane m, and z [m] along its axis; NaN without
+        contact."""
+        first, second = self.view.first, self.view.second
+        arc, z = self.center_of_pressure.T
+        theta = first.grid.theta_start + first.grid.pitch * np.asarray(self.history.center_column, dtype=float)
+        theta = theta + grid_theta_offset(first) + arc / np.asarray(first.shape.radius_at(z))
+        points, found = first.shape.point(theta, z), np.full((len(z), 2), np.nan)
+        names = self.view.first_body.name, self.view.second_body.name
+        for i in np.flatnonzero(self.touching):
+            one, two = (Pose.of(self.bodies, name, int(i)) for name in names)
+            found[i] = np.ravel(second.shape.chart(two.to_user(one.to_world(points[i : i + 1])))[:2])
+        return found
 
     @property
     @abstractmethod
