@@ -204,3 +204,27 @@ def test_worn_rollers_press_less() -> None:
     assert expected < 0.982 and again.peak_pressure[-1] / contact.peak_pressure[-1] == pytest.approx(
         expected, rel=0.003
     )
+
+
+def test_a_form_on_a_mesh_is_a_crown_of_the_mesh() -> None:
+    """A parabola off a straight roller, and a roller meshed with that crown, press alike on a straight one."""
+    drop, half = 10e-6, 0.01
+    peaks = []
+    for crown in (None, 0.5 * half**2 / drop):
+        mesh = wf.mesh.roller(0.05, 0.03, 2.0 * half, sectors=60, layers=2, axial=6, order=2, crown_radius=crown)
+        shape = wf.surfaces.Cylinder() if crown is None else wf.surfaces.CrownedCylinder()
+        body = wf.reduce(
+            mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": shape}, modes=0,
+            grid=wf.ContactGrid(contact_fixed=True), progress=False,
+        )  # fmt: skip
+        scene = wf.Scene(gravity=(0, 0, 0))
+        table = wf.surfaces.Cylinder(radius=0.1, axis_point=(0, 0, -0.15), axis_direction=(0, 1, 0))
+        roller = scene.add_body(body, name="roller")
+        if crown is None:
+            roller["rim"].add_form(wf.films.BarrelForm(drop, 2.0 * half))
+            assert body.contact_surfaces["rim"].shape.kind == "cylinder"  # other scenes keep it
+        scene.add(wf.joints.Prismatic(scene.ground, roller["bore"], axis=(0, 0, 1)))
+        scene.add(wf.forces.PointForce(roller["bore"], (0, 0, -20e3)))
+        scene.add(wf.Contact(roller["rim"], scene.ground.surface(table, name="table"), cells=(11, 25), name="pair"))
+        peaks.append(wf.equilibrium(scene, progress=False).contact("pair").mean_pressure[0].max(axis=0))
+    assert peaks[0] == pytest.approx(peaks[1], rel=1e-3, abs=0.01 * peaks[1].max())
