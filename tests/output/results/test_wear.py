@@ -8,11 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 from patch_rubbing_run import patch_contact
+from rubbing_run import make_rubbing_history
+from synthetic_run import roller
 
 import warpffrf as wf
 from references.closed_forms.elliptic import EllipticContact
 from warpffrf.model.surfaces import Extruded
 from warpffrf.model.surfaces.worn import worn
+from warpffrf.output.result import Result
 
 K, PRESSURE, SLIP, TIME = 2e-14, 1e9, 0.1, np.array([0.0, 1e-3, 4e-3])  # m2/N, Pa, m/s, s
 HALF, LENGTH, RADIUS = 0.5e-3, 1.4e-3, 0.02  # m, of `patch_contact`
@@ -64,6 +67,16 @@ def test_no_volume_is_lost_in_the_profile(shape: Any) -> None:
         along, across = (form.z, 2.0 * np.pi * RADIUS) if shape is CYLINDER else (form.theta, LENGTH)
         assert across * np.trapezoid(form.values.ravel(), along) == pytest.approx(factor * expected, rel=SUM)
     assert contact.wear((0.0, K))[0] is None
+
+
+def test_nodes_of_a_contact_grid_wear_evenly_up_to_the_ends() -> None:
+    """Carter's rolling is the same in every section; the nodes at the ends have half a cell."""
+    result = Result(make_rubbing_history(roller()))
+    contact: Any = result.contact("lower-upper")
+    volume = K * contact.friction.wear_rate @ np.diff(result.time, prepend=result.time[0])
+    for form in contact.wear(K):
+        area = 2.0 * np.pi * float(contact.view.first.shape.radius_at(0.0)) * np.ptp(form.z)
+        assert form.values[0] == pytest.approx(volume / area, rel=1e-9)
 
 
 # --- worn surfaces

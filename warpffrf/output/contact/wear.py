@@ -79,10 +79,11 @@ def _cells(contact: Any, weight: Array, label: str) -> Cells:
     work = index[row, j, n] * contact.cell_areas[row, n] * weight[row]
     if not np.any(work > 0.0):
         raise InputError(f"{label}: nothing slips under load in the saved rows, there is no wear; roll or slide")
-    at = np.stack([contact.theta[row, j] + grid_theta_offset(contact.view.first), contact.rows[row, n]], axis=1)
-    edges = [contact.cell_lines(i)[1] for i in range(len(index))]
-    wide = np.array([np.diff(contact.theta[i, :2])[0] for i in range(len(index))])
-    return Cells(at, 0.5 * np.stack([np.abs(wide)[row], np.diff(edges, axis=1)[row, n]], axis=1), work, row)
+    edges = np.array([contact.cell_lines(i)[1] for i in range(len(index))])  # a node at an end has half a cell
+    theta = contact.theta[row, j] + grid_theta_offset(contact.view.first)
+    wide = np.abs(contact.theta[:, 1] - contact.theta[:, 0])[row]
+    at = np.stack([theta, 0.5 * (edges[row, n] + edges[row, n + 1])], axis=1)
+    return Cells(at, 0.5 * np.stack([wide, edges[row, n + 1] - edges[row, n]], axis=1), work, row)
 
 
 def _opposite(contact: Any, cells: Cells) -> Cells:
