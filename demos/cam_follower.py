@@ -91,23 +91,17 @@ def roller(size: Size = FULL) -> wf.ReducedBody:
 
 
 def build(body: wf.ReducedBody, speed: float) -> wf.Scene:
-    """The scene: bodies `cam`, `roller` and `follower`, contact `contact`, joints `shaft`, `guide` and `pin`, drive
-    `drive`, spring `spring`; `speed` [rad/s] of the cam."""
+    """The scene: bodies `cam`, `roller` and `follower`, contact and cam `valve`; `speed` [rad/s]."""
     scene = wf.Scene(gravity=(0, 0, 0))
     top = (0.0, 0.0, BASE + ROLLER)
     section = wf.surfaces.cam(law(), base_radius=BASE, roller_radius=ROLLER)
     face = wf.surfaces.Extruded(curve=section, axis_direction=(0, 1, 0), x_direction=(0, 0, 1))
-    cam = scene.add_rigid_body(
-        0.5, np.eye(3) * 1e-4, name="cam", surfaces={"face": face}, angular_velocity=(0, speed, 0)
-    )
+    cam = scene.add_rigid_body(0.5, np.eye(3) * 1e-4, name="cam", surfaces={"face": face})
     ring = scene.add_body(body, name="roller", position=top)
     follower = scene.add_rigid_body(MASS, np.eye(3) * 1e-4, name="follower", position=top)
-    shaft = scene.add(wf.joints.Revolute(scene.ground, cam.at((0, 0, 0)), axis=(0, 1, 0), name="shaft"))
-    scene.add(wf.joints.Drive(shaft, speed, quantity="velocity", name="drive"))
-    guide = scene.add(wf.joints.Prismatic(scene.ground, follower.at((0, 0, 0)), axis=(0, 0, 1), name="guide"))
-    scene.add(wf.forces.JointSpringDamper(guide, stiffness=STIFFNESS, preload=PRELOAD, name="spring"))
-    scene.add(wf.joints.Revolute(follower.at((0, 0, 0)), ring["bore"], axis=(0, 1, 0), name="pin"))
-    scene.add(wf.Contact(ring["rim"], cam["face"], name="contact"))
+    scene.add_cam(
+        cam["face"], ring["rim"], name="valve", speed=speed, carrier=follower, stiffness=STIFFNESS, preload=PRELOAD
+    )
     return scene
 
 
@@ -126,7 +120,7 @@ def panels(results: dict[float, wf.Result], mass: float) -> list[Panel]:
     heights, forces, pressures, rigid = {}, {}, {}, {}
     for speed, result in results.items():
         name, at = f"{speed:.0f} rad/s", np.degrees(speed * result.time)
-        contact = result.contact("contact")
+        contact = result.contact("valve")
         heights[name] = at, (result.body("follower").position[:, 2] - BASE - ROLLER) * 1e3
         if speed < jump_speed(mass):
             forces[name], pressures[name] = (at, contact.force[:, 2]), (at, contact.peak_pressure / 1e6)
@@ -151,10 +145,10 @@ def main(out: str | Path = "out/cam_follower", *, quick: bool = False, progress:
     for part in SPEEDS:
         speed = part * limit
         results[speed] = result = run(body, speed, size, progress)
-        force_found = np.linalg.norm(result.contact("contact").force, axis=1)
-        lost = np.count_nonzero(force_found == 0.0) / len(force_found)
+        contact = result.contact("valve")
+        force_found, opened = contact.force_magnitude, np.degrees(speed * np.ptp(contact.open_times, axis=1).sum())
         print(f"{speed:6.1f} rad/s: force {force_found.min():6.1f} to {force_found.max():7.1f} N, "
-              f"open for {360.0 * lost:5.1f} degrees")  # fmt: skip
+              f"open for {opened:5.1f} degrees")  # fmt: skip
     last = list(results.values())[-1]
     last.save(f"{stem}.h5", overwrite=True)
     wf.record(last, f"{stem}.rrd", max_frames=60 if quick else 240, overwrite=True)

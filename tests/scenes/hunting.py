@@ -20,6 +20,7 @@ import warpffrf as wf
 from warpffrf.model import rotation as rot
 
 RADIUS, HALF_GAUGE, SLOPE, RAIL = 0.46, 0.75, 0.05, 0.3  # m, m, -, m
+DEPTH = 14e-3  # m below the top of the rails, at which the gauge is measured
 LOAD, SPEED, START = 100e3, 5.0, 3e-3  # N, m/s, m
 RISE, END, STEP = 0.1, 2.5, 1.25e-3  # s: of the load; three quarters of a wave
 CELLS = (9, 9)
@@ -47,34 +48,18 @@ def kinematics(y: float = 1e-4) -> tuple[float, float, float, float]:
 
 def wheelset() -> wf.Scene:
     """Free on two rails, START off the middle, with the load that rises to LOAD."""
-    scene, shapes = wf.Scene(), {}
-    for side, name in ((1, "left"), (-1, "right")):
-        shapes[name] = wf.surfaces.Cone(
-            radius=RADIUS,
-            half_angle=np.arctan(SLOPE),
-            axis_point=(0, side * HALF_GAUGE, 0),
-            axis_direction=(0, -side, 0),
-        )
-    body = wf.half_space_body(
-        1200.0,
-        (700.0, 100.0, 700.0),
-        STEEL,
-        contact=shapes,
-        extent=dict.fromkeys(shapes, (-0.05, 0.05)),
-        free_ends=False,
-    )
-    moving = scene.add_body(
-        body, name="wheelset", position=(0, START, RADIUS), velocity=(SPEED, 0, 0),
-        angular_velocity=(0, SPEED / RADIUS, 0),
+    scene, reach = wf.Scene(), 0.35  # rad of the round rails to both sides
+    face = np.sqrt(RAIL**2 - (RAIL - DEPTH) ** 2)
+    start = RAIL * np.array([np.sin(reach), np.cos(reach)])
+    moving = scene.add_wheelset(
+        wf.surfaces.Cone(radius=RADIUS, half_angle=-np.arctan(SLOPE)),
+        wf.surfaces.Curve.arcs(start, np.pi - reach, [(2.0 * reach * RAIL, RAIL)]), name="wheelset", mass=1200.0,
+        inertia_tensor=(700.0, 100.0, 700.0), material=STEEL, track=(-1.0, 1.0 + SPEED * END), speed=SPEED, y=START,
+        friction=0.4, cells=CELLS, extent=(-0.05, 0.05), running_circle=HALF_GAUGE, gauge=2.0 * (HALF_GAUGE - face),
+        gauge_depth=DEPTH, inclination=0.0, rigid_rails=True,
     )  # fmt: skip
-    for side, name in ((1, "left"), (-1, "right")):
-        head = wf.surfaces.Cylinder(radius=RAIL, axis_point=(0, side * HALF_GAUGE, -RAIL), axis_direction=(1, 0, 0))
-        rail = scene.ground.surface(head, name=f"{name}_rail")
-        contact = scene.add(wf.Contact(moving[name], rail, friction=0.4, cells=CELLS, name=name))
-        if side == 1:
-            scene.close_gap(contact, along=(0, 0, -1))
     rising = wf.signals.Table([0.0, RISE], [0.0, -LOAD], hold=True)
-    scene.add(wf.forces.PointForce(moving["center"], (0, 0, rising)))
+    scene.add(wf.forces.PointForce(moving.body["center"], (0, 0, rising)))
     return scene
 
 

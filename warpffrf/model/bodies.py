@@ -6,7 +6,7 @@ to the world, x = position + A(rotation) x_user.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -19,6 +19,7 @@ from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.surfaces import Shape
 from warpffrf.model.surfaces.form_deviations import Form, RoundForm
+from warpffrf.model.surfaces.worn import worn
 
 if TYPE_CHECKING:
     from warpffrf.model.reduced.body import ReducedBody
@@ -97,6 +98,25 @@ class SurfacePort(reprs.Shown):
         if self.rigid:
             return self.body.surfaces[self.name]
         return (self.body.reduced.matched if self.matched else self.body.reduced.contact_surfaces)[self.name]
+
+    def add_form(self, form: Form) -> None:
+        """Take the material of a form deviation of `warpffrf.films` off the surface, in this scene: of wear in an
+        earlier run (`result.contact(name).wear`), of a measured or a desired profile.
+
+        A surface of revolution with the material inside takes a form that depends on z alone, and becomes a
+        `surfaces.ProfiledCylinder`; an extruded one a form that depends on the length u along its curve, the form's
+        theta [m]. Raises `InputError` for other surfaces and forms.
+        """
+        label = f"{self.label}: add_form"
+        if self.matched:
+            raise InputError(f"{label}: faces in small sliding take no forms")
+        surface = self.surface
+        shape = worn(surface.shape, form, None if surface.grid is None else surface.grid.z[[0, -1]], label)
+        if self.rigid:
+            self.body.surfaces[self.name] = replace(surface, shape=shape)
+        else:
+            surfaces = {**self.body.reduced.contact_surfaces, self.name: replace(surface, shape=shape)}
+            self.body.reduced = replace(self.body.reduced, contact_surfaces=surfaces)
 
 
 if TYPE_CHECKING:

@@ -15,6 +15,7 @@ from warpffrf.model.arguments import Matrix, RotationLike, Vector
 from warpffrf.model.bearings import Bearing
 from warpffrf.model.bearings.build import add_bearing
 from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, PortLike, as_port
+from warpffrf.model.cam_pair import CamPair, add_cam
 from warpffrf.model.checks.contacts import refuse_double_claims, refuse_double_small_sliding
 from warpffrf.model.checks.plausibility import gravity_doubts, warn
 from warpffrf.model.contact import Contact
@@ -37,6 +38,7 @@ from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.placement.gap import closing_distance, passed
 from warpffrf.model.placement.nearest import joined_bodies, shift_bodies
 from warpffrf.model.sensors import Sensor
+from warpffrf.model.wheelset import Wheelset, add_wheelset
 
 if TYPE_CHECKING:
     from warpffrf.model.checks.scene import SceneCheck
@@ -54,8 +56,8 @@ class Scene(reprs.Shown):
     """A multibody model: bodies with poses, and the elements that connect and load them.
 
     gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts`, `lumped_contacts`, `films`,
-    `sensors` are lists in the order of adding; `bearings` and `gears` are assemblies, whose parts are in the other
-    lists, too; `ground` is the world as a body. SI units, world axes, quaternions (x, y, z, w).
+    `sensors` are lists in the order of adding; `bearings`, `gears`, `cams` and `wheelsets` are assemblies, whose
+    parts are in the other lists, too; `ground` is the world as a body. SI units, world axes, quaternions (x, y, z, w).
 
     >>> scene = wf.Scene(gravity=(0, 0, -9.81))  # m/s2
     >>> arm = scene.add_rigid_body(1.0, (0.01, 0.01, 0.01), name="arm", position=(0.1, 0, 0))  # kg, kg m2, m
@@ -79,10 +81,14 @@ class Scene(reprs.Shown):
         self.sensors: list[Sensor] = []
         self.bearings: list[Bearing] = []
         self.gears: list[GearMesh] = []
+        self.cams: list[CamPair] = []
+        self.wheelsets: list[Wheelset] = []
         self._numbers: dict[str, int] = {}  # kind -> last number given to an unnamed item
 
     add_bearing = add_bearing
     add_gear_pair = add_gear_pair
+    add_cam = add_cam
+    add_wheelset = add_wheelset
 
     @property
     def finite_sliding(self) -> list[Contact]:
@@ -95,7 +101,7 @@ class Scene(reprs.Shown):
         return [contact for contact in self.contacts if contact.sliding is not None]
 
     def _facts(self) -> dict[str, Any]:
-        kinds = ("bodies", *_ADDED, "bearings", "gears")
+        kinds = ("bodies", *_ADDED, "bearings", "gears", "cams", "wheelsets")
         return {kind: reprs.names(getattr(self, kind)) for kind in kinds if getattr(self, kind)}
 
     def _picture(self) -> str:

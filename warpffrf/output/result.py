@@ -306,7 +306,7 @@ class Result(reprs.Shown):
     def _finite_sliding(self) -> dict[str, PairResult]:
         return {
             name: (ContactResult if history.cells is None else CellContactResult)(
-                history, self.view.pairs[name], self.history.bodies
+                history, self.view.pairs[name], self.history.bodies, self.time
             )
             for name, history in self.history.contacts.items()
         }

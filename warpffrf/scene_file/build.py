@@ -37,6 +37,7 @@ TITLE = "title"
 RUNS = ("equilibrium", "static", "simulate")  # calls that run the scene, each a table
 FITTED = "fitted"  # a contact surface whose shape is fitted
 FILE_KEYS = {"file", "column", "factor"}
+PAIRS = ("gear_pairs", "cams", "wheelsets")  # assemblies
 FIRST_ITEMS = ("joints", "contacts")  # other items refer to them
 WHOLE = ("interface", "point", "surface")
 
@@ -60,7 +61,7 @@ class Builder:
         values = self.source.values
         sections = {**{s: self.fixed[s] for s in ("materials", "meshes", "reduced_bodies")}, "signals": signal_kinds()}
         sections["ground"] = shape_kinds()  # its surfaces
-        self.sections = {**sections, **{s: self.fixed[s] for s in ("bodies", "bearings", "gear_pairs")}, **self.items}
+        self.sections = {**sections, **{s: self.fixed[s] for s in ("bodies", "bearings", *PAIRS)}, **self.items}
         known = (TITLE, "include", "parameters", "scene", *self.sections, "arrange", *RUNS)
         for key, table in values.items():
             if key not in known:
@@ -188,7 +189,7 @@ class Builder:
 
     def _port_parts(self, path: Path, value: Any) -> tuple[str, str | None, Any]:
         """Body, interface or surface, and point of "body.name", "ground" or {body, interface | surface | point}."""
-        bodies = ("ground", *self.source.values.get("bodies", {}), *self._bodies_of_bearings())
+        bodies = ("ground", *self.source.values.get("bodies", {}), *self._bodies_of_assemblies())
         place = self.source.place(path)
         if isinstance(value, dict):
             keys = ("body", *WHOLE)
@@ -212,9 +213,11 @@ class Builder:
         body = max(owners, key=len)
         return body, value[len(body) + 1 :], None
 
-    def _bodies_of_bearings(self) -> Iterator[str]:
-        """Names of the bodies that the tables [bearings] create, of rings on a surface too, which cannot be
-        distinguished from interfaces before bodies are made."""
+    def _bodies_of_assemblies(self) -> Iterator[str]:
+        """Names of the bodies that the tables [wheelsets] and [bearings] create, of rings on a surface too, which
+        cannot be distinguished from interfaces before bodies are made."""
+        for name in self.source.values.get("wheelsets", {}):
+            yield from (name, f"{name} left rail", f"{name} right rail")
         whole = ("ground", *self.source.values.get("bodies", {}))
         for name, table in self.source.values.get("bearings", {}).items():
             if not isinstance(table, dict):
@@ -257,11 +260,15 @@ class Builder:
                 bearing = self._keep("bearings", name, form.call(self.scene, name, **arguments))
                 for body in (bearing.inner, bearing.outer, *bearing.between):
                     self.made.setdefault("bodies", {}).setdefault(body.name, body)
-        for name, table in values.get("gear_pairs", {}).items():
-            form = self._form(("gear_pairs", name), table)
-            with self._blamed(("gear_pairs", name), table):
-                arguments = self._arguments(("gear_pairs", name), table, form)
-                self._keep("gear_pairs", name, form.call(self.scene, name=name, **arguments))
+        for section in PAIRS:
+            for name, table in values.get(section, {}).items():
+                form = self._form((section, name), table)
+                with self._blamed((section, name), table):
+                    arguments = self._arguments((section, name), table, form)
+                    before = len(self.scene.bodies)
+                    self._keep(section, name, form.call(self.scene, name=name, **arguments))
+                for body in self.scene.bodies[before:]:
+                    self.made.setdefault("bodies", {})[body.name] = body
         for section in sorted(self.items, key=lambda section: section not in FIRST_ITEMS):
             for name, table in values.get(section, {}).items():
                 with self._blamed((section, name), table):

@@ -377,7 +377,7 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
     for section, laws in contacts.items():
         taken |= {(section, "law"): laws, (section, "friction"): FRICTION_LAWS}
     taken |= {(section, "rolling_resistance"): ROLLING_LAWS for section in ("lumped_contacts", "bearings")}
-    taken["gear_pairs", "friction"] = FRICTION_LAWS
+    taken |= {(section, "friction"): FRICTION_LAWS for section in ("gear_pairs", "cams", "wheelsets")}
     taken |= {("bearings", name): FORMS for name in ("inner_form", "outer_form")}
     taken |= {("bearings", name): dict(kinds) for name, kinds in bearing_parts().items()}
     return {at: {kind: value_kinds()[kind] for kind in kinds} for at, kinds in taken.items()}
@@ -440,6 +440,22 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
                 "gear pair",
                 Scene.add_gear_pair,
                 {"gear_1": "port", "gear_2": "port", "pair": "value"},
+                ("scene", "name"),
+            )
+        },
+        "cams": {
+            "": form_of(
+                "cam",
+                Scene.add_cam,
+                {"cam": "port", "follower": "port", "carrier": "port", "speed": "value", "preload": "value"},
+                ("scene", "name"),
+            )
+        },
+        "wheelsets": {
+            "": form_of(
+                "wheelset",
+                Scene.add_wheelset,
+                {"wheel": "value", "rail": "value", "material": "materials"},
                 ("scene", "name"),
             )
         },

@@ -108,7 +108,7 @@ def cam_and_roller_follower() -> Iterator[Row]:
         if result.status != "completed":
             raise RuntimeError(result.message)
         height = result.body("follower").position[:, 2] - cam_follower.BASE - cam_follower.ROLLER
-        return part * jump * result.time, height, np.linalg.norm(result.contact("contact").force, axis=1)
+        return part * jump * result.time, height, np.linalg.norm(result.contact("valve").force, axis=1)
 
     angle, height, force = turned(1.0 / 3.0)
     for degrees in (140.0, 160.0, 180.0, 210.0):

@@ -36,7 +36,7 @@ def compare(speed: float, result: wf.Result, tolerance: float, size: demo.Size =
     height = result.body("follower").position[:, 2] - demo.BASE - demo.ROLLER
     expected = demo.force(angle, speed, mass(size))
     assert np.abs(height - demo.lift(angle)[0]).max() < LIFTED * demo.LIFT
-    assert np.abs(np.linalg.norm(result.contact("contact").force, axis=1) - expected).max() < tolerance * expected.max()
+    assert np.abs(np.linalg.norm(result.contact("valve").force, axis=1) - expected).max() < tolerance * expected.max()
 
 
 def test_the_follower_moves_and_presses_by_the_law() -> None:
@@ -49,7 +49,7 @@ def test_the_follower_jumps_at_its_speed() -> None:
     most, and closes again with a blow."""
     compare(*ran(1.0 - JUMPS), VIBRATES)
     speed, result = ran(1.0 + JUMPS)
-    force = np.linalg.norm(result.contact("contact").force, axis=1)
+    force = np.linalg.norm(result.contact("valve").force, axis=1)
     first = speed * result.time[np.argmax(force == 0.0)]
     angle = np.linspace(0.0, np.pi, 2001)
     expected = demo.force(angle, speed, mass(demo.QUICK))
@@ -66,4 +66,4 @@ def test_the_whole_demo(tmp_path: Path, quick: bool) -> None:
     limit = demo.jump_speed(mass(size))
     compare(demo.SPEEDS[0] * limit, slow, AT_REST, size)
     compare(demo.SPEEDS[1] * limit, fast, VIBRATES, size)
-    assert np.any(np.linalg.norm(jumping.contact("contact").force, axis=1) == 0.0)
+    assert np.any(np.linalg.norm(jumping.contact("valve").force, axis=1) == 0.0)

@@ -26,7 +26,7 @@ MIDPOINTS = 100
 
 @cache
 def rigid() -> Wheelset:
-    return Wheelset(demo.profile(1), wf.surfaces.rail_uic60())
+    return Wheelset(demo.rigid().body["left"].surface.shape, wf.surfaces.rail_uic60())
 
 
 def wavelength(amplitude: float) -> float:
@@ -60,7 +60,7 @@ def compare(result: wf.Result) -> list[Check]:
         Check("roll", axle[2], roll, "rigid profiles", ROLL, "mrad", 1e3),
     ]
     for name, side in demo.SIDES.items():
-        contact = result.contact(name)
+        contact = result.contact(f"wheelset {name}")
         s, peak = contact.center_of_pressure[top, 1], contact.peak_pressure[top]
         touch = rigid().touch(side, amplitude, roll, 0.0)
         found += [
@@ -68,22 +68,22 @@ def compare(result: wf.Result) -> list[Check]:
             Check(f"{name}: pressure", peak, demo.hertz_peak(contact, top), "Hertz", HERTZ, "MPa", 1e-6),
         ]
     held = result.time > 2.0 * demo.RISE
-    upwards = float(np.mean(sum(result.contact(name).force[held, 2] for name in demo.SIDES)))
+    upwards = float(np.mean(sum(result.contact(f"wheelset {name}").force[held, 2] for name in demo.SIDES)))
     return [*found, Check("mean force upwards", upwards, demo.LOAD, "load", LOAD, "N")]
 
 
 @pytest.mark.parametrize("y", [0.0, 1e-3, AMPLITUDE])
 def test_the_rigid_profiles_touch_where_brute_force_finds_them(y: float) -> None:
     """Yawed, as the wheelset is, they touch there, too."""
-    roll = demo.roll(y)
+    roll = demo.rigid().roll(y)
     assert roll == pytest.approx(rigid().roll(y), abs=1e-9)
     for side in (1, -1):
-        found, expected = demo.touch(side, y, roll), rigid().touch(side, y, roll, demo.YAW)
+        found, expected = demo.rigid().touch(side, y, roll), rigid().touch(side, y, roll, demo.YAW)
         assert found == pytest.approx([expected.height, expected.radius, expected.s, expected.y], abs=4e-5)
 
 
 def test_the_wave_of_rolling_without_slip() -> None:
-    assert 2.0 * demo.kinematics(AMPLITUDE)[0][-1] == pytest.approx(wavelength(AMPLITUDE), rel=KINEMATICS)
+    assert 2.0 * demo.rigid().wave(AMPLITUDE)[0][-1] == pytest.approx(wavelength(AMPLITUDE), rel=KINEMATICS)
 
 
 def test_the_wheelset_hunts_in_coarse_cells() -> None:

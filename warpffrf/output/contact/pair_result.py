@@ -17,6 +17,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
+from warpffrf.model.surfaces.form_deviations import MeasuredForm
 from warpffrf.output.contact.friction import FrictionResult
 from warpffrf.output.contact.hertz import (
     HertzLine,
@@ -30,8 +31,9 @@ from warpffrf.output.contact.hertz import (
 )
 from warpffrf.output.contact.patch_moments import Moments
 from warpffrf.output.contact.stress_error import StressError
+from warpffrf.output.contact.wear import wear
 from warpffrf.output.exposed_histories import Recorded
-from warpffrf.output.geometry.places import grid_theta_offset
+from warpffrf.output.geometry.places import Pose, grid_theta_offset
 from warpffrf.output.geometry.scene_view import PairView
 
 log = logging.getLogger("warpffrf")
@@ -113,12 +115,16 @@ class PairResult(reprs.Shown, ABC):
     )
     active_nodes = Recorded("(T,) number of active nodes of the contact grid, or of loaded cells.")
 
-    def __init__(self, history: Any, view: PairView, bodies: dict[str, Any] | None = None) -> None:
-        """bodies: motions by name, `History.bodies`; without them both user frames are at the world's origin."""
+    def __init__(
+        self, history: Any, view: PairView, bodies: dict[str, Any] | None = None, time: np.ndarray | None = None
+    ) -> None:
+        """bodies: motions by name, `History.bodies`; without them both user frames are at the world's origin. time (T,)
+        [s]: required by `wear`."""
         self.history = history
         self.view = view
         self.name = view.name
         self.bodies = bodies or {}
+        self.time = np.zeros(0) if time is None else time  # (T,) s
 
     def _facts(self) -> dict[str, Any]:
         touch = int(np.count_nonzero(self.touching))
@@ -140,6 +146,21 @@ class PairResult(reprs.Shown, ABC):
         """Tractions, slip, stick and slip areas, creepages, forces and spin moment, T-gamma, power and wear index;
         raises `InputError` for a contact without friction."""
         return FrictionResult(self)
+
+    def wear(self, coefficient: Any, *, repetitions: float = 1.0) -> tuple[MeasuredForm | None, MeasuredForm | None]:
+        """Depth that both surfaces wear by during the saved rows, by Archard's law, coefficient times int p |w| dt with
+        pressure p and slip speed |w|; forms of `warpffrf.films`, for `body["rim"].add_form(form)` in the next run.
+
+        coefficient [m2/N, the same as m3/(N m)]: specific wear coefficient, one number or (first, second); a surface
+        with 0 does not wear, its form is None. repetitions: of the run, each with the same wear. The depth depends on z
+        of a surface of revolution, as its mean around, and on the length u along the curve of an extruded one, as the
+        mean over the width covered. Its volume is exactly coefficient * repetitions * int p |w| dA dt, friction work
+        over coefficient of friction. Raises `InputError` without friction, without slip, and for planes and hollow
+        surfaces of revolution with a coefficient above 0.
+
+        `MeasuredForm.values` are the depths [m] at `z`, of an extruded surface at `theta` [m], its u.
+        """
+        return wear(self, self.time, coefficient, repetitions)
 
     # --- the grid on the first surface ---
 
@@ -219,6 +240,30 @@ class PairResult(reprs.Shown, ABC):
     def touching(self) -> np.ndarray:
         """(T,) bool, whether any pressure is positive."""
         return np.any(self.history.pressure > 0.0, axis=(1, 2))
+
+    @cached_property
+    def open_times(self) -> np.ndarray:
+        """(n, 2) s, begin and end of each time without contact: the first saved row without pressure and the next one
+        with it, at the end of the run the last row."""
+        shut = np.concatenate([[True], self.touching, [True]]).astype(int)
+        begin, end = (np.flatnonzero(np.diff(shut) == sign) for sign in (-1, 1))
+        return np.stack([self.time[begin], self.time[np.minimum(end, len(self.time) - 1)]], axis=1)
+
+    @cached_property
+    def second_place(self) -> np.ndarray:
+        """(T, 2) where the centre of pressure lies on the second surface: theta [rad] from its direction e_0, of an
+        extruded surface the length u along its curve [m], of a plane m, and z [m] along its axis; NaN without
+        contact."""
+        first, second = self.view.first, self.view.second
+        arc, z = self.center_of_pressure.T
+        theta = first.grid.theta_start + first.grid.pitch * np.asarray(self.history.center_column, dtype=float)
+        theta = theta + grid_theta_offset(first) + arc / np.asarray(first.shape.radius_at(z))
+        points, found = first.shape.point(theta, z), np.full((len(z), 2), np.nan)
+        names = self.view.first_body.name, self.view.second_body.name
+        for i in np.flatnonzero(self.touching):
+            one, two = (Pose.of(self.bodies, name, int(i)) for name in names)
+            found[i] = np.ravel(second.shape.chart(two.to_user(one.to_world(points[i : i + 1])))[:2])
+        return found
 
     @property
     @abstractmethod
