@@ -98,7 +98,7 @@ class ContactPath:
 
 def speeds(gear: GearResult, speed: float | None) -> tuple[Array, Array]:
     """w_1 and w_2 (T, n) [rad/s]; speed: see `GearResult.sliding`."""
-    s, side, axis = gear._signs, gear.pair.side, gear._axes[2]
+    s, side, axis = gear._signs, gear.pair.side, gear.axes[2]
     if speed is None:
         one, two = (gear.result.history.bodies[name].angular_velocity @ axis for name in gear.description["bodies"])
     else:
@@ -136,7 +136,7 @@ def flank_map(gear: GearResult, flank: str, speed: float | None) -> FlankMap:
 
 def contact_path(gear: GearResult, *, nearest: bool) -> ContactPath:
     """See `GearResult.contact_path`."""
-    (e_0, e_1, _), pair = gear._axes, gear.pair
+    (e_0, e_1, _), pair = gear.axes, gear.pair
     alpha, pitch_point = pair.working_pressure_angle, [0.5 * pair.working_diameters[0], 0.0]
     points = np.full((len(gear.time), len(gear.contacts), 2, 2), np.nan)
     across = np.stack([e_0, e_1], axis=1)

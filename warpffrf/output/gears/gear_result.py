@@ -53,6 +53,20 @@ class GearResult(reprs.Shown):
     def _facts(self) -> dict[str, Any]:
         return {"name": self.name, "pairs of teeth": len(self.teeth), "rows": len(self.time)}
 
+    # --- directions
+
+    @property
+    def axes(self) -> Array:
+        """(3, 3): rows are the directions of the line of centres, from gear 1 to the teeth in mesh, across it, and of
+        the axis; world."""
+        return np.asarray(self.description["axes"])
+
+    @property
+    def line_of_action(self) -> Array:
+        """(3,): direction of the line of action, that of the force of the driving flank of gear 1; world."""
+        alpha, s = self.pair.working_pressure_angle, self._signs[0]
+        return np.sin(alpha) * self.axes[0] - s * np.cos(alpha) * self.axes[1]
+
     # --- loads
 
     @cached_property
@@ -92,14 +106,11 @@ class GearResult(reprs.Shown):
     @cached_property
     def transmission_error(self) -> Array:
         """TE (T,) [m], along the path of contact, of the first flank; negative where gear 2 lags."""
-        flank = self.teeth[0][0]
-        s = 1.0 if flank == "right" else -1.0
+        flank, s = self.teeth[0][0], self._signs[0]
         lag = self._angle(1) - np.array([self.pair.mating_angle(float(angle), flank) for angle in self.angle])
         pitch = 2.0 * np.pi / self.pair.gear_2.teeth
         lag = np.remainder(lag + 0.5 * pitch, pitch) - 0.5 * pitch
-        alpha, (e_0, e_1, _) = self.pair.working_pressure_angle, self._axes
-        along = np.sin(alpha) * e_0 - s * np.cos(alpha) * e_1
-        apart = (self._moved(1)[1] - self._moved(0)[1]) @ along
+        apart = (self._moved(1)[1] - self._moved(0)[1]) @ self.line_of_action
         return s * self.pair.side * self.pair.gear_2.base_radius * lag + apart
 
     @property
@@ -136,9 +147,9 @@ class GearResult(reprs.Shown):
     # --- on the flanks
 
     def sliding(self, speed: float | None = None) -> Array:
-        """v_g (T, n) [m/s], velocity of flank 1 against flank 2 along the flank, positive towards the tip of gear 1: 0
-        at the pitch point. speed [rad/s]: of gear 1, positive in the direction in which it pushes, such as for the load
-        steps of a static run, which have none; None: the speeds of the run. Raises `InputError`."""
+        """v_g (T, n) [m/s], velocity of flank 1 against flank 2 along the flank, positive towards the root of gear 1:
+        0 at the pitch point. speed [rad/s]: of gear 1, positive in the direction in which it pushes, for load steps of
+        a static run, which have none; None: the speeds of the run. Raises `InputError`."""
         return flanks.sliding(self, speed)
 
     def flank_map(self, flank: str | None = None, speed: float | None = None) -> FlankMap:
@@ -181,13 +192,8 @@ class GearResult(reprs.Shown):
     def _loaded(self) -> Array:
         return self.load > 0.0
 
-    @property
-    def _axes(self) -> Array:
-        """Rows: direction of the line of centres, across it, axis; world."""
-        return np.asarray(self.description["axes"])
-
     def _angle(self, i: int) -> Array:
-        x, (e_0, e_1, _) = self._moved(i)[0], self._axes
+        x, (e_0, e_1, _) = self._moved(i)[0], self.axes
         return np.arctan2(x @ e_1, x @ e_0)
 
     def _moved(self, i: int) -> tuple[Array, Array]:

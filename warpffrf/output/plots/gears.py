@@ -14,7 +14,7 @@ from warpffrf.output.plots.colors import FINEST, from_zero, largest, no_finer, s
 
 LINE, SECOND, MARK = "#1b6ca8", "#d1495b", "0.55"
 MOST_NAMED = 6  # pairs of teeth in a legend
-FIELDS = {"pressure": ("pressure [MPa]", 1e-6, "magma_r"), "wear_index": ("wear index [W/mm²]", 1e-6, "PuRd")}
+FIELDS = {"pressure": ("pressure [MPa]", 1e-6, "YlOrRd"), "wear_index": ("wear index [W/mm²]", 1e-6, "PuRd")}
 UM, MM, KN = 1e6, 1e3, 1e-3
 
 
@@ -22,10 +22,10 @@ def transmission_error(gear: GearResult, ax: Any) -> None:
     """Transmission error over the rotation of gear 1, with its mean over whole mesh cycles."""
     error, found = UM * gear.transmission_error, gear.orders()
     _line(ax, _turned(gear), error)
-    title = f"Gear pair '{gear.name}': transmission error"
+    title = f"'{gear.name}': transmission error"
     if found.cycles:
         ax.axhline(UM * found.mean, color=SECOND, lw=0.9, ls="--")
-        title += f"\nmean {UM * found.mean:.3g} µm (dashed), peak to peak {UM * found.peak_to_peak:.3g} µm"
+        title += f"\nmean {UM * found.mean:.3g} µm (dashed), range {UM * found.peak_to_peak:.3g} µm"
     no_finer(ax, FINEST * largest([np.abs(error)]))
     _titled(ax, title, "transmission error [µm]")
 
@@ -96,14 +96,14 @@ def flank_pressure(gear: GearResult, ax: Any) -> None:
     """Largest pressure across the patch over roll angle and width of the driving flank of gear 1, all pairs of teeth
     superposed."""
     gear.flank_map().draw(ax)
-    ax.set_title(f"Gear pair '{gear.name}': pressure on the flank of gear 1", fontsize=10)
+    ax.set_title(f"'{gear.name}': pressure, flank of gear 1", fontsize=10)
 
 
 def flank_wear(gear: GearResult, ax: Any) -> None:
     """Pressure times sliding velocity over roll angle and width of the driving flank of gear 1, at the speeds of the
     run."""
     flank_field(gear.flank_map(), ax, "wear_index")
-    ax.set_title(f"Gear pair '{gear.name}': pressure times sliding", fontsize=10)
+    ax.set_title(f"'{gear.name}': pressure times sliding", fontsize=10)
 
 
 def contact_path(gear: GearResult, ax: Any) -> None:
@@ -112,8 +112,7 @@ def contact_path(gear: GearResult, ax: Any) -> None:
     found = gear.contact_path()
     place, offset = MM * found.place[..., 0], UM * found.offset[..., 0]
     for i in range(len(gear.teeth)):
-        rows = np.argsort(place[:, i])
-        ax.plot(place[rows, i], offset[rows, i], ".-", lw=1.0, ms=4.0, color=LINE)
+        _along(ax, place[:, i], offset[:, i])
     ax.axhline(0.0, color="0.7", lw=0.6, zorder=0)
     no_finer(ax, 1.0)
     _path_marks(gear, ax, lambda g: MM * g)
@@ -137,11 +136,8 @@ def flank_field(found: Any, ax: Any, field: str) -> None:
 def film(found: Any, ax: Any) -> None:
     """Least film thickness of `FlankFilms` over the roll angle, and the film parameter where roughness was given."""
     angle, thickness, ratio = np.degrees(found.roll_angle), UM * found.minimum, found.parameter
-    rows = np.argsort(angle, axis=0)
-    angle, thickness, ratio = (np.take_along_axis(values, rows, axis=0) for values in (angle, thickness, ratio))
-    shown = np.flatnonzero(np.any(np.isfinite(thickness), axis=0))
-    for i in shown:
-        ax.plot(angle[:, i], thickness[:, i], ".-", lw=1.2, ms=4.0, color=LINE)
+    for x, y in zip(angle.T, thickness.T, strict=True):
+        _along(ax, x, y)
     ax.set(xlabel="roll angle of gear 1 [degrees]", ylabel="least film [µm]")
     from_zero(ax, thickness)
     if np.any(np.isfinite(ratio)):
@@ -193,6 +189,14 @@ def _on_path(gear: GearResult) -> np.ndarray:
 
 def _line(ax: Any, x: np.ndarray, y: np.ndarray, color: str = LINE, label: str | None = None) -> None:
     ax.plot(x, y, lw=1.3, color=color, marker="o" if len(x) == 1 else None, label=label)
+
+
+def _along(ax: Any, x: np.ndarray, y: np.ndarray) -> None:
+    """The rows with a value, in the order of x."""
+    rows = np.argsort(x)
+    rows = rows[np.isfinite(y[rows])]
+    if len(rows):
+        ax.plot(x[rows], y[rows], ".-", lw=1.1, ms=4.0, color=LINE)
 
 
 def _titled(ax: Any, title: str, label: str) -> None:
