@@ -76,16 +76,12 @@ def test_orders_of_a_known_signal(sign: float) -> None:
     assert found.cycles == 3 and 0.0 < found.begin < 0.2 and not found.reason
     assert found.mean == pytest.approx(-9e-6, abs=1e-15)
     assert found.amplitude == pytest.approx(1e-6 * np.array([2.0, 0.7, 0.0, 0.1, 0.0, 0.0]), abs=1e-15)
-    again = found.mean + sum(
-        A * np.cos(k * 16.0 * (turned - turned[found_row(found, turned)]) - phase)
-        for k, A, phase in zip(found.order, found.amplitude, found.phase, strict=True)
+    time = np.linspace(0.0, 1.0, 120)
+    phi = turned - turned[np.searchsorted(time, found.begin)]
+    waves = found.amplitude * np.cos(16.0 * np.outer(phi, found.order) - found.phase)
+    assert (found.mean + waves.sum(axis=1))[time > found.begin] == pytest.approx(
+        signal(angle)[time > found.begin], abs=1e-13
     )
-    rows = np.linspace(0.0, 1.0, 120) > found.begin
-    assert again[rows] == pytest.approx(signal(angle)[rows], abs=1e-13)
-
-
-def found_row(found: Any, turned: np.ndarray) -> int:
-    return int(np.argmin(np.abs(np.linspace(0.0, 1.0, len(turned)) - found.begin)))
 
 
 def test_errors_of_orders_are_those_of_noise() -> None:

@@ -64,7 +64,7 @@ class FlankMap:
     def draw(self, ax: Any) -> None:
         """Draw the pressure over roll angle and width on matplotlib axes. Raises `InputError` for fewer than two
         rows."""
-        from warpffrf.output.plots.gears import flank_field
+        from warpffrf.output.plots.flanks import flank_field
 
         flank_field(self, ax, "pressure")
 
@@ -77,7 +77,7 @@ class FlankFilms(Films):
 
     def draw(self, ax: Any) -> None:
         """Draw least thickness and film parameter over the roll angle on matplotlib axes."""
-        from warpffrf.output.plots.gears import film
+        from warpffrf.output.plots.flanks import film
 
         film(self, ax)
 

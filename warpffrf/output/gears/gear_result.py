@@ -134,7 +134,7 @@ class GearResult(reprs.Shown):
         if teeth is None:
             return _intervals(self.time, ~np.any(self._loaded[:, self._signs == self._signs[:1]], axis=1))
         if teeth not in self.teeth:
-            raise unknown_name(f"gear pair {self.name!r}: teeth", teeth, self.teeth)
+            raise unknown_name(f"gear pair {self.name!r}: teeth", str(teeth), [*map(str, self.teeth)])
         i, path = self.teeth.index(teeth), self.pair.path
         within = (self.place[:, i] >= path["A"]) & (self.place[:, i] <= path["E"])
         return _intervals(self.time, within & ~self._loaded[:, i])

@@ -33,8 +33,8 @@ def gear_meshes(view: Any, ends: Mapping[tuple[str, str], tuple[float, float]]) 
             touching = {(side, teeth[n]) for side, *teeth, _ in pair["contacts"]}
             known = [ends[body, name] for s, t in touching if (body, name := f"{FLANK}{s}_{t}") in ends]
             if known:
-                mesh = gear_mesh(Gear(**data), *np.median(known, axis=0), touching)
-                found.setdefault(body, []).append(mesh)
+                low, high = np.median(known, axis=0)
+                found.setdefault(body, []).append(gear_mesh(Gear(**data), low, high, touching))
     return {body: TriangleMesh.of(meshes) for body, meshes in found.items()}
 
 

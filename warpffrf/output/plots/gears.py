@@ -1,5 +1,5 @@
 """Plots of gear pairs: transmission error and its orders, stiffness and force of the mesh, load shares, maps of the
-flanks, path of contact, film thickness."""
+flanks, path of contact."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.gears.gear_result import GearResult
-from warpffrf.output.plots.colors import FINEST, from_zero, largest, no_finer, side_bar
+from warpffrf.output.plots.colors import FINEST, from_zero, largest, no_finer
+from warpffrf.output.plots.flanks import LINE, along, flank_field
 
-LINE, SECOND, MARK = "#1b6ca8", "#d1495b", "0.55"
+SECOND, MARK = "#d1495b", "0.55"
 MOST_NAMED = 6  # pairs of teeth in a legend
-FIELDS = {"pressure": ("pressure [MPa]", 1e-6, "YlOrRd"), "wear_index": ("wear index [W/mm²]", 1e-6, "PuRd")}
 UM, MM, KN = 1e6, 1e3, 1e-3
 
 
@@ -112,39 +112,12 @@ def contact_path(gear: GearResult, ax: Any) -> None:
     found = gear.contact_path()
     place, offset = MM * found.place[..., 0], UM * found.offset[..., 0]
     for i in range(len(gear.teeth)):
-        _along(ax, place[:, i], offset[:, i])
+        along(ax, place[:, i], offset[:, i])
     ax.axhline(0.0, color="0.7", lw=0.6, zorder=0)
     no_finer(ax, 1.0)
     _path_marks(gear, ax, lambda g: MM * g)
     ax.set(xlabel="place on the line of action [mm]", ylabel="distance from the line of action [µm]")
     ax.set_title("Path of contact on gear 1", fontsize=10)
-
-
-def flank_field(found: Any, ax: Any, field: str) -> None:
-    """A `field` of a `FlankMap` over roll angle and width. Raises `InputError` for fewer than two rows."""
-    if len(found.step) < 2:
-        raise InputError("plot: a map of a flank requires two saved steps under load at least")
-    label, factor, colors = FIELDS[field]
-    values, angle = factor * getattr(found, field), np.degrees(found.roll_angle)
-    grid = np.broadcast_to(angle[:, None], values.shape), MM * found.width
-    image = ax.pcolormesh(*grid, values, shading="gouraud", cmap=colors, vmin=0.0)
-    side_bar(ax, image, label=label)
-    ax.set(xlabel="roll angle of gear 1 [degrees]", ylabel="along the axis [mm]")
-    ax.set_title("Flank of gear 1: " + label.split(" [")[0], fontsize=10)
-
-
-def film(found: Any, ax: Any) -> None:
-    """Least film thickness of `FlankFilms` over the roll angle, and the film parameter where roughness was given."""
-    angle, thickness, ratio = np.degrees(found.roll_angle), UM * found.minimum, found.parameter
-    for x, y in zip(angle.T, thickness.T, strict=True):
-        _along(ax, x, y)
-    ax.set(xlabel="roll angle of gear 1 [degrees]", ylabel="least film [µm]")
-    from_zero(ax, thickness)
-    if np.any(np.isfinite(ratio)):
-        both = ax.twinx()
-        both.set_ylim(np.array(ax.get_ylim()) * np.nanmedian(ratio / thickness))
-        both.set_ylabel("film parameter Λ [-]")
-    ax.set_title("Film thickness on the flanks", fontsize=10)
 
 
 GEAR_PLOTS: dict[str, Callable[[GearResult, Any], None]] = {
@@ -189,14 +162,6 @@ def _on_path(gear: GearResult) -> np.ndarray:
 
 def _line(ax: Any, x: np.ndarray, y: np.ndarray, color: str = LINE, label: str | None = None) -> None:
     ax.plot(x, y, lw=1.3, color=color, marker="o" if len(x) == 1 else None, label=label)
-
-
-def _along(ax: Any, x: np.ndarray, y: np.ndarray) -> None:
-    """The rows with a value, in the order of x."""
-    rows = np.argsort(x)
-    rows = rows[np.isfinite(y[rows])]
-    if len(rows):
-        ax.plot(x[rows], y[rows], ".-", lw=1.1, ms=4.0, color=LINE)
 
 
 def _titled(ax: Any, title: str, label: str) -> None:
