@@ -31,6 +31,7 @@ from warpffrf.output.gears.flanks import ContactPath, FlankFilms, FlankMap
 from warpffrf.output.gears.orders import MeshOrders, mesh_orders
 
 Array = np.ndarray
+LEAST = 1e-9  # m: smaller approaches have no stiffness
 
 
 class GearResult(reprs.Shown):
@@ -115,9 +116,10 @@ class GearResult(reprs.Shown):
 
     @property
     def stiffness(self) -> Array:
-        """Load over approach (T,) [N/m], along the path of contact: secant, with the clearance of relieved flanks."""
-        error = self.transmission_error
-        return np.divide(self.load.sum(axis=1), -error, out=np.full_like(error, np.nan), where=error < 0.0)
+        """Load over approach (T,) [N/m] of the driving flanks, along the path of contact: secant, with the clearance of
+        relieved flanks; NaN below an approach of a nanometre."""
+        error, driving = self.transmission_error, self.load[:, self._signs == self._signs[:1]].sum(axis=1)
+        return np.divide(driving, -error, out=np.full_like(error, np.nan), where=error < -LEAST)
 
     def orders(self, count: int = 5) -> MeshOrders:
         """Mean, peak to peak and amplitudes of the transmission error at 1, 2, ... `count` times the frequency of the

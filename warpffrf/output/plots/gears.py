@@ -15,19 +15,22 @@ from warpffrf.output.plots.flanks import LINE, along, flank_field
 
 SECOND, MARK = "#d1495b", "0.55"
 MOST_NAMED = 6  # pairs of teeth in a legend
-UM, MM, KN = 1e6, 1e3, 1e-3
+UM, MM, KN, MS = 1e6, 1e3, 1e-3, 1e3
+STANDS = 1e-3  # pitches: gear 1 of a run that rotates by less stands still
 
 
 def transmission_error(gear: GearResult, ax: Any) -> None:
-    """Transmission error over the rotation of gear 1, with its mean over whole mesh cycles."""
+    """Transmission error over the rotation of gear 1, against time where it stands still, with its mean over whole mesh
+    cycles."""
     error, found = UM * gear.transmission_error, gear.orders()
-    _line(ax, _turned(gear), error)
+    _line(gear, ax, error)
     title = f"'{gear.name}': transmission error"
     if found.cycles:
         ax.axhline(UM * found.mean, color=SECOND, lw=0.9, ls="--")
         title += f"\nmean {UM * found.mean:.3g} µm (dashed), range {UM * found.peak_to_peak:.3g} µm"
     no_finer(ax, FINEST * largest([np.abs(error)]))
-    _titled(ax, title, "transmission error [µm]")
+    ax.set(ylabel="transmission error [µm]")
+    ax.set_title(title, fontsize=10)
 
 
 def mesh_orders(gear: GearResult, ax: Any) -> None:
@@ -49,28 +52,29 @@ def mesh_orders(gear: GearResult, ax: Any) -> None:
 
 
 def mesh_stiffness(gear: GearResult, ax: Any) -> None:
-    """Secant stiffness of the mesh over the rotation of gear 1."""
+    """Secant stiffness of the mesh over the rotation of gear 1, against time where it stands still."""
     stiffness = 1e-6 * gear.stiffness
-    _line(ax, _turned(gear), stiffness)
-    _titled(ax, "Secant stiffness of the mesh", "load over approach [N/µm]")
+    _line(gear, ax, stiffness)
+    ax.set(ylabel="load over approach [N/µm]")
+    ax.set_title("Secant stiffness of the mesh", fontsize=10)
     from_zero(ax, stiffness)
 
 
 def mesh_force(gear: GearResult, ax: Any) -> None:
-    """Normal forces of the driving flanks and, where it has contacts, of the back side, over the rotation of gear 1;
-    shaded where the driving flanks have lifted off."""
-    back, turned = gear._signs != gear._signs[:1], _turned(gear)
-    driving = KN * gear.load[:, ~back].sum(axis=1)
-    _line(ax, turned, driving, label="driving flanks")
+    """Normal forces of the driving flanks and, where it has contacts, of the back side, against time; shaded where the
+    driving flanks have lifted off."""
+    back, time = gear._signs != gear._signs[:1], MS * gear.time
+    driving, behind = KN * gear.load[:, ~back].sum(axis=1), KN * gear.load[:, back].sum(axis=1)
+    mark = "o" if len(time) == 1 else None
+    ax.plot(time, driving, lw=1.3, color=LINE, marker=mark, label="driving flanks")
     if np.any(back):
-        _line(ax, turned, KN * gear.load[:, back].sum(axis=1), color=SECOND, label="back side")
-    _titled(ax, "Normal forces of the mesh", "normal force [kN]")
-    from_zero(ax, driving)
-    for begin, end in gear.open_intervals():
-        ends = np.interp([begin, end], gear.time, turned)
-        ax.axvspan(*np.sort(ends), color="0.85", zorder=0)
-    if np.any(back):
+        ax.plot(time, behind, lw=1.3, color=SECOND, marker=mark, label="back side")
         ax.legend(frameon=False, fontsize=8)
+    ax.set(xlabel="time [ms]", ylabel="normal force [kN]")
+    ax.set_title(f"'{gear.name}': normal forces", fontsize=10)
+    from_zero(ax, driving, behind)
+    for ends in gear.open_intervals():
+        ax.axvspan(*(MS * ends), color="0.85", zorder=0)
 
 
 def load_share(gear: GearResult, ax: Any) -> None:
@@ -148,25 +152,20 @@ def the_gear(result: Any, name: str | None) -> GearResult:
     return result.gear(result.gear_names[0] if name is None else name)
 
 
-def _turned(gear: GearResult) -> np.ndarray:
-    """Rotation (T,) [pitches] of gear 1 since the start, in the direction in which it pushes."""
-    angle = np.unwrap(gear.angle)
-    return -gear._signs[0] * (angle - angle[:1]) * gear.pair.gear_1.teeth / (2.0 * np.pi)
-
-
 def _on_path(gear: GearResult) -> np.ndarray:
     """Where (T, n) a pair of teeth is within the path of contact, or carries beyond it."""
     path = gear.pair.path
     return ((gear.place >= path["A"]) & (gear.place <= path["E"])) | (gear.load > 0.0)
 
 
-def _line(ax: Any, x: np.ndarray, y: np.ndarray, color: str = LINE, label: str | None = None) -> None:
-    ax.plot(x, y, lw=1.3, color=color, marker="o" if len(x) == 1 else None, label=label)
-
-
-def _titled(ax: Any, title: str, label: str) -> None:
-    ax.set(xlabel="rotation of gear 1 [pitches]", ylabel=label)
-    ax.set_title(title, fontsize=10)
+def _line(gear: GearResult, ax: Any, values: np.ndarray) -> None:
+    """`values` (T,) over the rotation of gear 1 since the start, in the direction in which it pushes, or over time."""
+    angle = np.unwrap(gear.angle)
+    x = -gear._signs[0] * (angle - angle[:1]) * gear.pair.gear_1.teeth / (2.0 * np.pi)
+    stands = np.ptp(x) < STANDS and len(x) > 1
+    mark = "o" if len(x) == 1 else None
+    ax.plot(MS * gear.time if stands else x, values, lw=1.3, color=LINE, marker=mark)
+    ax.set(xlabel="time [ms]" if stands else "rotation of gear 1 [pitches]")
 
 
 def _path_marks(gear: GearResult, ax: Any, place: Callable[[float], float]) -> None:
