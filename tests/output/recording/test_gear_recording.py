@@ -9,7 +9,7 @@ import pytest
 from recordings import columns
 
 import warpffrf as wf
-from scenes.gears import FZG, angle_at, on_shafts
+from scenes.gears import FZG, RELIEVED, angle_at, on_shafts, rolling
 from warpffrf.output.geometry.places import Pose
 from warpffrf.output.recording import recorder as recorder_module
 from warpffrf.output.recording.gear_scene import GearScene
@@ -40,3 +40,16 @@ def test_gears_in_mesh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     view = scene.view()
     assert view.name == "Flanks of 'pinion'" and not any("wheel" in entity for entity in view.contents)
     assert sum("relief" in entity for entity in view.contents) == len(gear.contacts)
+
+
+def test_teeth_that_never_touch(tmp_path: Path) -> None:
+    """Their series of friction have no value: no column without rows is written, at which the viewer panics."""
+    from rerun.chunk import RrdReader
+
+    scene = rolling(RELIEVED, 0.0, 100.0, 150.0)
+    result = wf.simulate(scene, 2e-5, step=1e-5, start="equilibrium", progress=False)
+    apart = [name for name in result.contact_names if not np.any(result.contact(name).touching)]
+    assert apart and np.all(np.isnan(result.contact(apart[0]).friction.traction_coefficient))
+    info = wf.record(result, tmp_path / "run.rrd")
+    chunks = [chunk.to_record_batch() for chunk in RrdReader(str(info.path)).stream().filter(content="/plots/**")]
+    assert chunks and min(chunk.num_rows for chunk in chunks) > 0

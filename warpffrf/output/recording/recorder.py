@@ -385,8 +385,10 @@ class _Recorder:
         series.append((("solver", "step_size"), "step size [s]", history.step_size))
         for parts, label, values in series:
             path = self.path(*parts)
-            self.log_static(path, rr.SeriesLines(names=[label]))
             use = rows[np.isfinite(np.asarray(values, dtype=float)[rows])]
+            if not len(use):  # the viewer panics at a column without rows
+                continue
+            self.log_static(path, rr.SeriesLines(names=[label]))
             times = rr.TimeColumn("time", duration=np.asarray(result.time)[use].copy())
             self.stream.send_columns(path, [times], rr.Scalars.columns(scalars=np.array(values, dtype=float)[use]))
 
