@@ -8,7 +8,9 @@ and F = T_1/r_b1 the normal force, the transmission error and the secant stiffne
     TE = r_b2 theta_2 - r_b1 theta_1 (below zero),      c = F/|TE|.
 
 Where one pair of teeth carries at the pitch point C, the peak pressure is Hertz's of the line load F/b, raised in the
-middle by the free ends. One tip relief suits one load: below it fewer teeth share the load, above it tips meet early.
+middle by the free ends. Involutes touch on the line of action, reliefs off it. The films between the flanks, by formula
+at the speed of the test, are thinner than the roughness. One tip relief suits one load: below it fewer teeth share the
+load, above it tips meet early.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
-from warpffrf.output.plots.panels import Panel, save_panels
+from warpffrf.output.plots.panels import Drawn, Panel, save_panels
 
 STEEL = wf.Material(youngs_modulus=206e9, poisson_ratio=0.3, density=7850, name="steel")
 MODULE, WIDTH, DISTANCE = 4.5e-3, 14e-3, 91.5e-3  # m
@@ -29,6 +31,8 @@ PINION = wf.gears.Gear(MODULE, 16, profile_shift=0.1817, tip_diameter=82.45e-3, 
 WHEEL = wf.gears.Gear(MODULE, 24, profile_shift=0.1715, tip_diameter=118.35e-3, **TIPS)
 PAIR = wf.gears.GearPair(PINION, WHEEL, DISTANCE)
 STAGES = {"stage 3": 35.3, "stage 5": 94.1, "stage 7": 183.4}  # N m on the pinion
+OIL = wf.oils.Roelands(0.012, coefficient=1.8e-8)  # Pa s, 1/Pa: a mineral oil of ISO VG 100 at 90 degrees
+SPEED, ROUGHNESS, THINNING = 235.6, (0.4e-6, 0.4e-6), 0.03  # rad/s of the pinion, m, 1/K
 PITCH = 2.0 * np.pi / 16  # rad, of the pinion
 START = 0.05  # rad: the flank of its tooth 1 is about the pitch point
 
@@ -72,27 +76,35 @@ def single(result: wf.Result) -> tuple[int, int]:
     return int(row), int(pair)
 
 
-def panels(results: dict[str, wf.Result]) -> list[Panel]:
-    """Transmission error, its orders, load shares, peak pressures and stiffness over a pitch."""
+@dataclass(frozen=True)
+class Kind:
+    """A kind of plot of a result, as a panel."""
+
+    result: wf.Result
+    kind: str
+
+    def draw(self, ax: Any) -> None:
+        self.result.plot(self.kind, ax)
+
+
+def panels(results: dict[str, wf.Result]) -> list[Drawn]:
+    """Transmission error, its orders, stiffness and peak pressures over a pitch; of the largest load the shares of the
+    pairs of teeth, pressure on the flank, path of contact, and films at the speed of the test."""
     found = {name: result.gear("mesh") for name, result in results.items()}
-    first = next(iter(found.values()))
+    first, last, heaviest = next(iter(found.values())), list(results)[-1], list(results.values())[-1]
     label, turned = "rotation of the pinion [pitches]", (first.angle[0] - first.angle) / PITCH
-    last, heaviest = list(found.items())[-1]
-    names = {i: f"teeth {k} and {t}" for i, (_, k, t) in enumerate(heaviest.teeth) if heaviest.load[:, i].any()}
-    orders = np.arange(1, 6)
+    orders = {name: gear.orders() for name, gear in found.items()}
+    film = found[last].film_thickness(OIL, speed=SPEED, roughness=ROUGHNESS, thinning=THINNING)
     return [
         Panel("Transmission error", label, "[um]",
               {name: (turned, 1e6 * gear.transmission_error) for name, gear in found.items()}),
         Panel("Its orders of the tooth frequency", "order [-]", "amplitude [um]",
-              {name: (orders, 1e6 * gear.orders(5)) for name, gear in found.items()}),
+              {name: (known.order, 1e6 * known.amplitude) for name, known in orders.items()}),
         Panel("Stiffness of the mesh", label, "[N/um]",
               {name: (turned, 1e-6 * gear.stiffness) for name, gear in found.items()}),
-        Panel(f"Load shares, {last}", label, "[-]",
-              {name: (turned, heaviest.load_share[:, i]) for i, name in names.items()}),
-        Panel(f"Normal forces, {last}", label, "[kN]",
-              {name: (turned, 1e-3 * heaviest.load[:, i]) for i, name in names.items()}),
         Panel("Peak pressure", label, "[MPa]",
               {name: (turned, 1e-6 * gear.peak_pressure.max(axis=1)) for name, gear in found.items()}),
+        *(Kind(heaviest, kind) for kind in ("load_share", "flank_pressure", "contact_path")), film,
     ]  # fmt: skip
 
 
@@ -114,7 +126,7 @@ def main(out: str | Path = "out/gear_pair", *, quick: bool = False, progress: bo
         hertz, _ = PAIR.hertz(torque, WIDTH, gear.place[row, pair])
         contact = result.contact(gear.contacts[pair])
         print(f"{name}: transmission error {1e6 * gear.transmission_error.min():6.2f} to "
-              f"{1e6 * gear.transmission_error.max():6.2f} um, first order {1e6 * gear.orders()[0]:5.2f} um; "
+              f"{1e6 * gear.transmission_error.max():6.2f} um, first order {1e6 * gear.orders().amplitude[0]:5.2f} um; "
               f"one pair {1e-6 * gear.stiffness[row]:4.0f} N/um, pressure {1e-6 * contact.mid_peak_pressure[row]:5.0f} "
               f"MPa, Hertz {1e-6 * hertz:5.0f} MPa")  # fmt: skip
     return list(results.values())

@@ -1,5 +1,5 @@
 """The smallest runs that have something to draw: rollers that begin to turn with friction, an oiled shaft, a
-small-sliding contact that is pushed to and fro, a ball bearing under a load."""
+small-sliding contact that is pushed to and fro, a ball bearing under a load, gears that rotate by a pitch."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import numpy as np
 import small_sliding_runs
 
 import warpffrf as wf
+from scenes.gears import RELIEVED
+from scenes.gears import rolling as rolling_gears
 from scenes.rollers import STEEL, guided_pair, roller_body
 from warpffrf.model import films, forces, joints, oils, surfaces
 from warpffrf.model.mesh import sleeve
@@ -65,3 +67,9 @@ def loaded_bearing() -> Result:
     )  # fmt: skip
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 0.0, 1e3)))
     return wf.equilibrium(scene, progress=False)
+
+
+def gears() -> Result:
+    """Two gears with tip relief that rotate by slightly more than a pitch."""
+    scene = rolling_gears(RELIEVED, 1e-3, 100.0, 150.0)
+    return wf.simulate(scene, 2.8e-3, step=2e-5, start="equilibrium", progress=False)

@@ -51,6 +51,22 @@ def on_shafts(
     return scene
 
 
+def rolling(pair: wf.gears.GearPair, g: float, torque: float, speed: float) -> wf.Scene:
+    """Gears that rotate, gear 1 at `speed` [rad/s] about -y from where its tooth 1 touches at g [m], with friction; the
+    wheel is driven, a torque [N m] about -y presses gear 1 on it. Gear pair `mesh`."""
+    scene, other = wf.Scene(), speed * pair.gear_1.teeth / pair.gear_2.teeth
+    turn = about_y(angle_at(pair, g))
+    one = scene.add_body(half_space(pair.gear_1), name="pinion", rotation=turn, angular_velocity=(0, -speed, 0))
+    two = scene.add_body(half_space(pair.gear_2), name="wheel", angular_velocity=(0, other, 0))
+    options: Any = {"direction": (1, 0, 0), "rotation": (-0.45, 0.0), "friction": 0.05}
+    scene.add_gear_pair(one["center"], two["center"], pair, name="mesh", **options)
+    scene.add(wf.joints.Revolute(scene.ground, one["center"], axis=(0, 1, 0), name="shaft_1"))
+    shaft = scene.add(wf.joints.Revolute(scene.ground, two["center"], axis=(0, 1, 0), name="shaft_2"))
+    scene.add(wf.joints.Drive(shaft, other, quantity="velocity"))
+    scene.add(wf.forces.PointTorque(one["center"], (0.0, -torque, 0.0)))
+    return scene
+
+
 def angle_at(pair: wf.gears.GearPair, g: float) -> float:
     """Rotation [rad] of gear 1 at which its tooth 1 touches at g [m] with its right flank."""
     width = pair.gear_1.tooth_thickness(pair.working_diameters[0]) / pair.working_diameters[0]

@@ -450,23 +450,23 @@ class Result(reprs.Shown):
     def plot(
         self, kind: str, ax: Axes | None = None, contact: str | None = None, film: str | None = None,
         row: int | None = None, channel: str | None = None, speed: str | None = None, bearing: str | None = None,
-        theme: str = "light", width: float | None = None,
+        gear: str | None = None, theme: str = "light", width: float | None = None,
     ) -> Axes:  # fmt: skip
         """Draw one kind of plot on the matplotlib axes `ax` (new ones if None) and return them.
 
         contact: name of the contact that is drawn; None: the first one (with friction, for friction plots). film,
-        bearing: likewise the oil film and bearing; row: saved step of their maps and loads, and of maps of
-        contacts with small sliding, the last one if None. channel: history of "spectrum" and "waterfall", as of
-        `spectrum`; speed: body whose rotation is the reference, for orders or speed instead of frequency or time
-        (None). theme, width: "dark" and the width [m] of a printed column; of new axes. Kinds:
-        docs/plots.md, `warpffrf plot --list`. Raises InputError for an unknown kind, contact, film,
-        bearing, history or body, and for data that the run does not have.
+        bearing, gear: likewise the oil film, bearing and gear pair; row: saved step of maps of films and loads of
+        bearings, and of maps of contacts with small sliding, the last one if None. channel: history of "spectrum" and
+        "waterfall", as of `spectrum`; speed: body whose rotation is the reference, for orders or speed instead of
+        frequency or time (None). theme, width: "dark" and the width [m] of a printed column; of new axes. Kinds:
+        docs/plots.md, `warpffrf plot --list`. Raises InputError for an unknown kind, contact, film, bearing, gear
+        pair, history or body, and for data that the run does not have.
 
         >>> axes = result.plot("ripple", contact="lower-upper")
         """
         from warpffrf.output.plots import figure
 
-        return figure.plot(self, kind, ax, contact, film, row, channel, speed, bearing, theme, width)
+        return figure.plot(self, kind, ax, contact, film, row, channel, speed, bearing, gear, theme, width)
 
     def summary(
         self, *, contact: str | None = None, film: str | None = None, row: int | None = None, theme: str = "light",

@@ -21,6 +21,7 @@ from warpffrf.output.plots.bearing import BEARING_PLOTS
 from warpffrf.output.plots.figure import MACHINE_PLOTS, PLOTS, about_kinds, drawable
 from warpffrf.output.plots.films import FILM_PLOTS
 from warpffrf.output.plots.friction import FRICTION_PLOTS
+from warpffrf.output.plots.gears import GEAR_PLOTS
 from warpffrf.output.plots.panels import HISTORY_PLOTS
 from warpffrf.output.plots.restyle import FONTS, PAPER, _covers
 from warpffrf.output.plots.small_sliding import SMALL_SLIDING_PLOTS
@@ -33,6 +34,11 @@ CHANNEL, TURNS = "contact_force_z[lower-upper]", "lower"
 @pytest.fixture(scope="module")
 def loaded_bearing() -> Result:
     return drawn_runs.loaded_bearing()
+
+
+@pytest.fixture(scope="module")
+def gears() -> Result:
+    return drawn_runs.gears()
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +105,7 @@ def all_finite(drawn: Any) -> None:
 
 
 def test_every_kind_is_here() -> None:
-    made = {*PAIR_KINDS, *FILM_PLOTS, *SMALL_SLIDING_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS}
+    made = {*PAIR_KINDS, *FILM_PLOTS, *SMALL_SLIDING_PLOTS, *BEARING_PLOTS, *GEAR_PLOTS, *HISTORY_PLOTS}
     made |= {*MACHINE_PLOTS, "summary"}
     assert made == set(about_kinds())
 
@@ -124,6 +130,36 @@ def test_kinds_of_bearings(loaded_bearing: Result, kind: str) -> None:
     drawn = loaded_bearing.plot(kind)
     all_finite(drawn)
     assert len(drawn_values(drawn)) >= 2 and "[kN]" in drawn.get_title() + drawn.get_ylabel()
+
+
+@pytest.mark.parametrize("kind", GEAR_PLOTS)
+def test_kinds_of_gears(gears: Result, kind: str) -> None:
+    drawn = gears.plot(kind, axes(), gear="mesh")
+    check(drawn)
+    all_finite(drawn)
+
+
+def test_films_on_flanks(gears: Result) -> None:
+    oil = wf.oils.Roelands(0.015, coefficient=2e-8)
+    for roughness in (None, 0.4e-6):
+        ax = axes()
+        gears.gear("mesh").film_thickness(oil, roughness=roughness).draw(ax)
+        assert len(drawn_values(ax)) >= 2 and "[µm]" in ax.get_ylabel()
+        all_finite(ax)
+
+
+def test_gears_of_one_row(gears: Result) -> None:
+    """Plots over a rotation are left out of the page, and those that need rows say so."""
+    row = gears.since(float(gears.time[-1]))
+    assert not {*GEAR_PLOTS} & {*drawable(row)} and {*GEAR_PLOTS} <= {*drawable(gears)}
+    for kind in GEAR_PLOTS:
+        if kind in ("mesh_orders", "flank_pressure", "flank_wear"):
+            with pytest.raises(wf.InputError, match="less than one|two saved steps"):
+                row.plot(kind, axes())
+        else:
+            check(row.plot(kind, axes()))
+    with pytest.raises(wf.InputError, match="no gear pair called 'none'"):
+        row.plot("load_share", axes(), gear="none")
 
 
 @pytest.mark.parametrize("kind", [*FILM_PLOTS, "force", "energy", "joints"])
@@ -230,6 +266,11 @@ def test_small_sliding_in_the_dark_theme_and_a_column(rubbing_contact: Result, k
 @pytest.mark.parametrize("kind", BEARING_PLOTS)
 def test_bearings_in_the_dark_theme_and_a_column(loaded_bearing: Result, kind: str) -> None:
     legible_and_dark(loaded_bearing.plot(kind, theme="dark", width=NARROW))
+
+
+@pytest.mark.parametrize("kind", GEAR_PLOTS)
+def test_gears_in_the_dark_theme_and_a_column(gears: Result, kind: str) -> None:
+    legible_and_dark(gears.plot(kind, theme="dark", width=NARROW))
 
 
 def test_a_page_shows_the_bearing_and_not_each_of_its_contacts(loaded_bearing: Result) -> None:

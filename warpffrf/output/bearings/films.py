@@ -28,9 +28,9 @@ from warpffrf.output.bearings.patches import ball_patches, roller_patches
 
 @dataclass(frozen=True)
 class Films:
-    """Films of all elements on one raceway (T, Z), nan without a load: thickness [m] at the centre and its least value,
-    entrainment and slip speed [m/s] around the axis, and the film parameter [-], Lambda, the least thickness over the
-    roughness of both surfaces together; nan if that was not given."""
+    """Films of all elements on one raceway, or of all pairs of teeth (T, Z), nan without a load: thickness [m] at the
+    centre and its least value, entrainment and slip speed [m/s] around the axis, of teeth along the flank, and the film
+    parameter [-], Lambda, the least thickness over the roughness of both surfaces together; nan where not given."""
 
     central: np.ndarray
     minimum: np.ndarray
@@ -63,18 +63,24 @@ def entrainment(bearing: Any, side: str) -> tuple[np.ndarray, np.ndarray]:
     )
 
 
+def combined_roughness(roughness: float | Sequence[float] | None, label: str) -> float:
+    """Rq [m] of both surfaces together, nan where None; raises `InputError` naming `label`."""
+    if roughness is None:
+        return np.nan
+    heights = [require_number(Rq, f"{label}: roughness [m]", non_negative=True) for Rq in np.atleast_1d(roughness)]
+    both = float(np.linalg.norm(heights))
+    if both <= 0.0:
+        raise InputError(f"{label}: roughness [m] is zero; give the Rq of both surfaces, or None")
+    return both
+
+
 def film_thickness(
     bearing: Any, oil: Oil, roughness: float | Sequence[float] | None, thinning: float | None, conductivity: float,
     inlet: float | None,
 ) -> dict[str, Films]:  # fmt: skip
     """See `BearingResult.film_thickness`."""
     label = f"bearing {bearing.name!r}: film_thickness"
-    both = np.nan
-    if roughness is not None:
-        heights = [require_number(Rq, f"{label}: roughness [m]", non_negative=True) for Rq in np.atleast_1d(roughness)]
-        both = float(np.linalg.norm(heights))
-        if both <= 0.0:
-            raise InputError(f"{label}: roughness [m] is zero; give the Rq of elements and raceways, or None")
+    both = combined_roughness(roughness, label)
     geometry, modulus, found = bearing.geometry, bearing._modulus, {}
     if inlet is not None and not isinstance(geometry, BallGeometry):
         raise InputError(f"{label}: inlet is for balls, the formula of starvation is that of points; leave it out")

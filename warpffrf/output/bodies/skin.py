@@ -10,6 +10,7 @@ of small-sliding contacts (`small_sliding_loads`); if it is too large for a body
 missing (`small_sliding_loads.left_out`). Pressure, traction and state of small-sliding contacts are those of
 `faces_on_skin`. Slip speed and wear are those of other contacts: small-sliding contacts have slip distances, in
 `result.contact(name)`. Stress is that of `skin_stress`, if the body was reduced with it.
+A gear whose flanks are half-spaces has the skin of a whole gear, `geometry.gear_body`.
 
 Skin stress. Stress at the nodes of a skin, for bodies reduced with stress points there.
 
@@ -36,6 +37,7 @@ from warpffrf.model.reduced.stress_field import von_mises
 from warpffrf.output.bodies.normal_loads import SmallSlidingLoads, faces_on_skin, film_loads, normal_loads
 from warpffrf.output.bodies.patch_on_skin import PatchOnSkin, patch_on_skin, tangential_forces
 from warpffrf.output.bodies.stress import BodyStress
+from warpffrf.output.geometry.gear_body import half_space_gear
 from warpffrf.output.geometry.places import SkinSurface
 from warpffrf.output.geometry.reference import Reference
 from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView
@@ -52,8 +54,11 @@ class Skin:
     def __init__(self, history: Any, view: SceneView, body: BodyView) -> None:
         self.history = history
         self.body = body
-        self.points = np.asarray(body.reduced.surface.points, dtype=float)  # (n, 3) m, user frame, undeformed
-        self.triangles = np.asarray(body.reduced.surface.triangles)  # (t, 3)
+        gear = half_space_gear(view, body)
+        self.is_rigid = gear is not None  # a gear on half-spaces, drawn whole
+        surface = body.reduced.surface if gear is None else gear
+        self.points = np.asarray(surface.points, dtype=float)  # (n, 3) m, user frame, undeformed
+        self.triangles = np.asarray(surface.triangles)  # (t, 3)
         self._pairs = [p for p in view.pairs.values() if body.name in (p.first_body.name, p.second_body.name)]
         self._on = {p.name: SkinSurface(self._surface(p), self.points) for p in self._pairs}
         self._loads = {p.name: normal_loads(p, history, first=self._is_first(p)) for p in self._pairs}
@@ -76,6 +81,8 @@ class Skin:
 
     def displacement(self, i: int) -> np.ndarray:
         """Elastic displacement (n, 3) [m] in user axes at saved step `i`."""
+        if self.is_rigid:
+            return np.zeros_like(self.points)
         q = self.history.bodies[self.body.name].modal[i]
         u = skin_displacement(self.body, q)
         for pair in self._pairs:
@@ -264,7 +271,8 @@ class ShownSkin:
     def __init__(self, skin: Skin, max_points: int, reference: Reference) -> None:
         sectors = max((s.recovery.sectors for s in skin.body.reduced.contact_surfaces.values()), default=1)
         self.skin, self.reference = skin, reference
-        self.kept, self.triangles = thinned(skin.points, skin.triangles, max_points, sectors)
+        most = len(skin.points) if skin.is_rigid else max_points  # whole gears have few points
+        self.kept, self.triangles = thinned(skin.points, skin.triangles, most, sectors)
         self.points = skin.points[self.kept]
         # node of the skin -> point that represents it: thinning must not lose a patch between points
         self.nearest = KDTree(self.points).query(skin.points)[1]

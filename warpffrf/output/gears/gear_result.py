@@ -6,23 +6,32 @@ of the hubs in that sense, and x their displacements, the transmission error is
     TE = r_b2 theta_2 + x_2.d - (r_b1 theta_1 + x_1.d),
 
 along the path of contact, from the angles at which undeformed flanks without relief touch: negative where gear 2 lags.
+The first flank of `teeth` is the one that drives; contacts of the other one, of a pair with `flank="both"`, touch on
+the back side.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.bearings.lubrication import CONDUCTIVITY
+from warpffrf.model.errors import unknown_name
 from warpffrf.model.gears.gear import Gear
-from warpffrf.model.gears.mesh import places
+from warpffrf.model.gears.mesh import Teeth, places
 from warpffrf.model.gears.pair import GearPair
 from warpffrf.model.messages import reprs
+from warpffrf.model.oils import Oil
+from warpffrf.output.gears import flanks
+from warpffrf.output.gears.flanks import ContactPath, FlankFilms, FlankMap
+from warpffrf.output.gears.orders import MeshOrders, mesh_orders
 
 Array = np.ndarray
+LEAST = 1e-9  # m: smaller approaches have no stiffness
 
 
 class GearResult(reprs.Shown):
@@ -45,6 +54,20 @@ class GearResult(reprs.Shown):
     def _facts(self) -> dict[str, Any]:
         return {"name": self.name, "pairs of teeth": len(self.teeth), "rows": len(self.time)}
 
+    # --- directions
+
+    @property
+    def axes(self) -> Array:
+        """(3, 3): rows are the directions of the line of centres, from gear 1 to the teeth in mesh, across it, and of
+        the axis; world."""
+        return np.asarray(self.description["axes"])
+
+    @property
+    def line_of_action(self) -> Array:
+        """(3,): direction of the line of action, that of the force of the driving flank of gear 1; world."""
+        alpha, s = self.pair.working_pressure_angle, self._signs[0]
+        return np.sin(alpha) * self.axes[0] - s * np.cos(alpha) * self.axes[1]
+
     # --- loads
 
     @cached_property
@@ -63,11 +86,16 @@ class GearResult(reprs.Shown):
         """Largest pressure (T, n) [Pa] of each pair of teeth."""
         return np.stack([self.result.contact(name).peak_pressure for name in self.contacts], axis=1)
 
-    @property
+    @cached_property
     def place(self) -> Array:
         """g (T, n) [m], where each pair of teeth is on the path of contact, 0 at the pitch point; outside of
         `pair.path["A"]` to `["E"]` it cannot touch."""
         return np.stack([places(self.pair, self.angle, flank, k) for flank, k, _ in self.teeth], axis=1)
+
+    @property
+    def roll_angle(self) -> Array:
+        """xi_1 (T, n) [rad] of gear 1, where each pair of teeth is on the path of contact."""
+        return self.pair.roll_angle(self.place)
 
     # --- motion
 
@@ -76,42 +104,98 @@ class GearResult(reprs.Shown):
         """Rotation (T,) [rad] of gear 1 from the line of centres about its axis: 0 where tooth 1 lies on it."""
         return self._angle(0)
 
-    @property
+    @cached_property
     def transmission_error(self) -> Array:
         """TE (T,) [m], along the path of contact, of the first flank; negative where gear 2 lags."""
-        flank = self.teeth[0][0]
-        s = 1.0 if flank == "right" else -1.0
+        flank, s = self.teeth[0][0], self._signs[0]
         lag = self._angle(1) - np.array([self.pair.mating_angle(float(angle), flank) for angle in self.angle])
         pitch = 2.0 * np.pi / self.pair.gear_2.teeth
         lag = np.remainder(lag + 0.5 * pitch, pitch) - 0.5 * pitch
-        alpha, (e_0, e_1, _) = self.pair.working_pressure_angle, self._axes
-        along = np.sin(alpha) * e_0 - s * np.cos(alpha) * e_1
-        apart = (self._moved(1)[1] - self._moved(0)[1]) @ along
+        apart = (self._moved(1)[1] - self._moved(0)[1]) @ self.line_of_action
         return s * self.pair.side * self.pair.gear_2.base_radius * lag + apart
 
     @property
     def stiffness(self) -> Array:
-        """Load over approach (T,) [N/m], along the path of contact: secant, with the clearance of relieved flanks."""
-        error = self.transmission_error
-        return np.divide(self.load.sum(axis=1), -error, out=np.full_like(error, np.nan), where=error < 0.0)
+        """Load over approach (T,) [N/m] of the driving flanks, along the path of contact: secant, with the clearance of
+        relieved flanks; NaN below an approach of a nanometre."""
+        error, driving = self.transmission_error, self.load[:, self._signs == self._signs[:1]].sum(axis=1)
+        return np.divide(driving, -error, out=np.full_like(error, np.nan), where=error < -LEAST)
 
-    def orders(self, count: int = 5) -> Array:
-        """Amplitudes (count,) [m] of the transmission error at 1, 2, ... times the frequency of the teeth: the least
-        squares over the angles of gear 1 of all saved steps, which should cover whole pitches."""
-        phase = self.pair.gear_1.teeth * np.outer(self.angle, np.arange(1, count + 1))
-        columns = np.column_stack([np.ones(len(self.angle)), np.cos(phase), np.sin(phase)])
-        found = np.linalg.lstsq(columns, self.transmission_error, rcond=None)[0]
-        return np.hypot(found[1 : count + 1], found[count + 1 :])
+    def orders(self, count: int = 5) -> MeshOrders:
+        """Mean, peak to peak and amplitudes of the transmission error at 1, 2, ... `count` times the frequency of the
+        teeth, with their errors, over the last whole pitches of the run (`orders.MeshOrders`). Raises `InputError` for
+        a count below 1."""
+        return mesh_orders(self.time, self.angle, self.transmission_error, self.pair.gear_1.teeth, count)
+
+    # --- loss of contact
+
+    def open_intervals(self, teeth: Teeth | None = None) -> Array:
+        """Intervals (k, 2) [s], from the first to the last saved step in which a pair of `teeth`, one of `self.teeth`,
+        carries nothing within the path of contact; None: in which no pair of the driving flank carries, so that it has
+        lifted off. To within a saved step. Raises `InputError` for teeth that the pair does not have."""
+        if teeth is None:
+            return _intervals(self.time, ~np.any(self._loaded[:, self._signs == self._signs[:1]], axis=1))
+        if teeth not in self.teeth:
+            raise unknown_name(f"gear pair {self.name!r}: teeth", str(teeth), [*map(str, self.teeth)])
+        i, path = self.teeth.index(teeth), self.pair.path
+        within = (self.place[:, i] >= path["A"]) & (self.place[:, i] <= path["E"])
+        return _intervals(self.time, within & ~self._loaded[:, i])
+
+    def back_intervals(self) -> Array:
+        """Intervals (k, 2) [s], from the first to the last saved step in which a pair of teeth carries on the back
+        side; to within a saved step. Without any for a pair that has contacts on one flank only."""
+        return _intervals(self.time, np.any(self._loaded[:, self._signs != self._signs[:1]], axis=1))
+
+    # --- on the flanks
+
+    def sliding(self, speed: float | None = None) -> Array:
+        """v_g (T, n) [m/s], velocity of flank 1 against flank 2 along the flank, positive towards the root of gear 1:
+        0 at the pitch point. speed [rad/s]: of gear 1, positive in the direction in which it pushes, for load steps of
+        a static run, which have none; None: the speeds of the run. Raises `InputError`."""
+        return flanks.sliding(self, speed)
+
+    def flank_map(self, flank: str | None = None, speed: float | None = None) -> FlankMap:
+        """Pressure, sliding and wear index over the `flank` of gear 1, "right" or "left", None: the driving one, by
+        roll angle and width (`flanks.FlankMap`). speed: as of `sliding`. Raises `InputError` for a flank that the pair
+        does not have."""
+        sides = tuple(dict.fromkeys(side for side, _, _ in self.teeth))
+        if flank is not None and flank not in sides:
+            raise unknown_name(f"gear pair {self.name!r}: flank", flank, sides)
+        return flanks.flank_map(self, flank or sides[0], speed)
+
+    def contact_path(self, *, nearest: bool = False) -> ContactPath:
+        """Where the centres of pressure of the pairs of teeth are on both flanks, against the line of action
+        (`flanks.ContactPath`); nearest: the points of least distance of the undeformed flanks instead. Local
+        deflections of flexible teeth, and of their hubs, are left out."""
+        return flanks.contact_path(self, nearest=nearest)
+
+    def film_thickness(
+        self, oil: Oil, *, roughness: float | Sequence[float] | None = None, speed: float | None = None,
+        thinning: float | None = None, conductivity: float = CONDUCTIVITY,
+    ) -> FlankFilms:  # fmt: skip
+        """Films (T, n) of the pairs of teeth by Dowson (1968), NaN without load: thickness [m], entrainment and sliding
+        [m/s], film parameter Lambda [-] (`flanks`); on tip roundings films are thinner than these.
+
+        oil: oils.Barus or oils.Roelands, with the viscosity at the temperature of the flanks. roughness [m]: Rq of both
+        flanks, (0.4e-6, 0.4e-6), or one number of both together, for the film parameter. speed: as of `sliding`.
+        thinning [1/K]: -d ln(viscosity)/dT, for the effect of heat with the conductivity [W/(m K)] of the oil; None:
+        isothermal. Raises `InputError`.
+        """
+        return flanks.film_thickness(self, oil, roughness, speed, thinning, conductivity)
 
     # --- inside
 
     @property
-    def _axes(self) -> Array:
-        """Rows: direction of the line of centres, across it, axis; world."""
-        return np.asarray(self.description["axes"])
+    def _signs(self) -> Array:
+        """s (n,) of the flank of each pair of teeth: 1 right, -1 left."""
+        return np.array([1.0 if flank == "right" else -1.0 for flank, _, _ in self.teeth])
+
+    @property
+    def _loaded(self) -> Array:
+        return self.load > 0.0
 
     def _angle(self, i: int) -> Array:
-        x, (e_0, e_1, _) = self._moved(i)[0], self._axes
+        x, (e_0, e_1, _) = self._moved(i)[0], self.axes
         return np.arctan2(x @ e_1, x @ e_0)
 
     def _moved(self, i: int) -> tuple[Array, Array]:
@@ -127,3 +211,9 @@ class GearResult(reprs.Shown):
         axes = np.reshape([rot.matrix(q) for q in motion.rotation], (-1, 3, 3))
         tooth = np.array([1.0, 0.0, 0.0]) + np.cross(turned, [1.0, 0.0, 0.0])
         return np.einsum("tij,tj->ti", axes, tooth), motion.position + np.einsum("tij,tj->ti", axes, moved) - start
+
+
+def _intervals(time: Array, where: Array) -> Array:
+    """First and last times (k, 2) of the runs of True in `where` (T,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(int)))
+    return time[np.stack([edges[::2], edges[1::2] - 1], axis=1)]

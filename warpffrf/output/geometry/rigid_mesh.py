@@ -5,6 +5,7 @@ A rigid body has mass, inertia and surfaces, but no shape. Its surfaces are thos
     ball               the whole ball
     plane              a plate below the places that are touched
     extruded           the prism of a closed curve, a wall below an open one, along the places that are touched
+    gear               the whole gear of a gear pair, likewise
     outside form       (cylinder, crowned, profiled, groove, cone) the solid of revolution along its partners
     inside form        (bore, ring, cup) a wall around it, up to an outside form of the body about the same axis
     bearing            rings with lands and bore or outside diameter of the geometry, ribs; rollers of their length with
@@ -27,6 +28,7 @@ import numpy as np
 from warpffrf.model.bearings.flanges import ENDS
 from warpffrf.model.bearings.geometry import SIDES, BallGeometry, Track, from_description, pair
 from warpffrf.model.bearings.parts import DEEP, SHOULDER
+from warpffrf.output.geometry.gear_body import FLANK, gear_meshes
 from warpffrf.output.geometry.places import Pose, grid_theta_offset
 from warpffrf.output.geometry.scene_view import GROUND, BodyView, SceneView
 from warpffrf.output.geometry.solids import Piece, TriangleMesh, ball, plate, prism, revolved, rod
@@ -108,6 +110,10 @@ class _Scene:
             for name, surfaces, mesh in _bearing(bearing, {**self.bodies, GROUND: self._ground()}):
                 parts.setdefault(name, []).append(mesh)
                 done |= {(name, surface) for surface in surfaces}
+        ends = {at: self._along(*at) for at in self.touched if at[0] in self.bodies}
+        for name, mesh in gear_meshes(view, ends).items():
+            parts.setdefault(name, []).append(mesh)
+            done |= {(name, surface) for surface in self.bodies[name].shapes if surface.startswith(FLANK)}
         flat = []
         for body in (*self.bodies.values(), self._ground()):
             open_shapes = {s: shape for s, shape in body.shapes.items() if (body.name, s) not in done}
@@ -153,6 +159,11 @@ class _Scene:
         return BodyView(GROUND, None, 0.0, np.zeros(3))
 
     # --- places that are touched
+
+    def _along(self, body: str, surface: str) -> tuple[float, float]:
+        """First and last touched place [m] along the axis of a surface."""
+        z = self.bodies[body].shapes[surface].chart(np.concatenate(self.touched[body, surface]))[1]
+        return float(np.min(z)), float(np.max(z))
 
     def _pose(self, name: str, i: int) -> Pose:
         return Pose.of(self.motions, name, int(i))

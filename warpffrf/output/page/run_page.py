@@ -19,17 +19,21 @@ from warpffrf.output.budget.figures import Error, errors
 from warpffrf.output.page import html
 from warpffrf.output.plots.bearing import BEARING_PLOTS, MOST_NAMED, POLAR
 from warpffrf.output.plots.figure import OfPair, about_kinds, drawable
+from warpffrf.output.plots.gears import GEAR_PLOTS, gear_kinds
 from warpffrf.output.plots.scene_picture import ScenePicture, row_at
 from warpffrf.output.report.fold import Entry
 from warpffrf.output.report.model import modelled
 from warpffrf.output.report.report import Report, report_of
 
 SIZE = (5.2, 3.9)  # inches of a plot
-MOST = 4  # contacts, films and bearings after the first whose maps are drawn, the most loaded ones
+MOST = 4  # contacts, films, bearings and gear pairs after the first whose maps are drawn, the most loaded ones
 ABOUT_RESULTS = "Values at the last saved step, with the largest of the run in brackets."
 ABOUT_ERRORS = " Errors are estimates: all sources together, with the name of the largest."
 TIMES = ("duration", "step")  # settings in seconds
-MAPS = {"contact": ("patch", "stick_slip"), "film": ("film_pressure", "film_gap"), "bearing": tuple(BEARING_PLOTS)}
+MAPS = {
+    "contact": ("patch", "stick_slip"), "film": ("film_pressure", "film_gap"), "bearing": tuple(BEARING_PLOTS),
+    "gear": tuple(GEAR_PLOTS),
+}  # fmt: skip
 
 
 def write_run_page(result: Any, path: str | os.PathLike[str], *, overwrite: bool, progress: bool) -> Path:
@@ -141,7 +145,7 @@ def _bearings(result: Any) -> list[str]:
 
 
 def _plots(result: Any) -> list[str]:
-    """Every plot for which the run has data, and the maps of further contacts, films and bearings."""
+    """Every plot for which the run has data, and the maps of further contacts, films, bearings and gear pairs."""
     if not len(result.time):
         return []
     wanted: list[tuple[str, dict[str, str]]] = [(kind, {}) for kind in drawable(result) if kind not in BEARING_PLOTS]
@@ -150,10 +154,12 @@ def _plots(result: Any) -> list[str]:
         "contact": _most_loaded([name for name in result.contact_names if name not in first[:1]], result.contact),
         "film": _most_loaded(result.film_names[1:], result.film),
         "bearing": result.bearing_names[: MOST + 1],
+        "gear": result.gear_names[1 : MOST + 1] if len(result.time) > 1 else [],
     }
     for what, own in names.items():
         for name in own:
             kinds = drawable(OfPair(result, name)) if what == "contact" else MAPS[what]
+            kinds = gear_kinds(result.gear(name)) if what == "gear" else kinds
             wanted += [(kind, {what: name}) for kind in MAPS[what] if kind in kinds]
     drawn = [_plot(result, kind, named) for kind, named in wanted]
     return [html.plots(drawn)]

@@ -16,6 +16,7 @@ from warpffrf.output.plots.bearing import BEARING_PLOTS, POLAR, the_bearing
 from warpffrf.output.plots.colors import FINEST, LEAST, about_zero, from_zero, instant, largest, no_finer, side_bar
 from warpffrf.output.plots.films import FILM_PLOTS, has_orbit
 from warpffrf.output.plots.friction import FRICTION_PLOTS, draw_depth, has_material, rubbing
+from warpffrf.output.plots.gears import GEAR_PLOTS, gear_kinds, the_gear
 from warpffrf.output.plots.panels import HISTORY_PLOTS, STYLES, draw_bars, draw_numbers, numbers_of, page, the_channel
 from warpffrf.output.plots.picture import write_drawing, write_picture
 from warpffrf.output.plots.restyle import THEMES, columns_in, require_theme, restyle
@@ -325,7 +326,7 @@ Draw = Callable[[Any, Any], None]
 # Histories: for a run of one row a page shows their numbers instead.
 OVER_TIME = {
     "widths", "ripple", "energy", "creepage", "spin", "t_gamma", "power", "film_thickness", "slip_area",
-    "element_loads", "sensors",
+    "element_loads", "sensors", *GEAR_PLOTS,
 }  # fmt: skip
 MACHINE_PLOTS: dict[str, Draw] = {"joints": joints, "sensors": sensors, "energy": energy}
 PLOTS: dict[str, Draw] = {
@@ -348,22 +349,23 @@ def _film(result: Any, name: str | None) -> Any:
 def plot(
     result: Any, kind: str, ax: Any = None, contact: str | None = None, film: str | None = None,
     row: int | None = None, channel: str | None = None, speed: str | None = None, bearing: str | None = None,
-    theme: str = "light", width: float | None = None,
+    gear: str | None = None, theme: str = "light", width: float | None = None,
 ) -> Any:  # fmt: skip
     """Draw `kind` on `ax` (a new one if None) and return the axes.
 
     theme, width: of new axes, as of `restyle`.
 
-    contact, film, bearing: names of the contact, film and bearing to draw, the first ones if None; kinds that contacts
-    with finite and with small sliding have in common are of the first with finite sliding, where there is one. row:
-    saved step of the maps of films and of contacts with small sliding and of the loads of bearings, the last one if
-    None; channel, speed: names of a history and of the rotating body, for plots of a history. Raises `InputError` for
-    an unknown kind, contact, film, bearing or row, a run without rows, plots of friction, films, contacts or bearings
-    of a run without them, and plots of histories without a name.
+    contact, film, bearing, gear: names of the contact, film, bearing and gear pair to draw, the first ones if None;
+    kinds that contacts with finite and with small sliding have in common are of the first with finite sliding, where
+    there is one. row: saved step of the maps of films and of contacts with small sliding and of the loads of bearings,
+    the last one if None; channel, speed: names of a history and of the rotating body, for plots of a history. Raises
+    `InputError` for an unknown kind, contact, film, bearing, gear pair or row, a run without rows, plots of friction,
+    films, contacts, bearings or gear pairs of a run without them, and plots of histories without a name.
     """
     known = {**PLOTS, **MACHINE_PLOTS, **FRICTION_PLOTS}
     known["sensors"] = lambda result, ax: sensors(result, ax, channel)
-    kinds = tuple(dict.fromkeys((*known, *FILM_PLOTS, *SMALL_SLIDING_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS)))
+    others = (*FILM_PLOTS, *SMALL_SLIDING_PLOTS, *BEARING_PLOTS, *GEAR_PLOTS, *HISTORY_PLOTS)
+    kinds = tuple(dict.fromkeys((*known, *others)))
     if kind not in kinds:
         cure = "; the page with all of them is result.summary()" if kind == SUMMARY else ""
         close = f"did you mean '{near}'? " if (near := nearest(kind, kinds)) else ""
@@ -373,6 +375,7 @@ def plot(
     taken = _kinds_of_finite_sliding(result) if result.small_sliding_names else known
     known |= {name: _of_small_sliding(draw, row) for name, draw in SMALL_SLIDING_PLOTS.items() if name not in taken}
     known |= {name: _of_bearing(draw, bearing, row) for name, draw in BEARING_PLOTS.items()}
+    known |= {name: _of_gear(draw, gear) for name, draw in GEAR_PLOTS.items()}
     if kind in HISTORY_PLOTS:
         known[kind] = _of_history(HISTORY_PLOTS[kind], the_channel(kind, channel), speed)
     require_theme(theme)
@@ -424,6 +427,10 @@ def _of_bearing(draw: Callable[[Any, Any, int], None], bearing: str | None, row:
     return lambda result, ax: draw(the_bearing(result, bearing), ax, row)
 
 
+def _of_gear(draw: Callable[[Any, Any], None], gear: str | None) -> Draw:
+    return lambda result, ax: draw(the_gear(result, gear), ax)
+
+
 def drawable(result: Any, film: str | None = None, row: int = -1) -> dict[str, Draw]:
     """The kinds of plots for which the run has data, with their drawing functions; film, row: as of `plot`."""
     finite = result.finite_sliding_names
@@ -443,6 +450,8 @@ def drawable(result: Any, film: str | None = None, row: int = -1) -> dict[str, D
         drawn |= {kind: _of_small_sliding(SMALL_SLIDING_PLOTS[kind], row) for kind in kinds if kind not in drawn}
     if result.bearing_names:
         drawn |= {kind: _of_bearing(BEARING_PLOTS[kind], None, row) for kind in BEARING_PLOTS}
+    if result.gear_names:
+        drawn |= {kind: _of_gear(GEAR_PLOTS[kind], None) for kind in gear_kinds(the_gear(result, None))}
     has = {"joints": bool(_reactions(result)), "sensors": bool(result.history.sensors), "energy": True}
     drawn |= {kind: draw for kind, draw in MACHINE_PLOTS.items() if has[kind]}
     return drawn if len(result.time) > 1 else {kind: draw for kind, draw in drawn.items() if kind not in OVER_TIME}
@@ -451,7 +460,7 @@ def drawable(result: Any, film: str | None = None, row: int = -1) -> dict[str, D
 def about_kinds() -> dict[str, str]:
     """Every kind of plot with a one-sentence description."""
     draws: dict[str, Callable[..., None]] = {
-        **SMALL_SLIDING_PLOTS, **PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **BEARING_PLOTS, **MACHINE_PLOTS,
+        **SMALL_SLIDING_PLOTS, **PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **BEARING_PLOTS, **GEAR_PLOTS, **MACHINE_PLOTS,
         **HISTORY_PLOTS,
     }  # fmt: skip
     said = {kind: " ".join((draw.__doc__ or "").split("\n\n")[0].split()) for kind, draw in draws.items()}

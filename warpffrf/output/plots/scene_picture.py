@@ -112,6 +112,7 @@ class ScenePicture:
         pad = MARGIN * float((high - low).max())
         self.low, self.high = low - pad, high + pad
         smallest = min((shown.size for shown in self.skins.values()), default=0.0)
+        self.moved = moved > 0.0  # not of rigid bodies on half-spaces
         self.factor = factor or (1.0 if self.near else automatic_factor(moved, smallest))
         self.scale = field_scale(field, max(tops))
 
@@ -189,9 +190,10 @@ class ScenePicture:
         words = f"t = {instant(float(self.result.time[i]))}"
         if self.near:
             words += f", '{self.near}'"
-        if self.skins:
+        if self.moved:
             words += f", elastic displacement{self.reference.words} "
             words += "to scale" if self.factor == 1.0 else f"drawn {self.factor:g} times"
+        if self.skins and (self.moved or self.field != DISPLACEMENT):
             draw_bar(figure.add_axes(BAR), self.scale)
         figure.text(0.5, 0.955, words, ha="center", va="center", fontsize=11)
         if self.theme != THEMES[0]:

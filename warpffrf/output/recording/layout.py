@@ -46,7 +46,8 @@ def blueprint(recorder: Any) -> Any:
     inner = {name for bearing in result.view.bearings.values() for name in bearing["contacts"].values()}
     forces = [f"+ {recorder.path('world', 'forces', c.name)}/**" for c in contacts if c.name not in inner]
     loaded = sorted(recorder.scenes, key=lambda scene: -float(scene.contact.force_magnitude.max(initial=0.0)))
-    close_ups = [_close_up(recorder, scene, field) for scene in loaded for field in scene.fields]
+    close_ups = [scene.view() for scene in recorder.gear_scenes]
+    close_ups += [_close_up(recorder, scene, field) for scene in loaded for field in scene.fields]
     close_ups += [scene.close_up(field) for scene in recorder.film_scenes for field in scene.fields]
     close_ups += [scene.view(field) for scene in recorder.small_sliding_scenes for field in scene.fields]
     maps = [_map(scene, field) for scene in loaded for field in scene.fields]
@@ -97,8 +98,8 @@ def blueprint(recorder: Any) -> Any:
 def _kind(recorder: Any) -> str:
     """Name of the first tab."""
     view = recorder.result.view
-    if view.bearings:
-        return "Bearing"
+    if view.bearings or view.gears:
+        return "Bearing" if view.bearings else "Gears"
     return (
         "Contact" if recorder.contacts else "Oil film" if view.films else "Joint" if view.small_sliding else "Machine"
     )
@@ -116,7 +117,7 @@ def _machine_view(recorder: Any, arrows: list[str], aspect: float = 1.0) -> Any:
     return rrb.Spatial3DView(
         origin=recorder.path("world", EYE),
         contents=["+ /world/triad", *solids, *surfaces, *arrows, *[f"+ {frame}" for frame in frames]],
-        name=f"Machine: elastic deformation{recorder.reference.words} {drawn}" if recorder.bodies else "Machine",
+        name=f"Machine: elastic deformation{recorder.reference.words} {drawn}" if recorder.moves else "Machine",
         eye_controls=_machine_eye(recorder, aspect),
         overrides={frame: rrb.EntityBehavior(visible=False) for frame in frames},  # pyright: ignore[reportArgumentType]
         line_grid=False,

@@ -7,8 +7,9 @@ frame with the displacement times the deformation factor, coloured by displaceme
 `glyphs`. `/world/contacts/<pair>` is a frame that follows the patch (x along the arc, y along the axis, z outwards) and
 carries the pressure relief, `/patch_map/<pair>` is the unwrapped patch, see `contact_scene`; `/world/forces/<pair>` has
 the contact's arrows; `/world/<body>/<film>` and `/film_map/<film>` an oil film, see `film_scene`;
-`/world/small_sliding/<contact>` the cells of a small-sliding contact, see `small_sliding_scene`; `/load_zones` and
-`/orbits` those of bearings and shafts, see `round_plots`; `/plots` and `/solver` are scalars over all saved rows.
+`/world/small_sliding/<contact>` the cells of a small-sliding contact, see `small_sliding_scene`; `/world/gears/<pair>`
+is the frame of a view of flanks, see `gear_scene`; `/load_zones` and `/orbits` those of bearings and shafts, see
+`round_plots`; `/plots` and `/solver` are scalars over all saved rows.
 Entities called `eye` scale what a view shows to one unit, see `extent`.
 
 Pictures are transparent, with lines and text in a grey that is visible on black and on white, and no view has a
@@ -50,6 +51,7 @@ from warpffrf.output.recording.contact_scene import ContactColors, ContactScene,
 from warpffrf.output.recording.extent import EYE, extent
 from warpffrf.output.recording.film_scene import FilmColors, FilmScene
 from warpffrf.output.recording.frames import close_stream, in_memory, new_stream
+from warpffrf.output.recording.gear_scene import GearScene
 from warpffrf.output.recording.glyphs import Glyphs, force_text
 from warpffrf.output.recording.layout import blueprint
 from warpffrf.output.recording.magnification import largest_factor
@@ -72,6 +74,10 @@ FILM_TEXT = (
     "Oil films are shown on their first surface, without its body, and unwrapped: pressure, gap, and the fraction of "
     "the gap that is filled. The orbit is the path of the shaft's centre in the circle of the clearance, in directions "
     "that rotate with the first body."
+)
+GEAR_TEXT = (
+    "The flanks of a gear pair are those of its gear 1 at the pitch point, seen from gear 2, which is left out; the "
+    "pressure on them has the colours of the contacts."
 )
 FRICTION_TEXT = (
     "With friction every cell, of the contact grid or of those that travel with the patch, is open, sticks or slips. "
@@ -221,7 +227,7 @@ class _Recorder:
         films = list(result.history.films.values())
         small_sliding = [result.contact(name) for name in result.small_sliding_names]
         self.color, self.contact_colors = color, ContactColors(self.contacts, films, small_sliding, rows[good])
-        self.skin_scale = self._skin_scale(top)
+        self.skin_scale, self.moves = self._skin_scale(top), top > 0.0  # not rigid bodies on half-spaces
         self.scenes = [ContactScene(self, contact) for contact in self.contacts]
         self.film_colors = FilmColors(films, rows[good], self.contact_colors.scale("pressure"))
         self.film_scenes = [FilmScene(self, name) for name in result.view.films]
@@ -229,15 +235,16 @@ class _Recorder:
         self.small_sliding_scenes = [
             SmallSlidingScene(self, contact, skins[contact.view.first_body.name]) for contact in small_sliding
         ]
+        self.gear_scenes = [GearScene(self, name) for name in result.view.gears]
         self.load_zones, self.orbits = [LoadZone(self, name) for name in result.view.bearings], orbits(self)
         self.drawings = [
-            self.rigid, *self.scenes, *self.film_scenes, *self.small_sliding_scenes, *self.load_zones, *self.orbits,
-            Glyphs(self, self.size),
+            self.rigid, *self.scenes, *self.film_scenes, *self.small_sliding_scenes, *self.gear_scenes,
+            *self.load_zones, *self.orbits, Glyphs(self, self.size),
         ]  # fmt: skip
         self.glyphs = self.drawings[-1]
         fields = self.contact_colors.fields
         self.scales: list[ColorScale | ColorClasses] = [self.contact_colors.scale(name) for name in fields]
-        if bodies and color not in fields:
+        if bodies and color not in fields and (self.moves or color != DISPLACEMENT):
             self.scales.insert(0, self.skin_scale)
         self.scales += [self.film_colors.scale(name) for name in self.film_colors.fields]
         self.scales += [self.small_sliding_colors.scale(name) for name in self.small_sliding_colors.fields]
@@ -290,7 +297,7 @@ class _Recorder:
             f"{int(self.good.sum())} of {len(self.result.time)} saved rows are drawn, stride {self.stride}; "
             f"plots use up to {MAX_SERIES}"
         ]
-        if self.bodies:
+        if self.moves:
             notes.insert(
                 0,
                 f"elastic displacement{self.reference.words} is magnified {self.factor:g} times, rigid motion is not, "
@@ -304,7 +311,7 @@ class _Recorder:
             )
         shown = {name: (len(b.points), b) for name, b in self.bodies.items()}
         for name, (count, _) in shown.items():
-            full = len(self.result.view.bodies[name].reduced.surface.points)
+            full = len(self.skins[name].points)
             if count < full:
                 notes.append(f"surface of '{name}' drawn with {count} of {full} points")
         if self.color == VON_MISES:
@@ -353,6 +360,7 @@ class _Recorder:
             "blue ones those of lumped contacts on their first body; "
             f"one length for all, the largest is {force_text(self.glyphs.top_force)}.",
             *([CONTACT_TEXT] if self.contacts else []),
+            *([GEAR_TEXT] if self.gear_scenes else []),
             *([FILM_TEXT] if self.result.film_names else []),
             *([SMALL_SLIDING_TEXT] if self.small_sliding_scenes else []),
             *([FRICTION_TEXT] if any(c.has_friction for c in self.contacts) else []),
@@ -377,8 +385,10 @@ class _Recorder:
         series.append((("solver", "step_size"), "step size [s]", history.step_size))
         for parts, label, values in series:
             path = self.path(*parts)
-            self.log_static(path, rr.SeriesLines(names=[label]))
             use = rows[np.isfinite(np.asarray(values, dtype=float)[rows])]
+            if not len(use):  # the viewer panics at a column without rows
+                continue
+            self.log_static(path, rr.SeriesLines(names=[label]))
             times = rr.TimeColumn("time", duration=np.asarray(result.time)[use].copy())
             self.stream.send_columns(path, [times], rr.Scalars.columns(scalars=np.array(values, dtype=float)[use]))
 
