@@ -316,8 +316,8 @@ def relative_curvatures(contact: Contact) -> tuple[float, float]:
 
 
 def faces_curve(contact: Contact) -> bool:
-    """Whether one of the surfaces is an extruded curve."""
-    return any(port.surface.shape.profile().curve is not None for port in contact.ports)
+    """Whether one of the surfaces is an extruded curve, or over a plane."""
+    return any(port.surface.shape.profile().free for port in contact.ports)
 
 
 def _faces_anywhere(contact: Contact) -> bool:
@@ -543,6 +543,8 @@ def _ends_of(bodies: list[Any]) -> dict[tuple[float, int, float], list[Any]]:
 
 def radius_of(surface: Surface) -> float:
     """Smallest radius of curvature [m]; 0 of a plane; of an extruded curve where it is flattest, at most its length."""
+    if surface.shape.profile().height is not None:
+        return 1.0 / max(float(np.min(np.abs(surface.shape.sampled_curvatures()))), 1.0 / surface.shape.size)
     if (curve := surface.shape.profile().curve) is not None:
         theta = curve.knots if surface.grid is None else surface.grid.theta
         return 1.0 / max(float(np.min(np.abs(curve.curvature(theta)))), 1.0 / curve.length)
