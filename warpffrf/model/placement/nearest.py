@@ -125,12 +125,13 @@ def curvatures_on(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
 class FacingPlace:
     """Where two surfaces are nearest, in the directions along the circle about the axis of the first and along its
     meridian: the relative `curvatures` [1/m], those of the `sharper` surface [1/m, absolute]; z [m] and the `slope`
-    dR/dz of the first."""
+    dR/dz of the first, and the angle `lean` [rad] of its normal to the plane that it is a height over."""
 
     curvatures: tuple[float, float]
     sharper: tuple[float, float]
     z: float
     slope: float
+    lean: float = 0.0
 
 
 def facing_place(one: SurfacePort, other: SurfacePort) -> FacingPlace:
@@ -142,8 +143,9 @@ def facing_place(one: SurfacePort, other: SurfacePort) -> FacingPlace:
     directions = np.stack([_turned(one, direction) for direction in (shape.around(theta, z), shape.along(theta, z))])
     own = np.einsum("di,sij,dj->sd", directions, bends, directions)
     (around, along), sharper = own.sum(axis=0), np.abs(own).max(axis=0)
+    lean = 0.0 if shape.profile().height is None else float(np.arccos(min(shape.normal(theta, z) @ shape.e_0, 1.0)))
     return FacingPlace(
-        (float(around), float(along)), (float(sharper[0]), float(sharper[1])), float(z), float(shape.slope_at(z))
+        (float(around), float(along)), (float(sharper[0]), float(sharper[1])), float(z), float(shape.slope_at(z)), lean
     )
 
 

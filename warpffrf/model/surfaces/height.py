@@ -16,8 +16,8 @@ corners without any. Third differences over the size of a piece also show an edg
 across an edge of the order of its angle.
 
 Foot. The nearest point to (y, p, q) is a root of (y - h) (h_u, h_v) + (p - u, q - v) = 0, by Newton's method; where its
-matrix is not positive definite, beyond a centre of curvature, that of Gauss and Newton. At the border of the rectangle
-the surface ends: beyond it all is free space, at the distance of the border.
+matrix is not positive definite, beyond a centre of curvature, that of Gauss and Newton. Beyond the rectangle the chart
+continues along the tangents at its border; the surface ends there, and all is free space, at the distance of the border.
 """
 
 from __future__ import annotations
@@ -72,8 +72,11 @@ class Height:
 
     def at(self, u: Any, v: Any) -> tuple[Array, Array, Array]:
         """h [m], its gradient [-] (..., 2) and its second derivatives (..., 2, 2) [1/m] at u, v [m], any shape (...);
-        beyond the rectangle those of the outermost pieces."""
-        place, number = self._place(u, v)
+        beyond the rectangle along the tangents at its border, where second derivatives are those of the border."""
+        u, v = np.broadcast_arrays(np.asarray(u, float), np.asarray(v, float))
+        inside = [np.clip(x, -a, a) for x, a in zip((u, v), self.half, strict=True)]
+        beyond = u - inside[0], v - inside[1]
+        place, number = self._place(*inside)
         both = list(zip(place, self.pitch, strict=True))
         powers = [np.stack([x**0, x, x**2, x**3], axis=-1) for x in place]
         slopes = [np.stack([0.0 * x, x**0, 2.0 * x, 3.0 * x**2], axis=-1) / d for x, d in both]
@@ -84,13 +87,15 @@ class Height:
             return np.einsum("...a,...ab,...b->...", a, c, b)
 
         mixed = value(slopes[0], slopes[1])
-        gradient = np.stack([value(slopes[0], powers[1]), value(powers[0], slopes[1])], axis=-1)
+        along_u, along_v = value(slopes[0], powers[1]), value(powers[0], slopes[1])
+        h = value(powers[0], powers[1]) + beyond[0] * along_u + beyond[1] * along_v + beyond[0] * beyond[1] * mixed
+        gradient = np.stack([along_u + beyond[1] * mixed, along_v + beyond[0] * mixed], axis=-1)
         bend = np.stack([value(bends[0], powers[1]), mixed, mixed, value(powers[0], bends[1])], axis=-1)
-        return value(powers[0], powers[1]), gradient, bend.reshape(*mixed.shape, 2, 2)
+        return h, gradient, bend.reshape(*mixed.shape, 2, 2)
 
-    def foot(self, points: Any) -> tuple[Array, Array, Array]:
+    def foot(self, points: Any, *, ends: bool = False) -> tuple[Array, Array, Array]:
         """u, v [m] of the nearest points to `points` (..., 3) [m], height first, and the distances [m], positive above
-        the surface and beyond its border."""
+        the surface. ends: the surface ends at the border of the rectangle, beyond which distances are positive."""
         p = np.asarray(points, float)
         places, tree = self._samples
         at = places[tree.query(p.reshape(-1, 3))[1]].reshape(*p.shape[:-1], 2)
@@ -102,10 +107,11 @@ class Height:
             definite = (matrix[..., 0, 0] > 0.0) & (np.linalg.det(matrix) > least)
             matrix = np.where(definite[..., None, None], matrix, metric)
             pull = off[..., 1:] + off[..., :1] * gradient
-            held = (np.abs(at) >= self.half) & (pull * at > 0.0)
+            held = ends & (np.abs(at) >= self.half) & (pull * at > 0.0)
             pull = np.where(held, 0.0, pull)
             matrix = np.where(held[..., :, None] | held[..., None, :], np.eye(2) * matrix, matrix)
-            to = np.clip(at + np.linalg.solve(matrix, pull[..., None])[..., 0], -self.half, self.half)
+            to = at + np.linalg.solve(matrix, pull[..., None])[..., 0]
+            to = np.clip(to, -self.half, self.half) if ends else to
             step, at = np.abs(to - at).max(initial=0.0), to
             if step <= FOOT_STALLED * self.half.max():
                 break
@@ -114,7 +120,7 @@ class Height:
         distance = np.sum(off * normal, axis=-1)
         along = np.linalg.norm(off - distance[..., None] * normal, axis=-1)
         beyond = along > ON_BORDER * self.half.max()
-        return at[..., 0], at[..., 1], np.where(beyond, np.linalg.norm(off, axis=-1), distance)
+        return at[..., 0], at[..., 1], np.where(ends & beyond, np.linalg.norm(off, axis=-1), distance)
 
     def sharpest(self) -> tuple[float, Array]:
         """The largest third difference of the coefficients over the size of a piece, and its place (2,) [m]."""

@@ -110,6 +110,10 @@ class MeshSurface(Plane):
         local = (np.asarray(points, float) - self.axis_point) @ self.frame.T
         return self.height.foot(local)
 
+    def gap(self, points: Any) -> np.ndarray:
+        local = (np.asarray(points, float) - self.axis_point) @ self.frame.T
+        return self.height.foot(local, ends=True)[2]
+
     def point(self, theta: Any, z: Any) -> np.ndarray:
         theta, z = np.broadcast_arrays(np.asarray(theta, float), np.asarray(z, float))
         return super().point(theta, z) + self.height.at(theta, z)[0][..., None] * self.e_0
