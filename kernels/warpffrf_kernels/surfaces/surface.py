@@ -341,16 +341,10 @@ def local_normal(model: Model, s: int, theta: real, z: real) -> vec3:
 
 
 @wp.func
-def local_around(model: Model, s: int, theta: real, z: real) -> vec3:
-    """e_theta, the first tangential direction: against increasing theta on an inside surface."""
-    if model.surfaces.planar[s] == EXTRUDED:
-        return curve_tangent(model, s, theta)
-    if model.surfaces.planar[s] == HEIGHT:
-        return wp.normalize(vec3(height_at(model, s, theta, z).slope[0], real(1.0), real(0.0)))
-    if model.surfaces.planar[s] != 0:
-        return vec3(real(0.0), real(1.0), real(0.0))
-    side = model.surfaces.side[s]
-    return vec3(-side * wp.sin(theta), side * wp.cos(theta), real(0.0))
+def around_of(normal: vec3) -> vec3:
+    """e_theta, the first tangential direction, of a surface with this normal: against increasing theta on an inside
+    surface."""
+    return wp.normalize(vec3(-normal[1], normal[0], real(0.0)))
 
 
 @wp.func

@@ -17,7 +17,8 @@ across an edge of the order of its angle.
 
 Foot. The nearest point to (y, p, q) is a root of (y - h) (h_u, h_v) + (p - u, q - v) = 0, by Newton's method; where its
 matrix is not positive definite, beyond a centre of curvature, that of Gauss and Newton. Beyond the rectangle the chart
-continues along the tangents at its border; the surface ends there, and all is free space, at the distance of the border.
+continues along the tangents at its border; the surface ends there, and beyond all is free space, at the distance of the
+border.
 """
 
 from __future__ import annotations
