@@ -41,7 +41,7 @@ REFINED = 3  # solutions of the residual, which restore what the squared conditi
 FEWEST = 16  # nodes: coefficients of a bicubic, which fourth differences leave free
 SAMPLES = 3  # per piece and direction: starts of Newton's method for a foot
 FOOT_STEPS = 40
-FOOT_STALLED = 1e-14  # of the rectangle: smaller steps end the iteration
+FOOT_STALLED = 1e-12  # of the rectangle: smaller steps end the iteration
 INDEFINITE = 0.05  # of the determinant of the metric: below, Gauss and Newton's matrix is taken
 ON_BORDER = 1e-9  # of the rectangle: a foot whose rest along the surface is longer lies on the border
 SHARP = 0.1  # third difference over the size of a piece of an edge: 1.3 degrees, or facets of a sixth of the radius
@@ -78,50 +78,44 @@ class Height:
         inside = [np.clip(x, -a, a) for x, a in zip((u, v), self.half, strict=True)]
         beyond = u - inside[0], v - inside[1]
         place, number = self._place(*inside)
-        both = list(zip(place, self.pitch, strict=True))
-        powers = [np.stack([x**0, x, x**2, x**3], axis=-1) for x in place]
-        slopes = [np.stack([0.0 * x, x**0, 2.0 * x, 3.0 * x**2], axis=-1) / d for x, d in both]
-        bends = [np.stack([0.0 * x, 0.0 * x, 2.0 * x**0, 6.0 * x], axis=-1) / d**2 for x, d in both]
-        c = self.pieces[number[0], number[1]]
-
-        def value(a: Array, b: Array) -> Array:
-            return np.einsum("...a,...ab,...b->...", a, c, b)
-
-        mixed = value(slopes[0], slopes[1])
-        along_u, along_v = value(slopes[0], powers[1]), value(powers[0], slopes[1])
-        h = value(powers[0], powers[1]) + beyond[0] * along_u + beyond[1] * along_v + beyond[0] * beyond[1] * mixed
-        gradient = np.stack([along_u + beyond[1] * mixed, along_v + beyond[0] * mixed], axis=-1)
-        bend = np.stack([value(bends[0], powers[1]), mixed, mixed, value(powers[0], bends[1])], axis=-1)
+        across, along = (_powers(x, d) for x, d in zip(place, self.pitch, strict=True))
+        by = np.swapaxes(across, -1, -2) @ self.pieces[number[0], number[1]] @ along  # derivatives by u, by v
+        mixed = by[..., 1, 1]
+        h = by[..., 0, 0] + beyond[0] * by[..., 1, 0] + beyond[1] * by[..., 0, 1] + beyond[0] * beyond[1] * mixed
+        gradient = np.stack([by[..., 1, 0] + beyond[1] * mixed, by[..., 0, 1] + beyond[0] * mixed], axis=-1)
+        bend = np.stack([by[..., 2, 0], mixed, mixed, by[..., 0, 2]], axis=-1)
         return h, gradient, bend.reshape(*mixed.shape, 2, 2)
 
     def foot(self, points: Any, *, ends: bool = False) -> tuple[Array, Array, Array]:
         """u, v [m] of the nearest points to `points` (..., 3) [m], height first, and the distances [m], positive above
         the surface. ends: the surface ends at the border of the rectangle, beyond which distances are positive."""
-        p = np.asarray(points, float)
+        shape = np.shape(points)[:-1]
+        p = np.asarray(points, float).reshape(-1, 3)
         places, tree = self._samples
-        at = places[tree.query(p.reshape(-1, 3))[1]].reshape(*p.shape[:-1], 2)
+        at, left = places[tree.query(p)[1]], np.arange(len(p))
         for _ in range(FOOT_STEPS):
-            off, gradient, bend = self._off(p, at)
-            metric = np.eye(2) + gradient[..., :, None] * gradient[..., None, :]
-            matrix = metric - off[..., 0, None, None] * bend
-            least = INDEFINITE * np.linalg.det(metric)
-            definite = (matrix[..., 0, 0] > 0.0) & (np.linalg.det(matrix) > least)
-            matrix = np.where(definite[..., None, None], matrix, metric)
-            pull = off[..., 1:] + off[..., :1] * gradient
-            held = ends & (np.abs(at) >= self.half) & (pull * at > 0.0)
+            was = at[left]
+            off, gradient, bend = self._off(p[left], was)
+            metric = np.eye(2) + gradient[:, :, None] * gradient[:, None, :]
+            matrix = metric - off[:, 0, None, None] * bend
+            definite = (matrix[:, 0, 0] > 0.0) & (np.linalg.det(matrix) > INDEFINITE * np.linalg.det(metric))
+            matrix = np.where(definite[:, None, None], matrix, metric)
+            pull = off[:, 1:] + off[:, :1] * gradient
+            held = ends & (np.abs(was) >= self.half) & (pull * was > 0.0)
             pull = np.where(held, 0.0, pull)
-            matrix = np.where(held[..., :, None] | held[..., None, :], np.eye(2) * matrix, matrix)
-            to = at + np.linalg.solve(matrix, pull[..., None])[..., 0]
-            to = np.clip(to, -self.half, self.half) if ends else to
-            step, at = np.abs(to - at).max(initial=0.0), to
-            if step <= FOOT_STALLED * self.half.max():
+            matrix = np.where(held[:, :, None] | held[:, None, :], np.eye(2) * matrix, matrix)
+            to = was + np.linalg.solve(matrix, pull[..., None])[..., 0]
+            at[left] = to = np.clip(to, -self.half, self.half) if ends else to
+            left = left[np.abs(to - was).max(axis=1) > FOOT_STALLED * self.half.max()]
+            if not len(left):
                 break
         off, gradient, _ = self._off(p, at)
         normal = unit_normal(gradient)
         distance = np.sum(off * normal, axis=-1)
-        along = np.linalg.norm(off - distance[..., None] * normal, axis=-1)
-        beyond = along > ON_BORDER * self.half.max()
-        return at[..., 0], at[..., 1], np.where(ends & beyond, np.linalg.norm(off, axis=-1), distance)
+        if ends:
+            along = np.linalg.norm(off - distance[:, None] * normal, axis=-1)
+            distance = np.where(along > ON_BORDER * self.half.max(), np.linalg.norm(off, axis=-1), distance)
+        return at[:, 0].reshape(shape), at[:, 1].reshape(shape), distance.reshape(shape)
 
     def sharpest(self) -> tuple[float, Array]:
         """The largest third difference of the coefficients over the size of a piece, and its place (2,) [m]."""
@@ -150,7 +144,7 @@ class Height:
         counts = np.maximum(np.round(2.0 * half / size).astype(int), 2)
         empty = cls(half, np.zeros(counts + 3))
         place, number = empty._place(points[:, 1], points[:, 2])
-        shares = [np.stack([x**0, x, x**2, x**3], axis=-1) @ SPLINES for x in place]
+        shares = [_powers(x, 1.0)[..., 0] @ SPLINES for x in place]
         columns = [number[axis][:, None] + np.arange(4) for axis in (0, 1)]
         entries = (shares[0][:, :, None] * shares[1][:, None, :]).reshape(len(points), 16)
         where = (columns[0][:, :, None] * (counts[1] + 3) + columns[1][:, None, :]).reshape(len(points), 16)
@@ -188,6 +182,13 @@ class Height:
         places = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1).reshape(-1, 2)
         h, _, _ = self.at(places[:, 0], places[:, 1])
         return places, KDTree(np.column_stack([h, places]))
+
+
+def _powers(x: Array, size: float) -> Array:
+    """Powers of the places (..., 4, 3) `x` in pieces of a `size` [m], and their first and second derivatives."""
+    one, zero = x**0, 0.0 * x
+    columns = [[one, x, x**2, x**3], [zero, one, 2.0 * x, 3.0 * x**2], [zero, zero, 2.0 * one, 6.0 * x]]
+    return np.stack([np.stack(c, axis=-1) / size**order for order, c in enumerate(columns)], axis=-1)
 
 
 def unit_normal(gradient: Array) -> Array:
