@@ -173,3 +173,17 @@ def test_the_side_of_the_material_is_noticed() -> None:
     assert surfaces.MeshSurface().fitted(points, down).e_0 @ [0.0, 0.0, 1.0] < -0.99
     with pytest.raises(InputError, match="steep to the plane"):
         surfaces.MeshSurface(**UP).fitted(points, down)
+
+
+def test_it_is_in_scene_files() -> None:
+    from warpffrf.scene_file.load import scene_of
+
+    text = (
+        '[meshes.block]\nkind = "box"\nsize = [0.02, 0.02, 0.01]\ncounts = [5, 5, 2]\n'
+        '[ground.floor]\nkind = "mesh_surface"\nmesh = "block"\nfacet_set = "z_max"\ndirection = [0, 1, 0]\n'
+    )
+    mesh = box((0.02, 0.02, 0.01), (5, 5, 2))
+    made = surfaces.MeshSurface.of(mesh, "z_max", direction=(0, 1, 0))
+    assert scene_of(text).scene.ground["floor"].surface.shape.describe() == made.describe()
+    with pytest.raises(InputError, match="mesh and facet_set belong together"):
+        _ = scene_of(text.replace('facet_set = "z_max"\n', "")).scene
