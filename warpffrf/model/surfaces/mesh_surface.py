@@ -91,12 +91,13 @@ class MeshSurface(Plane):
 
     @cached_property
     def height(self) -> Height:
-        """The spline of the heights over the plane."""
+        """The spline of the heights over the plane. Raises `InputError` while it remains to be fitted."""
         if self.half is None:
             raise self._unknown("the heights are")
         return Height(self.half, self.coefficients)
 
     def without_nodes(self) -> Any:
+        """Itself. Raises `InputError` while parameters remain to be fitted: a rigid surface has no nodes."""
         if self.resolved:
             return self
         raise InputError(
@@ -127,7 +128,8 @@ class MeshSurface(Plane):
         return np.stack([scale * slope, scale], axis=-1) @ self.frame[:2]
 
     def curvatures(self, theta: Any, z: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Curvatures [1/m] (any shape) along e_theta and t_z, which need not be the principal ones."""
+        """Curvatures [1/m] (any shape) along e_theta and t_z, which need not be the principal ones, at theta [m], z [m],
+        positive where the material is convex."""
         tensor = self.curvature_tensor(theta, z)
         around, along = self.around(theta, z), self.along(theta, z)
         bend = [np.einsum("...i,...ij,...j->...", t, tensor, t) for t in (around, along)]
