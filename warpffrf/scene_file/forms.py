@@ -339,9 +339,11 @@ def _mesh_surface(
     from warpffrf.model.surfaces import MeshSurface
 
     options = {"outward": outward, "direction": direction, "spacing": spacing, "fit_tolerance": fit_tolerance}
-    if (mesh is None) != (facet_set is None):
+    if mesh is None and facet_set is None:
+        return MeshSurface(**options)
+    if mesh is None or facet_set is None:
         raise InputError("mesh_surface: mesh and facet_set belong together; give both for a rigid surface")
-    return MeshSurface(**options) if mesh is None else MeshSurface.of(mesh, facet_set, **options)
+    return MeshSurface.of(mesh, facet_set, **options)
 
 
 def _gear_surfaces(gear: Any, sides: list[str] | None = None, teeth: list[int] | None = None) -> Any:

@@ -96,11 +96,11 @@ def test_the_tensor_of_curvatures_is_how_the_normal_turns() -> None:
 
 
 def test_no_nearest_point_is_missed() -> None:
-    """Of 100,000 random points up to 6 mm off a saddle with waves, also next to it, none is nearer to any of 160,801
+    """Of 100,000 random points up to 4 mm off a saddle with waves, also next to it, none is nearer to any of 63,001
     points of the surface than to the one found, and the chart leads back to it."""
     rng = np.random.default_rng(4)
-    x = rng.uniform([-0.011, -0.011, -0.006], [0.011, 0.011, 0.006], (100_000, 3))
-    fine = np.linspace(-1.0, 1.0, 401)
+    x = rng.uniform([-0.011, -0.011, -0.004], [0.011, 0.011, 0.004], (100_000, 3))
+    fine = np.linspace(-1.0, 1.0, 251)
     theta, z = (v.ravel() for v in np.meshgrid(CAP.half[0] * fine, CAP.half[1] * fine, indexing="ij"))
     sampled, _ = KDTree(CAP.point(theta, z)).query(x)
     assert np.max(np.abs(CAP.gap(x)) - sampled) < 1e-12

@@ -132,7 +132,7 @@ class Height:
     def fitted(cls, points: Array, spacing: float | None) -> Height:
         """Through `points` (n, 3) [m], height first; `spacing` [m] of pieces, as many as points where None. Raises
         `InputError` for too few points, and points on a line."""
-        from scipy.sparse import csc_matrix, diags_array, eye_array, kron, vstack
+        from scipy.sparse import csc_matrix, eye_array, kron, vstack
         from scipy.sparse.linalg import splu
 
         if len(points) < FEWEST:
@@ -148,13 +148,13 @@ class Height:
         columns = [number[axis][:, None] + np.arange(4) for axis in (0, 1)]
         entries = (shares[0][:, :, None] * shares[1][:, None, :]).reshape(len(points), 16)
         where = (columns[0][:, :, None] * (counts[1] + 3) + columns[1][:, None, :]).reshape(len(points), 16)
-        rows = np.repeat(np.arange(len(points)), 16)
-        A = csc_matrix((entries.ravel(), (rows, where.ravel())), shape=(len(points), int((counts + 3).prod())))
-        fourth = [diags_array(FOURTH, offsets=range(5), shape=(count - 1, count + 3)) for count in counts]
+        rows, unknowns = np.repeat(np.arange(len(points)), 16), int((counts + 3).prod())
+        A = csc_matrix((entries.ravel(), (rows, where.ravel())), shape=(len(points), unknowns))
+        fourth = [sum(w * eye_array(n - 1, n + 3, k=k) for k, w in enumerate(FOURTH)) for n in counts]
         D = vstack([kron(fourth[0], eye_array(counts[1] + 3)), kron(eye_array(counts[0] + 3), fourth[1])])
         rough = SMOOTH * (D.T @ D)
         solver = splu(csc_matrix(A.T @ A + rough))
-        c = np.zeros(A.shape[1])
+        c = np.zeros(unknowns)
         for _ in range(REFINED):
             c += solver.solve(A.T @ (points[:, 0] - A @ c) - rough @ c)
         return cls(half, c.reshape(counts + 3))

@@ -128,7 +128,7 @@ class MeshSurface(Plane):
         return np.stack([scale * slope, scale], axis=-1) @ self.frame[:2]
 
     def curvatures(self, theta: Any, z: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Curvatures [1/m] (any shape) along e_theta and t_z, which need not be the principal ones, at theta [m], z [m],
+        """Curvatures [1/m] (any shape) along e_theta and t_z, which need not be the principal ones, at theta, z [m];
         positive where the material is convex."""
         tensor = self.curvature_tensor(theta, z)
         around, along = self.around(theta, z), self.along(theta, z)
