@@ -2,6 +2,7 @@
 
 # Warp kernels confuse it
 # pyright: reportInvalidTypeForm=false, reportAssignmentType=false, reportGeneralTypeIssues=false
+# pyright: reportOperatorIssue=false
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
