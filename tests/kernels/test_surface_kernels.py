@@ -2,6 +2,7 @@
 
 # Warp kernels confuse it
 # pyright: reportInvalidTypeForm=false, reportAssignmentType=false, reportGeneralTypeIssues=false
+# pyright: reportOperatorIssue=false
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
@@ -13,6 +14,7 @@ import warp as wp
 from scipy.optimize import minimize_scalar
 
 from warpffrf.model.surfaces import Curve
+from warpffrf.model.surfaces.height import Height, unit_normal
 from warpffrf.online.compile.surfaces import Curves
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
@@ -33,6 +35,7 @@ class Numbers:
     breaks: np.ndarray = field(default_factory=lambda: np.zeros(0))
     coefficients: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
     curve: Curve | None = None
+    height: Height | None = None
 
     def at(self, z: Any) -> np.ndarray:
         """R(z) as it is written, not as it is computed."""
@@ -85,12 +88,13 @@ def model_of(s: Numbers) -> Model:
     rows = np.concatenate([s.coefficients, np.zeros((1, 4))])
     m.surfaces.table_coefficient = wp.array(rows, dtype=wp.float64, device="cpu")
     curves = Curves()
-    for name, value in curves.add(s.curve).items():
-        of = wp.int32 if isinstance(value, int) else wp.float64
+    for name, value in curves.add(s.curve, s.height).items():
+        of = wp.float64 if isinstance(value, float | np.ndarray) else wp.int32
         setattr(m.surfaces, name, wp.array([value], dtype=of, device="cpu"))
-    if s.curve is not None:
+    if curves.pieces:
         m.surfaces.curve_knot = wp.array(curves.knots[0], dtype=wp.float64, device="cpu")
         m.surfaces.curve_piece = wp.array(curves.pieces[0], dtype=wp.float64, device="cpu")
+    if s.curve is not None:
         m.surfaces.curve_seed = wp.array(curves.seeds[0], dtype=wp.int32, device="cpu")
     return m
 
@@ -101,7 +105,7 @@ def place(models: wp.array(dtype=Model), at: wp.array2d(dtype=real), out: wp.arr
     model = models[0]
     out[i, 0] = surface.local_point(model, 0, at[i, 0], at[i, 1])
     out[i, 1] = surface.local_normal(model, 0, at[i, 0], at[i, 1])
-    out[i, 2] = surface.local_around(model, 0, at[i, 0])
+    out[i, 2] = surface.around_of(out[i, 1])
     out[i, 3] = vec3(surface.radius_of(model, 0, at[i, 1]), surface.slope_of(model, 0, at[i, 1]), real(0.0))
 
 
@@ -295,3 +299,52 @@ def test_places_of_an_extruded_curve_are_those_of_the_host(name: str) -> None:
     assert np.allclose(normals[:, :2], curve.normal(u), rtol=0.0, atol=1e-13)
     assert np.allclose(np.cross(around, [0.0, 0.0, 1.0]), normals, rtol=0.0, atol=1e-13)
     assert np.array_equal(profile[:, :2], np.tile([1.0, 0.0], (len(u), 1)))
+
+
+def waves() -> Height:
+    """Heights of waves of 40 um and 5 mm over a cap of 30 mm, 20 mm by 14 mm; the smallest radius is 15 mm."""
+    half = np.array([0.01, 0.007])
+    u, v = (x.ravel() for x in np.meshgrid(*(np.linspace(-a, a, 41) for a in half), indexing="ij"))
+    h = np.sqrt(0.03**2 - u**2 - v**2) - 0.03 + 4e-5 * np.cos(u / 8e-4) * np.sin(v / 9e-4)
+    return Height.fitted(np.column_stack([h, u, v]), None)
+
+
+WAVES = waves()
+
+
+def test_the_foot_on_a_height_is_that_of_the_host() -> None:
+    """At 20,000 points on either side, also beyond the border: chart, distance and normal."""
+    rng = np.random.default_rng(6)
+    u, v = (rng.uniform(-1.2 * a, 1.2 * a, 20000) for a in WAVES.half)
+    h, gradient, _ = WAVES.at(u, v)
+    off = rng.uniform(-2e-3, 2e-3, len(u))
+    x = np.column_stack([h, u, v]) + off[:, None] * unit_normal(gradient)
+    found = charted(Numbers(planar=3, height=WAVES), x)
+    foot_u, foot_v, distance = WAVES.foot(x, ends=True)
+    assert np.abs(found[:, 2, 0] - distance).max() < 1e-14
+    assert np.array_equal(found[:, 0, 2], found[:, 2, 0])
+    assert np.abs(found[:, 0, :2] - np.column_stack([foot_u, foot_v])).max() < 1e-10
+    foot = np.column_stack([WAVES.at(foot_u, foot_v)[0], foot_u, foot_v])
+    far = np.abs(distance) > 1e-6
+    assert np.abs((x - foot) / distance[:, None] - found[:, 1])[far].max() < 1e-8
+
+
+@wp.kernel
+def bend(models: wp.array(dtype=Model), x: wp.array(dtype=vec3), out: wp.array2d(dtype=vec3)):
+    i = wp.tid()
+    model = models[0]
+    slope = surface.gradient_slope_of(model, 0, x[i])
+    out[i, 0] = slope * vec3(real(1.0), real(0.0), real(0.0))
+    out[i, 1] = slope * vec3(real(0.0), real(1.0), real(0.0))
+    out[i, 2] = slope * vec3(real(0.0), real(0.0), real(1.0))
+
+
+def test_the_normal_of_a_height_turns_as_its_differences_do() -> None:
+    s, rng = Numbers(planar=3, height=WAVES), np.random.default_rng(7)
+    u, v = (rng.uniform(-0.9 * a, 0.9 * a, 200) for a in WAVES.half)
+    h, gradient, _ = WAVES.at(u, v)
+    x = np.column_stack([h, u, v]) + rng.uniform(-1e-3, 1e-3, (200, 1)) * unit_normal(gradient)
+    found, step = run(bend, s, wp.array(x, dtype=vec3, device="cpu"), len(x), 3), 1e-7
+    for axis in range(3):
+        ahead, behind = (charted(s, x + sign * step * np.eye(3)[axis])[:, 1] for sign in (1.0, -1.0))
+        assert np.abs((ahead - behind) / (2.0 * step) - found[:, :, axis]).max() < 1e-3 * np.abs(found).max()

@@ -85,11 +85,13 @@ KINDS = {
         'lift = { kind = "table", times = [0, 1, 2, 3, 6.2831853], values = [0, 2e-3, 2e-3, 0, 0], cubic = true } }'
     ),
     "plane": 'kind = "plane", origin = [0, 0, 1], outward = [0, 0, -1]',
+    "mesh_surface": 'kind = "mesh_surface", mesh = "block", facet_set = "z_max"',
 }  # fmt: skip
 
 
 def wheel_with(surface: str) -> str:
     return (
+        '[meshes.block]\nkind = "box"\nsize = [0.02, 0.02, 0.01]\ncounts = [5, 5, 2]\n'
         "[bodies.wheel]\nmass = 1.0\ninertia_tensor = [1, 1, 1]\n"
         f"surfaces = {{ face = {{ {surface} }} }}\n[ground.face]\n" + "\n".join(_lines(surface)) + "\n"
     )
@@ -109,7 +111,7 @@ def _lines(surface: str) -> list[str]:
 def test_every_kind_of_surface_can_be_written() -> None:
     assert set(KINDS) == set(wf.surfaces.SHAPES)
     for kind, text in KINDS.items():
-        if kind != "plane":
+        if kind not in ("plane", "mesh_surface"):
             text += ", axis_point = [0, 0, 0], axis_direction = [0, 1, 0]"
         scene = scene_of(wheel_with(text)).scene
         shape = scene.ground["face"].surface.shape

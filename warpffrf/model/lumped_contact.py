@@ -170,10 +170,10 @@ class LumpedContact(reprs.Item):
 
     def _require_shapes(self) -> None:
         for port in self.ports:
-            if port.surface.shape.profile().curve is not None:
+            if port.surface.shape.profile().free:
                 raise InputError(
-                    f"{self.label}: {port.label} is extruded, which a lumped contact does not support; use "
-                    "Contact(...) with a flexible body"
+                    f"{self.label}: {port.label} is of kind {port.surface.shape.kind}, which a lumped contact does not "
+                    "support; use Contact(...) with a flexible body"
                 )
         planar = [port.surface.shape.profile().planar for port in self.ports]
         if all(planar):

@@ -117,6 +117,8 @@ class _Patch:
         if not shape.resolved:
             raise InputError(f"{label} has no nodes to be fitted to; give {' and '.join(shape.missing)}")
         profile = shape.profile()
+        if profile.height is not None:
+            return cls(shape, *np.outer(profile.height.half, [-1.0, 1.0]))
         if limits is None and getattr(shape, "table", None) is not None:
             limits = (shape.table[0][0], shape.table[0][-1])
         if limits is None:

@@ -317,6 +317,7 @@ def value_kinds() -> dict[str, Form]:
     }  # fmt: skip
     found.update({kind: form_of(kind, cls, {}) for kind, cls in registered.items()})
     found["extruded"] = form_of("extruded", SHAPES["extruded"], {"curve": "value"})
+    found["mesh_surface"] = form_of("mesh_surface", _mesh_surface, {"mesh": "meshes"})
     curves = {"through": Curve.through, "arcs": Curve.arcs, "cam": cam, "rail_uic60": rail_uic60, "gear": Gear}
     curves |= {"gear_flank": flat(Gear.flank, self=Gear), "gear_section": flat(Gear.section, self=Gear)}
     found.update({kind: form_of(kind, call, {"lift": "value"}) for kind, call in curves.items()})
@@ -328,6 +329,21 @@ def value_kinds() -> dict[str, Form]:
         {kind: form_of(kind, cls, item_roles(cls)) for kinds in bearing_parts().values() for kind, cls in kinds}
     )
     return found
+
+
+def _mesh_surface(
+    mesh: Any = None, facet_set: str | None = None, outward: Any = None, direction: Any = None,
+    spacing: float | None = None, fit_tolerance: float | None = None,
+) -> Any:  # fmt: skip
+    """A surface through the nodes of a facet set: of a `mesh`, or of that of the reduced body."""
+    from warpffrf.model.surfaces import MeshSurface
+
+    options = {"outward": outward, "direction": direction, "spacing": spacing, "fit_tolerance": fit_tolerance}
+    if mesh is None and facet_set is None:
+        return MeshSurface(**options)
+    if mesh is None or facet_set is None:
+        raise InputError("mesh_surface: mesh and facet_set belong together; give both for a rigid surface")
+    return MeshSurface.of(mesh, facet_set, **options)
 
 
 def _gear_surfaces(gear: Any, sides: list[str] | None = None, teeth: list[int] | None = None) -> Any:

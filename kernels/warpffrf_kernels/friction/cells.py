@@ -38,10 +38,11 @@ from warpffrf_kernels.core.state import FrictionState, MotionState
 from warpffrf_kernels.kinematics.line_of_centres import wrap
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 from warpffrf_kernels.surfaces.surface import (
+    HEIGHT,
+    around_of,
     axes_of,
     chart_of,
     foot_of,
-    local_around,
     local_normal,
     local_point,
     origin_of,
@@ -201,7 +202,7 @@ def find_cell(model: Model, A: int, B: int, s: Sight, theta: real, z: real) -> P
     """The cell whose centre is the point (theta, z) of surface A."""
     point = local_point(model, A, theta, z)
     n = local_normal(model, A, theta, z)
-    t_1 = local_around(model, A, theta)
+    t_1 = around_of(n)
     t_2 = wp.cross(n, t_1)
     x = s.at_a + s.turn_a * point
     c = s.normal
@@ -211,7 +212,8 @@ def find_cell(model: Model, A: int, B: int, s: Sight, theta: real, z: real) -> P
         c_0 = s.turn_a0 * n
     now = opposite(model, B, s.at_b, s.turn_b, x, c, 1)
     then = opposite(model, B, s.at_b0, s.turn_b0, s.at_a0 + s.turn_a0 * point, c_0, 1)
-    around = local_around(model, B, now[0])
+    n_b = local_normal(model, B, now[0], now[1])
+    around = around_of(n_b)
     grown = now[0] - then[0]
     R = real(1.0)
     along = vec3(real(0.0), real(0.0), real(1.0))
@@ -222,6 +224,9 @@ def find_cell(model: Model, A: int, B: int, s: Sight, theta: real, z: real) -> P
         R = radius_of(model, B, now[1])
         slope = slope_of(model, B, now[1])
         along = vec3(slope * wp.cos(now[0]), slope * wp.sin(now[0]), real(1.0))
+    if model.surfaces.planar[B] == HEIGHT:
+        R = wp.sqrt(n_b[0] * n_b[0] + n_b[1] * n_b[1]) / n_b[0]
+        along[0] = -n_b[2] / n_b[0]
     slip = s.turn_b * (model.surfaces.side[B] * R * grown * around + (now[1] - then[1]) * along)
     u_1 = s.turn_a * t_1
     u_2 = s.turn_a * t_2
@@ -229,7 +234,7 @@ def find_cell(model: Model, A: int, B: int, s: Sight, theta: real, z: real) -> P
         u_1 = wp.normalize(u_1 - wp.dot(u_1, c) * c)
         u_2 = wp.normalize(wp.cross(wp.sign(wp.dot(s.turn_a * n, c)) * c, u_1))
     v_1 = s.turn_b * around
-    v_2 = s.turn_b * wp.cross(local_normal(model, B, now[0], now[1]), around)
+    v_2 = s.turn_b * wp.cross(n_b, around)
     found = Place()
     found.theta = now[0]
     found.z = now[1]

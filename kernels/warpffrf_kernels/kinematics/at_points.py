@@ -33,7 +33,7 @@ from warpffrf_kernels.kinematics.closest_point import view_of, wrap_column
 from warpffrf_kernels.kinematics.contact_wrench import Held, point_wrench
 from warpffrf_kernels.kinematics.line_of_centres import row_below
 from warpffrf_kernels.kinematics.line_of_centres_points import keep_node
-from warpffrf_kernels.surfaces.surface import CENTRE, EXTRUDED, axes_of, extruded_foot, meridian_of, section_at
+from warpffrf_kernels.surfaces.surface import CENTRE, EXTRUDED, axes_of, curved_foot, meridian_of, section_at
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -105,7 +105,7 @@ def sample_points(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.ar
         foot_z = y[2]
         f = vec3(real(1.0), real(0.0), real(0.0))
         if planar_b == EXTRUDED:
-            near = extruded_foot(model, B, y)
+            near = curved_foot(model, B, y)
             g = near.distance
             foot_theta = near.theta
             f = near.normal

@@ -29,11 +29,13 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.kinematics.line_of_centres import DRIFT, FARTHEST, PHASE_TOLERANCE, row_below, wrap
+from warpffrf_kernels.surfaces.height import height_at
 from warpffrf_kernels.surfaces.surface import (
     EXTRUDED,
+    HEIGHT,
     axes_of,
     chart_of,
-    extruded_foot,
+    curved_foot,
     gradient_of,
     local_point,
     origin_of,
@@ -104,10 +106,10 @@ def gap_at(model: Model, A: int, B: int, view: View, theta: real, z: real) -> re
     """g [m] at chart coordinates of A. More than a column beyond the ends of the grid on an extruded curve, over which
     patches run, there is no material along its tangents: then the distance from there."""
     x = view.at + view.turn * local_point(model, A, theta, z)
-    if model.surfaces.planar[B] != EXTRUDED:
+    if model.surfaces.planar[B] < EXTRUDED:
         return smooth_distance(model, B, x)
-    foot = extruded_foot(model, B, x)
-    if model.surfaces.rigid[B] != 0 or model.surfaces.periodic[B] != 0:
+    foot = curved_foot(model, B, x)
+    if model.surfaces.rigid[B] != 0 or model.surfaces.periodic[B] != 0 or model.surfaces.planar[B] == HEIGHT:
         return foot.distance
     last = real(model.surfaces.columns[B] - 1)
     column = (foot.theta - model.surfaces.theta[B]) / model.surfaces.pitch[B]
@@ -129,6 +131,11 @@ def slopes(model: Model, A: int, B: int, view: View, column: real, z: real) -> w
         at = section_at(model, A, theta)
         x = vec3(at.point[0], at.point[1], z)
         around = vec3(at.slope[0], at.slope[1], real(0.0))
+    elif model.surfaces.planar[A] == HEIGHT:
+        place = height_at(model, A, theta, z)
+        x = vec3(place.value, theta, z)
+        around = vec3(place.slope[0], real(1.0), real(0.0))
+        along = vec3(place.slope[1], real(0.0), real(1.0))
     elif model.surfaces.planar[A] == 0:
         profile = profile_of(model, A, z)
         x = vec3(profile[0] * wp.cos(theta), profile[0] * wp.sin(theta), z)

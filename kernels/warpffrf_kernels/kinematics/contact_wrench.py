@@ -26,7 +26,8 @@ Parallel cylinders: H = e_theta e_theta/rho_B, D_f = -e_theta/|c|, c the vector 
 
     n - e_theta (n.e_theta) R/|c| = c/|c| cos(angle of n to c):      along the line of centres.
 
-Against a plane H = 0: the force is n, its moment about A's axis is left out.
+Against a plane H = 0: the force is n, its moment about A's axis is left out. A *plane* and a *height* as A have no
+axis: their wrench is that of n at x.
 
 An *extruded curve* x(theta) has x' and x'' in the place of R e_theta and -R e_r,
 
@@ -58,7 +59,15 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.kinematics.closest_point import BEYOND, view_of
-from warpffrf_kernels.surfaces.surface import EXTRUDED, PLANE, gradient_of, gradient_slope_of, local_point, section_at
+from warpffrf_kernels.surfaces.surface import (
+    EXTRUDED,
+    HEIGHT,
+    PLANE,
+    gradient_of,
+    gradient_slope_of,
+    local_point,
+    section_at,
+)
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -177,7 +186,7 @@ def point_wrench(model: Model, A: int, x: vec3, way: vec3, n: vec3, section: Hel
     out = Wrench()
     out.force = n
     out.moment = wp.cross(x, n)
-    if model.surfaces.planar[A] == PLANE:
+    if model.surfaces.planar[A] == PLANE or model.surfaces.planar[A] == HEIGHT:
         return out
     if is_sphere(model, A):
         more = ball * out.moment

@@ -20,8 +20,10 @@ from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.kinematics.closest_point import view_of, wrap_column
 from warpffrf_kernels.kinematics.contact_wrench import Held, held_section, held_sphere, is_sphere, point_wrench
 from warpffrf_kernels.patch.far_splines import TAPS, Taps, column_taps, row_taps
+from warpffrf_kernels.surfaces.height import height_at
 from warpffrf_kernels.surfaces.surface import (
     EXTRUDED,
+    HEIGHT,
     PLANE,
     Section,
     axes_of,
@@ -87,7 +89,7 @@ def hold_rows(run: Run, trial: Trial, patch: PatchScratch, patch_row: wp.array3d
             found.length = real(0.0)
         if elements.patches.far_of[A] >= 0:
             found.along = row_taps(model, elements, A, found.z)
-        if model.surfaces.planar[A] != PLANE and not ball:
+        if model.surfaces.planar[A] != PLANE and model.surfaces.planar[A] != HEIGHT and not ball:
             found.held = held_section(model, A, B, view.at, view.turn, patch.patch_place[w, pair, 0], found.z)
         patch_row[w, pair, row] = found
         row += wp.block_dim()
@@ -161,6 +163,10 @@ def sample_cells(
         if model.surfaces.planar[A] == EXTRUDED:
             x = vec3(curve.point[0], curve.point[1], row.z)
             way = vec3(curve.slope[0], curve.slope[1], real(0.0))
+        elif model.surfaces.planar[A] == HEIGHT:
+            place = height_at(model, A, theta, row.z)
+            x = vec3(place.value, theta, row.z)
+            size *= wp.sqrt(real(1.0) + wp.dot(place.slope, place.slope))
         elif model.surfaces.planar[A] != 0:
             x = vec3(real(0.0), theta, row.z)
         foot = foot_of(model, B, view.at + view.turn * x)

@@ -35,7 +35,8 @@ from warpffrf_kernels.rolling.shear import STRIPS_AROUND, near_along, open_near,
 from warpffrf_kernels.rolling.spline_tables import half_along, load_side, read_side, sum_along, table_along, trace_along
 from warpffrf_kernels.rolling.strips import multiply_half_spaces
 from warpffrf_kernels.surfaces.fields import clear_field
-from warpffrf_kernels.surfaces.surface import EXTRUDED, curve_curvature, radius_of
+from warpffrf_kernels.surfaces.height import height_curvature
+from warpffrf_kernels.surfaces.surface import EXTRUDED, HEIGHT, curve_curvature, radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -211,6 +212,8 @@ def curvature_along(model: Model, s: int, column: real, z: real, x: real, y: rea
     tabulated surface that of the neighbouring arc."""
     if model.surfaces.planar[s] == EXTRUDED:
         return x * x * curve_curvature(model, s, model.surfaces.theta[s] + column * model.surfaces.pitch[s])
+    if model.surfaces.planar[s] == HEIGHT:
+        return height_curvature(model, s, model.surfaces.theta[s] + column * model.surfaces.pitch[s], z, x, y)
     if model.surfaces.planar[s] != 0:
         return real(0.0)
     along = real(0.0)

@@ -6,8 +6,8 @@ arc length of a curve in cubic pieces, the material to its left, and the normal 
 chart of an open curve continues along its tangents, while all is free space, at the distance of the end, and so it is
 below the depth of its material. The foot of a point is the root of f(u) = (p - c).c' by Newton's method from the piece
 that a lattice names, negative in cells below that depth; with d the distance and kappa the curvature the normal rotates
-by kappa/(1 + kappa d) along the tangent. A *surface of revolution* has the point (R cos theta, R sin theta, z) with the
-profile
+by kappa/(1 + kappa d) along the tangent. *Heights* are in `height`. A *surface of revolution* has the point (R cos
+theta, R sin theta, z) with the profile
 
     R(z) = R_0 + T z - arc(z) - table(z),        arc(z) = sign(Rc) z^2/(|Rc| + sqrt(Rc^2 - z^2)),
 
@@ -41,6 +41,7 @@ import warp as wp
 
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.surfaces.height import ON_BORDER, Height, bend_of_height, height_at, height_near, height_normal
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -52,7 +53,7 @@ EVOLUTE = wp.constant(wp.float64(1.0e-12))  # of 1 + kappa d: nearer to the evol
 DEEPEST = wp.constant(wp.float64(1.5))  # of an arc's radius: largest distance from its centre beyond the half circle
 DIAGONAL = wp.constant(wp.float64(0.7071067811865476))  # cosine of the 45 degrees by which a hollow arc is longer
 CENTRE = wp.constant(wp.float64(1.0e-14))  # m: nearer to an arc's centre the direction is undefined
-PLANE, EXTRUDED = wp.constant(1), wp.constant(2)  # `planar` of a plane, of an extruded curve
+PLANE, EXTRUDED, HEIGHT = wp.constant(1), wp.constant(2), wp.constant(3)  # `planar`: plane, extruded curve, height
 TWO_PI = wp.constant(wp.float64(2.0 * math.pi))
 PIECES = wp.constant(24)  # Newton steps along a curve, each within a piece or to the next
 
@@ -248,8 +249,26 @@ def foot_from(model: Model, s: int, x: vec3, near: Section) -> Foot:
 
 
 @wp.func
-def extruded_foot(model: Model, s: int, x: vec3) -> Foot:
-    """`foot_of` on an extruded curve."""
+def foot_on_height(model: Model, s: int, x: vec3, near: Height) -> Foot:
+    """The foot of x at a place of a height: beyond the border all is free space, at the distance of the border."""
+    found = Foot()
+    found.theta = near.u
+    found.z = near.v
+    found.normal = height_normal(near)
+    off = vec3(x[0] - near.value, x[1] - near.u, x[2] - near.v)
+    found.distance = wp.dot(off, found.normal)
+    size = wp.max(-model.surfaces.seed_corner[s, 0], -model.surfaces.seed_corner[s, 1])
+    if wp.length(off - found.distance * found.normal) > ON_BORDER * size:
+        found.distance = wp.length(off)
+        found.normal = off / found.distance
+    return found
+
+
+@wp.func
+def curved_foot(model: Model, s: int, x: vec3) -> Foot:
+    """`foot_of` on an extruded curve and on a height."""
+    if model.surfaces.planar[s] == HEIGHT:
+        return foot_on_height(model, s, x, height_near(model, s, x))
     return foot_from(model, s, x, section_near(model, s, x[0], x[1]))
 
 
@@ -298,6 +317,8 @@ def local_point(model: Model, s: int, theta: real, z: real) -> vec3:
     if model.surfaces.planar[s] == EXTRUDED:
         point = section_at(model, s, theta).point
         return vec3(point[0], point[1], z)
+    if model.surfaces.planar[s] == HEIGHT:
+        return vec3(height_at(model, s, theta, z).value, theta, z)
     if model.surfaces.planar[s] != 0:
         return vec3(real(0.0), theta, z)
     R = profile_of(model, s, z)[0]
@@ -310,6 +331,8 @@ def local_normal(model: Model, s: int, theta: real, z: real) -> vec3:
     if model.surfaces.planar[s] == EXTRUDED:
         t = curve_tangent(model, s, theta)
         return vec3(t[1], -t[0], real(0.0))
+    if model.surfaces.planar[s] == HEIGHT:
+        return height_normal(height_at(model, s, theta, z))
     if model.surfaces.planar[s] != 0:
         return vec3(real(1.0), real(0.0), real(0.0))
     slope = profile_of(model, s, z)[1]
@@ -318,14 +341,10 @@ def local_normal(model: Model, s: int, theta: real, z: real) -> vec3:
 
 
 @wp.func
-def local_around(model: Model, s: int, theta: real) -> vec3:
-    """e_theta, the first tangential direction: against increasing theta on an inside surface."""
-    if model.surfaces.planar[s] == EXTRUDED:
-        return curve_tangent(model, s, theta)
-    if model.surfaces.planar[s] != 0:
-        return vec3(real(0.0), real(1.0), real(0.0))
-    side = model.surfaces.side[s]
-    return vec3(-side * wp.sin(theta), side * wp.cos(theta), real(0.0))
+def around_of(normal: vec3) -> vec3:
+    """e_theta, the first tangential direction, of a surface with this normal: against increasing theta on an inside
+    surface."""
+    return wp.normalize(vec3(-normal[1], normal[0], real(0.0)))
 
 
 @wp.func
@@ -390,16 +409,16 @@ def smooth_distance(model: Model, s: int, x: vec3) -> real:
 @wp.func
 def distance_of(model: Model, s: int, x: vec3) -> real:
     """Signed distance [m] of x from the surface, positive in the free space."""
-    if model.surfaces.planar[s] == EXTRUDED:
-        return extruded_foot(model, s, x).distance
+    if model.surfaces.planar[s] >= EXTRUDED:
+        return curved_foot(model, s, x).distance
     return smooth_distance(model, s, x)
 
 
 @wp.func
 def chart_of(model: Model, s: int, x: vec3) -> vec3:
     """theta (rad, of a plane m) and z [m] of the foot of x, and the signed distance [m] as `distance_of`."""
-    if model.surfaces.planar[s] == EXTRUDED:
-        near = extruded_foot(model, s, x)
+    if model.surfaces.planar[s] >= EXTRUDED:
+        near = curved_foot(model, s, x)
         return vec3(near.theta, near.z, near.distance)
     if model.surfaces.planar[s] != 0:
         return vec3(x[1], x[2], x[0])
@@ -410,8 +429,8 @@ def chart_of(model: Model, s: int, x: vec3) -> vec3:
 @wp.func
 def gradient_of(model: Model, s: int, x: vec3) -> vec3:
     """Unit gradient of the signed distance at x: the normal at its foot. On the axis it has no radial part."""
-    if model.surfaces.planar[s] == EXTRUDED:
-        return extruded_foot(model, s, x).normal
+    if model.surfaces.planar[s] >= EXTRUDED:
+        return curved_foot(model, s, x).normal
     if model.surfaces.planar[s] != 0:
         return vec3(real(1.0), real(0.0), real(0.0))
     rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
@@ -426,8 +445,8 @@ def gradient_of(model: Model, s: int, x: vec3) -> vec3:
 @wp.func
 def distance_and_gradient(model: Model, s: int, x: vec3) -> wp.vec4d:
     """`distance_of` and `gradient_of` at once."""
-    if model.surfaces.planar[s] == EXTRUDED:
-        near = extruded_foot(model, s, x)
+    if model.surfaces.planar[s] >= EXTRUDED:
+        near = curved_foot(model, s, x)
         return wp.vec4d(near.distance, near.normal[0], near.normal[1], near.normal[2])
     if model.surfaces.planar[s] != 0:
         return wp.vec4d(x[0], real(1.0), real(0.0), real(0.0))
@@ -443,8 +462,8 @@ def distance_and_gradient(model: Model, s: int, x: vec3) -> wp.vec4d:
 @wp.func
 def foot_of(model: Model, s: int, x: vec3) -> Foot:
     """`chart_of` and `gradient_of` at once."""
-    if model.surfaces.planar[s] == EXTRUDED:
-        return extruded_foot(model, s, x)
+    if model.surfaces.planar[s] >= EXTRUDED:
+        return curved_foot(model, s, x)
     found = Foot()
     if model.surfaces.planar[s] != 0:
         found.theta = x[1]
@@ -469,6 +488,10 @@ def foot_of(model: Model, s: int, x: vec3) -> Foot:
 def expansion_of(model: Model, s: int, x: vec3):
     """The signed distance, its gradient as `gradient_of`, and the derivative [1/m] of that by x: symmetric, 0 along the
     normal; no circumferential part on the axis."""
+    if model.surfaces.planar[s] == HEIGHT:
+        place = height_near(model, s, x)
+        under = foot_on_height(model, s, x, place)
+        return under.distance, under.normal, bend_of_height(place, under.distance, under.normal)
     if model.surfaces.planar[s] == EXTRUDED:
         near = section_near(model, s, x[0], x[1])
         long = wp.length(near.slope)

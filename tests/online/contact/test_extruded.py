@@ -70,7 +70,7 @@ def test_a_known_shape(curve: Extruded, known: Any, tolerance: float, friction: 
 
 
 def test_a_lumped_contact_is_refused() -> None:
-    with pytest.raises(InputError, match="is extruded, which a lumped contact does not support"):
+    with pytest.raises(InputError, match="is of kind extruded, which a lumped contact does not support"):
         _lumped()
 
 

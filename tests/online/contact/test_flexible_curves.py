@@ -191,5 +191,5 @@ def test_what_is_refused() -> None:
         reduce(kinks, blocks.STEEL, contact={"face": blocks.extruded(curve)}, progress=False)
     scene, body = wf.Scene(), block(15e-3)
     lower, upper = (scene.add_body(body, name=name) for name in ("lower", "upper"))
-    with pytest.raises(InputError, match="is extruded; films are between planes"):
+    with pytest.raises(InputError, match="is of kind extruded; films are between planes"):
         scene.add(wf.Film(lower["face"], upper["face"], oil=wf.oils.Newtonian(viscosity=0.02)))

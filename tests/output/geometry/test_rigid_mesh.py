@@ -218,7 +218,9 @@ def test_a_rod_reaches_from_end_to_end() -> None:
 
 
 AXIS: dict[str, Any] = {"axis_point": (0.01, 0.0, 0.0), "axis_direction": (0.0, 1.0, 0.0)}
+X, Y = (v.ravel() for v in np.meshgrid(np.linspace(-0.02, 0.02, 21), np.linspace(-0.01, 0.01, 11), indexing="ij"))
 SHAPES = {
+    "mesh": wf.surfaces.MeshSurface(outward=(0.0, 0.0, 1.0)).fitted(np.column_stack([X, Y, 3.0 * X * Y - 4.0 * Y**2])),
     "cylinder": wf.surfaces.Cylinder(radius=0.02, **AXIS),
     "crowned": wf.surfaces.CrownedCylinder(radius=0.02, crown_radius=0.5, **AXIS),
     "profiled": wf.surfaces.ProfiledCylinder(radius=0.02, table=([-0.01, 0.0, 0.01], [1e-4, 0.0, 1e-4]), **AXIS),

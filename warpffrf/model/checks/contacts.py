@@ -216,7 +216,7 @@ def _size(contact: Contact) -> float:
         surface = port.surface
         if not surface.shape.profile().planar:
             sizes.append(float(surface.shape.radius))
-        elif surface.shape.profile().curve is not None:
+        elif surface.shape.profile().free:
             sizes.append(0.5 * surface.shape.size)
         elif surface.grid is not None:
             sizes.append(float(np.max(np.abs(surface.grid.theta))))
@@ -249,6 +249,8 @@ def _in_itself(port: SurfacePort, length: float) -> np.ndarray:
     center = body.to_world(shape.axis_point) - body.position
     profile = shape.profile()
     turns, slides = [axes[2]], []
+    if profile.height is not None:
+        return np.zeros((6, 0))
     if profile.flat:  # its normal is e_0
         turns, slides = [axes[0]], axes[1:]
     elif profile.planar:

@@ -307,8 +307,9 @@ class Film(reprs.Item):
         """Raises `InputError` for surfaces that cannot enclose a thin film."""
         a, b, label = self.a, self.b, self.label
         for port in self.ports:
-            if port.surface.shape.profile().curve is not None:
-                raise InputError(f"{label}: {port.label} is extruded; films are between planes or about an axis")
+            if port.surface.shape.profile().free:
+                kind = port.surface.shape.kind
+                raise InputError(f"{label}: {port.label} is of kind {kind}; films are between planes or about an axis")
         sides = [port.surface.shape.side for port in self.ports]
         planar = [port.surface.shape.profile().planar for port in self.ports]
         names = f"{a.label} and {b.label}"

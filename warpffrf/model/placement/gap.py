@@ -368,6 +368,8 @@ def _extent(port: SurfacePort) -> float:
     surface = port.surface
     shape, grid = surface.shape, surface.grid
     profile = shape.profile()
+    if profile.height is not None:
+        return shape.size
     if profile.curve is not None:
         across = float(np.linalg.norm(profile.curve.points, axis=1).max())
     elif grid is None:
@@ -384,6 +386,6 @@ def _abreast(port: SurfacePort, point: np.ndarray) -> np.ndarray:
     c, user = shape.axis_point, port.body.to_user(point)
     if shape.profile().flat:
         return port.body.to_world(user - ((user - c) @ shape.e_0) * shape.e_0)
-    if shape.profile().crown:  # it has a middle
+    if shape.profile().crown or shape.profile().height is not None:  # it has a middle
         return port.body.to_world(c)
     return port.body.to_world(c + ((user - c) @ shape.e_a) * shape.e_a)

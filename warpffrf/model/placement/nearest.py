@@ -106,6 +106,8 @@ def _meridian_ends(surface: Any, reach: float) -> tuple[float, float]:
     """The limits [m] of a surface's meridian: of its grid or its table, of others of its arc and `reach` [m]."""
     if surface.grid is not None:
         return float(surface.grid.z[0]), float(surface.grid.z[-1])
+    if (height := surface.shape.profile().height) is not None:
+        return -float(height.half[1]), float(height.half[1])
     table = getattr(surface.shape, "table", None)
     if table is not None:
         return float(table[0, 0]), float(table[0, -1])
@@ -123,12 +125,13 @@ def curvatures_on(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
 class FacingPlace:
     """Where two surfaces are nearest, in the directions along the circle about the axis of the first and along its
     meridian: the relative `curvatures` [1/m], those of the `sharper` surface [1/m, absolute]; z [m] and the `slope`
-    dR/dz of the first."""
+    dR/dz of the first, and the angle `lean` [rad] of its normal to the plane that it is a height over."""
 
     curvatures: tuple[float, float]
     sharper: tuple[float, float]
     z: float
     slope: float
+    lean: float = 0.0
 
 
 def facing_place(one: SurfacePort, other: SurfacePort) -> FacingPlace:
@@ -137,11 +140,12 @@ def facing_place(one: SurfacePort, other: SurfacePort) -> FacingPlace:
     shape: Any = one.surface.shape
     theta, z, _ = shape.chart(one.body.to_user(x))
     bends = np.stack([_tensor(one, x), _tensor(other, y)])
-    directions = np.stack([_turned(one, direction) for direction in (shape.around(theta), shape.along(theta, z))])
+    directions = np.stack([_turned(one, direction) for direction in (shape.around(theta, z), shape.along(theta, z))])
     own = np.einsum("di,sij,dj->sd", directions, bends, directions)
     (around, along), sharper = own.sum(axis=0), np.abs(own).max(axis=0)
+    lean = 0.0 if shape.profile().height is None else float(np.arccos(min(shape.normal(theta, z) @ shape.e_0, 1.0)))
     return FacingPlace(
-        (float(around), float(along)), (float(sharper[0]), float(sharper[1])), float(z), float(shape.slope_at(z))
+        (float(around), float(along)), (float(sharper[0]), float(sharper[1])), float(z), float(shape.slope_at(z)), lean
     )
 
 
@@ -199,9 +203,12 @@ def _normal(port: SurfacePort, x: np.ndarray) -> np.ndarray:
 
 
 def _ends(port: SurfacePort) -> tuple[float, float] | None:
-    """Arc lengths [m] between which an extruded surface can be touched: those of the curve, or of the contact grid on
-    it; None of other surfaces."""
-    surface, curve = port.surface, port.surface.shape.profile().curve
+    """theta [m] between which an extruded surface, or one over a plane, can be touched: those of its curve or its
+    rectangle, or of the contact grid on it; None of other surfaces."""
+    surface, profile = port.surface, port.surface.shape.profile()
+    curve = profile.curve
+    if profile.height is not None:
+        return -float(profile.height.half[0]), float(profile.height.half[0])
     if curve is None:
         return None
     along = curve.knots if surface.grid is None or surface.grid.periodic else surface.grid.theta
@@ -210,8 +217,8 @@ def _ends(port: SurfacePort) -> tuple[float, float] | None:
 
 def _closes(port: SurfacePort) -> bool:
     """Whether an extruded surface has no ends along its curve."""
-    grid = port.surface.grid
-    return port.surface.shape.profile().curve.closed if grid is None else grid.periodic
+    grid, curve = port.surface.grid, port.surface.shape.profile().curve
+    return curve is not None and (curve.closed if grid is None else grid.periodic)
 
 
 def _tensor(port: SurfacePort, x: np.ndarray) -> np.ndarray:
@@ -223,9 +230,8 @@ def _tensor(port: SurfacePort, x: np.ndarray) -> np.ndarray:
         if np.isfinite(turn):
             theta = middle + np.remainder(theta - middle + 0.5 * turn, turn) - 0.5 * turn
         theta = np.clip(theta, *ends)
-    around, along = (_turned(port, direction) for direction in (shape.around(theta), shape.along(theta, z)))
-    k_around, k_along = (float(kappa) for kappa in shape.curvatures(theta, z))
-    return k_around * np.outer(around, around) + k_along * np.outer(along, along)
+    axes = np.stack([_turned(port, axis) for axis in np.eye(3)], axis=1)
+    return axes @ shape.curvature_tensor(theta, z) @ axes.T
 
 
 def _turned(port: SurfacePort, direction: np.ndarray) -> np.ndarray:

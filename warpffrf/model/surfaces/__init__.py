@@ -2,7 +2,7 @@
 
     outside   Cylinder  CrownedCylinder  ProfiledCylinder  Groove  Sphere  Cone  Plane
     inside    Bore      Ring (grooved)                             Cup     ConicalBore
-    either    Extruded (along an axis, its section a `Curve`)
+    either    Extruded (along an axis, its section a `Curve`)  MeshSurface (over a plane, through the nodes of a mesh)
 
 Their common base is in `base` (frame, fit), `revolution` (chart) and `profile` (the meridian's numbers). `SHAPES` lists
 them by kind. A user-defined surface is a subclass of `RevolutionShape` with a `profile`, or of one of these. `Matched`
@@ -20,6 +20,7 @@ from warpffrf.model.surfaces.cams import cam
 from warpffrf.model.surfaces.curve import Curve
 from warpffrf.model.surfaces.extruded import Extruded
 from warpffrf.model.surfaces.matched import Matched
+from warpffrf.model.surfaces.mesh_surface import MeshSurface
 from warpffrf.model.surfaces.plane import Plane
 from warpffrf.model.surfaces.profile import SurfaceProfile
 from warpffrf.model.surfaces.profiled_cylinder import ProfiledCylinder, RevolutionShape
@@ -39,6 +40,7 @@ __all__ = [
     "Extruded",
     "Groove",
     "Matched",
+    "MeshSurface",
     "Plane",
     "ProfiledCylinder",
     "RevolutionShape",
@@ -59,6 +61,7 @@ def __dir__() -> list[str]:
 
 _KINDS = (
     Cylinder, CrownedCylinder, ProfiledCylinder, Groove, Sphere, Cone, Plane, Bore, Ring, Cup, ConicalBore, Extruded,
+    MeshSurface,
 )  # fmt: skip
 SHAPES: dict[str, type[Any]] = {shape.kind: shape for shape in _KINDS}
 

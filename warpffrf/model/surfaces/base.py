@@ -90,9 +90,9 @@ class Shape(ABC):
         """Unit normals (..., 3) away from the material at theta [rad, of a plane m], z [m]; user frame."""
 
     @abstractmethod
-    def around(self, theta: Any) -> np.ndarray:
+    def around(self, theta: Any, z: Any = 0.0) -> np.ndarray:
         """Unit tangents e_theta (..., 3) at theta [rad, of a plane m], so that e_theta x t_z is the normal; user
-        frame."""
+        frame. They depend on z [m] on a `MeshSurface` only."""
 
     @abstractmethod
     def curvatures(self, theta: Any, z: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -102,6 +102,12 @@ class Shape(ABC):
     @abstractmethod
     def _completed(self, points: np.ndarray, normals: np.ndarray | None) -> Shape:
         """The shape with its open parameters fitted to the points."""
+
+    def curvature_tensor(self, theta: Any, z: Any) -> np.ndarray:
+        """Curvatures [1/m] as tensors (..., 3, 3) in the user frame, at theta [rad, of a plane m], z [m]."""
+        along = self.along(theta, z)
+        tangents = np.stack([np.broadcast_to(self.around(np.asarray(theta, float)), along.shape), along])
+        return np.einsum("d...,d...i,d...j->...ij", np.stack(self.curvatures(theta, z)), tangents, tangents)
 
     # --- frame and directions
 
@@ -124,7 +130,7 @@ class Shape(ABC):
         """Unit directions t_z (..., 3) of the tangents of the meridian at theta [rad, of a plane m], z [m]: n x
         e_theta, towards greater z; user frame."""
         n = self.normal(theta, z)
-        return np.cross(n, np.broadcast_to(self.around(np.asarray(theta, float)), n.shape))
+        return np.cross(n, np.broadcast_to(self.around(np.asarray(theta, float), z), n.shape))
 
     def radius_at(self, z: Any) -> np.ndarray:
         """R(z) [m] at z [m], any shape (...): the arc length per theta; 1 of a plane."""

@@ -101,7 +101,7 @@ class Extruded(Shape):
         """The normal (..., 3) at theta [m]: what e_r is on a surface of revolution."""
         return self.normal(theta, 0.0)
 
-    def around(self, theta: Any) -> np.ndarray:
+    def around(self, theta: Any, z: Any = 0.0) -> np.ndarray:
         t = self._known().at(theta, 1)
         return (t / np.linalg.norm(t, axis=-1, keepdims=True)) @ self.frame[:2]
 

@@ -91,7 +91,7 @@ class Plane(Shape):
         """The normal (..., 3), the same at all theta [m]: what e_r is on a surface of revolution."""
         return self.normal(theta, 0.0)
 
-    def around(self, theta: Any) -> np.ndarray:
+    def around(self, theta: Any, z: Any = 0.0) -> np.ndarray:
         return np.broadcast_to(self.e_1, (*np.shape(theta), 3)).copy()
 
     def curvatures(self, theta: Any, z: Any) -> tuple[np.ndarray, np.ndarray]:

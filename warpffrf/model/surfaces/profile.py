@@ -28,6 +28,7 @@ import numpy as np
 
 from warpffrf.model.surfaces.curve import Curve
 from warpffrf.model.surfaces.fit import crown_drop
+from warpffrf.model.surfaces.height import Height
 
 SMALLEST_COSINE = 1e-150  # slope of an arc at its very end: large, and its square is still a number
 NEAR_POLE = 0.5  # cosine of the arc's slope below which R/cosine loses digits faster than the other form
@@ -39,7 +40,7 @@ FLATTEST = 0.1  # of 1 + R'^2, least derivative of F: beyond a centre of curvatu
 @dataclass(frozen=True, eq=False)
 class SurfaceProfile:
     """A meridian by its numbers (module docstring), as the device holds them; `planar`: theta is a length, as of a
-    plane and, with a `curve`, of an extruded surface.
+    plane, with a `curve` of an extruded surface, and with a `height` of one over a plane.
 
     side +1 or -1; radius R_0 [m] (1.0 of a plane); tangent t [-]; crown Rc [m], signed, 0.0 for none; table: `breaks`
     (n+1,) [m] and `coefficients` (n, 4) of the drop [m] in ascending powers of z - break; empty without one.
@@ -54,11 +55,17 @@ class SurfaceProfile:
     breaks: np.ndarray = field(default_factory=lambda: np.zeros(0))
     coefficients: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
     curve: Curve | None = None
+    height: Height | None = None
 
     @property
     def flat(self) -> bool:
         """True of a plane."""
-        return self.planar and self.curve is None
+        return self.planar and not self.free
+
+    @property
+    def free(self) -> bool:
+        """True of an extruded surface and of one over a plane, whose curvature varies in any way."""
+        return self.curve is not None or self.height is not None
 
     @property
     def turn(self) -> float:

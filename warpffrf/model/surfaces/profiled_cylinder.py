@@ -107,7 +107,7 @@ class RevolutionShape(Shape):
         theta = np.asarray(theta, float)[..., None]
         return np.cos(theta) * self.e_0 + np.sin(theta) * self.e_1
 
-    def around(self, theta: Any) -> np.ndarray:
+    def around(self, theta: Any, z: Any = 0.0) -> np.ndarray:
         theta = np.asarray(theta, float)[..., None]
         return self.side * (np.cos(theta) * self.e_1 - np.sin(theta) * self.e_0)
 

@@ -316,13 +316,13 @@ class ContactFacets:
 
     def plan(self, name: str, spacing: float | None, nodes: int | None = None) -> GridPlan:
         """Grid for these facets: their nodes if they form one, otherwise lines `spacing` [m] apart (None: the longest
-        facet edge, on an extruded curve the longest extent of a facet in each direction), with at most as many
+        facet edge, on a free surface the longest extent of a facet in each direction), with at most as many
         functions as there are `nodes`."""
         chart = self.chart
         found = None
         if spacing is None and len(self.blocks) == 1 and self.blocks[0][0] in NODAL_KINDS:
             found = nodal_plan(chart, name)
-        if found is None and spacing is None and self.shape.profile().curve is not None:
+        if found is None and spacing is None and self.shape.profile().free:
             around, along = (float(np.ptp(v, axis=1).max()) for v in (chart.theta, chart.z))
             found = spaced_plan(chart, self.shape, name, around, nodes, along)
         return found or spaced_plan(chart, self.shape, name, chart.edge if spacing is None else spacing, nodes)

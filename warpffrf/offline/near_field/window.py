@@ -307,9 +307,9 @@ class FlatChart:
 
     def smallest_radius(self, points: Array) -> Array:
         """Smaller radius of curvature (n,) [m] above `points` (n, 3) [m], user frame, inf where the surface is convex
-        in no direction; it is constant except along an extruded curve."""
+        in no direction; it is constant except on free surfaces."""
         theta, z = np.full(len(points), self.theta), np.full(len(points), self.z)
-        if self.shape.profile().curve is not None:
+        if self.shape.profile().free:
             theta, z, _ = self.shape.chart(points)
         largest = np.max(self.shape.curvatures(theta, z), axis=0)
         return np.divide(1.0, largest, out=np.full(len(points), np.inf), where=largest > 0.0)

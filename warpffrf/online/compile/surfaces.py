@@ -11,6 +11,7 @@ from warpffrf.model.bodies import Ground
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.surfaces.curve import Curve
+from warpffrf.model.surfaces.height import Height
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.compliance_tables import columns_of_turn, modal_moments
 from warpffrf.online.compile.patches.sides import PatchSide
@@ -43,14 +44,14 @@ def fill_surfaces(collector: Collector, m: Model) -> np.ndarray:
             "body": body.index, "origin": origin,
             "modal_start": 0 if on_ground else modal_start[body.index],
             "modal_count": modal_count,
-            "planar": int(profile.planar) + int(profile.curve is not None), "side": profile.side,
+            "planar": int(profile.planar) + int(profile.free) + int(profile.height is not None), "side": profile.side,
             "radius": profile.radius,
             "tangent": profile.tangent, "crown": profile.crown,
             "table_start": sum(map(len, breaks)), "table_count": len(profile.coefficients),
             "rigid": int(not isinstance(surface, ContactSurface)),
             "z_start": sum(map(len, z)), "mode_start": sum(map(len, modes)),
         }  # fmt: skip
-        values |= curves.add(profile.curve)
+        values |= curves.add(profile.curve, profile.height)
         if len(profile.coefficients):
             breaks.append(np.asarray(profile.breaks, float))
             coefficients.append(np.concatenate([profile.coefficients, np.zeros((1, 4))]))
@@ -93,30 +94,35 @@ def fill_surfaces(collector: Collector, m: Model) -> np.ndarray:
 
 
 class Curves:
-    """The curves of extruded surfaces, one behind the other."""
+    """The curves of extruded surfaces, and the pieces of heights, one behind the other."""
 
     def __init__(self) -> None:
         self.knots: list[np.ndarray] = []
         self.pieces: list[np.ndarray] = []
         self.seeds: list[np.ndarray] = []
 
-    def add(self, curve: Curve | None) -> dict[str, object]:
-        """The fields of a surface with this curve, None without one."""
+    def add(self, curve: Curve | None, height: Height | None = None) -> dict[str, object]:
+        """The fields of a surface with this curve or height, None without one."""
         start, seed_start = sum(map(len, self.knots)), sum(map(len, self.seeds))
+        found: dict[str, object] = {
+            "curve_start": start, "curve_count": 0, "curve_length": 0.0, "seed_start": seed_start,
+            "seed_columns": 0, "seed_rows": 0, "seed_corner": np.zeros(2), "seed_pitch": 1.0,
+        }  # fmt: skip
+        if height is not None:
+            self.pieces.append(height.pieces.reshape(-1, 8))
+            self.knots.append(np.zeros(len(self.pieces[-1])))
+            columns, rows = height.counts
+            return found | {"seed_columns": columns, "seed_rows": rows, "seed_corner": -height.half}
         if curve is None:
-            return {
-                "curve_start": start, "curve_count": 0, "curve_length": 0.0, "seed_start": seed_start,
-                "seed_columns": 0, "seed_rows": 0, "seed_corner": np.zeros(2), "seed_pitch": 1.0,
-            }  # fmt: skip
+            return found
         corner, pitch, seeds = curve.seeds()
         pieces = curve.coefficients.reshape(-1, 8)
         self.knots.append(curve.knots)
         self.pieces.append(np.concatenate([pieces, np.zeros((1, 8))]))
         self.seeds.append(seeds.astype(np.int32).ravel())
-        return {
-            "curve_start": start, "curve_count": len(pieces), "curve_length": curve.length if curve.closed else 0.0,
-            "seed_start": seed_start, "seed_columns": seeds.shape[0], "seed_rows": seeds.shape[1],
-            "seed_corner": corner, "seed_pitch": pitch,
+        return found | {
+            "curve_count": len(pieces), "curve_length": curve.length if curve.closed else 0.0,
+            "seed_columns": seeds.shape[0], "seed_rows": seeds.shape[1], "seed_corner": corner, "seed_pitch": pitch,
         }  # fmt: skip
 
 

@@ -54,6 +54,9 @@ class Extent:
         if profile.curve is not None:
             along = profile.curve.curvature(profile.curve.knots)
             curvature = float(np.min(along) if flattest else np.max(along))
+        if profile.height is not None:
+            along = surface.shape.sampled_curvatures()[0]
+            curvature = float(np.min(along) if flattest else np.max(along))
         sphere = profile.spherical
         if surface.grid is None:
             return cls(curvature, at, np.inf, np.inf, np.inf, sphere, profile.planar)

@@ -134,14 +134,15 @@ def _beyond_rows(contact: Contact, found: ContactHistory) -> list[str]:
 
 
 def _sharpest(contact: Contact, cells: CellHistory) -> np.ndarray:
-    """Largest curvature (T,) [1/m] of the two surfaces under the patch; a rigid curve does not count."""
+    """Largest curvature (T,) [1/m] of the two surfaces under the patch; a rigid free one does not count."""
     middle = float(np.mean(np.asarray(contact.a.surface.grid.z)[[0, -1]]))
     found = np.zeros(len(cells.column))
     for port, column in ((contact.a, cells.column), (contact.b, cells.column_second)):
         surface, theta = port.surface, np.zeros(len(found))
-        if (curve := surface.shape.profile().curve) is not None and port.rigid:
+        free = surface.shape.profile().free
+        if free and port.rigid:
             continue
-        if curve is not None:
+        if free:
             theta = surface.grid.theta_start + surface.grid.pitch * np.asarray(column)
         found = np.maximum(found, np.max(np.abs(surface.shape.curvatures(theta, middle)), axis=0))
     return found

@@ -41,6 +41,7 @@ THICK = 0.04  # of the scene's size, of the plate of a plane
 WALL = 0.2  # of the radius, of a wall around an inside form
 HOLLOW = 0.7  # of the radius of an arc that an inside form or a groove extends from its middle
 FACETS = 240  # along the curve of an extruded surface
+SQUARES = 48  # each way on a surface over a plane
 POLE = 1.0 - 1e-6  # of the radius of an arc: where it ends
 COAXIAL = 1e-6  # of the radius, and of a unit vector: surfaces about the same axis
 SOLID, THIN = 0.25, 1.05  # inertia about the axis over mass and radius squared, of a cylinder
@@ -128,7 +129,8 @@ class _Scene:
         extents += [np.ptp(b.reduced.surface.points, axis=0).max() for b in view.bodies.values() if b.reduced]
         size = size or max([float(e) for e in extents], default=0.0) or self._spread() or PLAIN_SIZE
         for name, surface, shape in flat:
-            below = _plate if shape.profile().flat else _extruded
+            profile = shape.profile()
+            below = _plate if profile.flat else _extruded if profile.height is None else _below_height
             parts.setdefault(name, []).append(below(shape, self.touched.get((name, surface), []), size))
         meshes, within = {}, {n for b in view.bearings.values() for n in (*b["elements"], b["cage"])}
         for body in self.bodies.values():
@@ -316,6 +318,23 @@ def _extruded(shape: Any, places: list[np.ndarray], size: float) -> TriangleMesh
     upper, lower = curve.at(u), curve.at(u) - THICK * size * curve.normal(u)
     walls = [np.array([lower[i], upper[i], upper[i + 1], lower[i + 1]]) for i in range(FACETS)]
     return TriangleMesh.of([prism(wall, shape.axis_point, shape.frame, low, high) for wall in walls])
+
+
+def _below_height(shape: Any, _: list[np.ndarray], size: float) -> TriangleMesh:
+    """The material below a surface over a plane, on all of its rectangle."""
+    height = shape.profile().height
+    u, v = (np.linspace(-a, a, SQUARES + 1) for a in height.half)
+    n, top = SQUARES + 1, shape.point(u[:, None], v[None, :]).reshape(-1, 3)
+    bottom = top - ((top - shape.axis_point) @ shape.e_0)[:, None] * shape.e_0
+    bottom += (height.at(u[:, None], v[None, :])[0].min() - THICK * size) * shape.e_0
+    i, j = (k.ravel() for k in np.meshgrid(np.arange(SQUARES), np.arange(SQUARES), indexing="ij"))
+    a, b, c, d = i * n + j, (i + 1) * n + j, (i + 1) * n + j + 1, i * n + j + 1
+    faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    k, last = np.arange(SQUARES), SQUARES
+    rim = np.concatenate([k * n, last * n + k, (last - k) * n + last, last - k])
+    after, m = np.roll(rim, -1), n * n
+    walls = np.concatenate([np.stack([rim, m + rim, m + after], axis=1), np.stack([rim, m + after, after], axis=1)])
+    return TriangleMesh(np.concatenate([top, bottom]), np.concatenate([faces, m + faces[:, ::-1], walls]))
 
 
 # --- bearings

@@ -78,7 +78,8 @@ def patch_plans(
 
 
 def _refuse_half_spaces(contacts: list[Contact], plans: Collection[int], dynamic: Collection[int]) -> None:
-    """Raises `InputError` for a half-space without a patch of cells, where it would be rigid."""
+    """Raises `InputError` for a half-space without a patch of cells, where it would be rigid, and for a surface over a
+    plane, which cells alone evaluate."""
     for i, contact in enumerate(contacts):
         for port in contact.ports:
             if i not in plans and not port.rigid and port.surface.half_space:
@@ -86,6 +87,12 @@ def _refuse_half_spaces(contacts: list[Contact], plans: Collection[int], dynamic
                 raise InputError(
                     f"contact {contact.name!r}: {port.label} is a half-space, which is elastic only under the cells of "
                     f'grid="contact_fixed", not used here: {reason}; reduce its body from a mesh'
+                )
+            if i not in plans and port.surface.shape.profile().height is not None:
+                reason = _why_not(contact, contacts, dynamic) or f'it has grid="{contact.grid}"'
+                raise InputError(
+                    f"contact {contact.name!r}: {port.label} is of kind {port.surface.shape.kind}, whose contact is on "
+                    f'the cells of grid="contact_fixed" only, not used here: {reason}'
                 )
 
 
