@@ -292,7 +292,7 @@ def test_a_sweep_that_is_ended_keeps_what_is_done_and_leaves_no_process(
     found = wf.study.open_sweep(store)  # the last rows may have been quicker than the signal
     assert found.counts.get("completed", 0) >= 1
     if out.strip() == "unfinished":
-        assert "go on with resume=True" in err
+        assert "continue with resume=True" in err
     assert np.array_equal(run(store, resume=True)[NAME], alone)
 
 

@@ -322,7 +322,7 @@ def scan(model: Model, w: int, pair: int, A: int, B: int, view: View, geometry: 
             if around or i < SCAN:
                 after = gap_at(model, A, B, view, theta + (first + spacing * real(i)) * pitch, z)
             if i > 0:
-                if here < before - TIE * model.length and here <= after:
+                if here < before - TIE * model.length and here <= after + TIE * model.length:
                     x = settle(model, A, B, view, first + spacing * real(i - 1), z)
                     g = gap_at(model, A, B, view, theta + x * pitch, z)
                     if g < best - TIE * model.length:

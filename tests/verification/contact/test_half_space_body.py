@@ -66,6 +66,22 @@ def test_a_ball_on_a_rigid_plane(load: float) -> None:
     assert found.half_widths[0] == pytest.approx([exact.half_width] * 2, rel=CLOSE)
 
 
+def test_a_cap_presses_at_the_nearest_place_between_two_angles_of_the_scan() -> None:
+    """Which are 15 degrees apart; their gaps are equal but for round-off."""
+    radius, scene = 5 * RADIUS, wf.Scene()
+    cap = wf.surfaces.Sphere(radius=radius, axis_point=(0, 0, -radius), axis_direction=(0, 1, 0))
+    body = scene.add_body(
+        body_of(cap, (-HALF_WIDTH, HALF_WIDTH), free_ends=False), name="body", position=(0, 0, -1e-6),
+        rotation={"axis": (1, 0, 0), "angle": np.pi},
+    )  # fmt: skip
+    scene.add(wf.joints.Prismatic(scene.ground, body["center"], axis=(0, 0, 1)))
+    scene.add(wf.forces.PointForce(body["center"], (0, 0, -200.0)))
+    scene.add(wf.Contact(body["skin"], scene.ground.surface(PLANE, name="face"), name="touch", cell_error=FINE))
+    found = wf.equilibrium(scene, progress=False).contact("touch")
+    exact = PointContact(200.0, radius, contact_modulus(STEEL))
+    assert found.peak_pressure[0] == pytest.approx(exact.peak_pressure, rel=CLOSE)
+
+
 def test_two_elastic_bodies_of_unlike_materials() -> None:
     table = body_of(PLANE, ((-HALF_WIDTH, HALF_WIDTH), (-HALF_WIDTH, HALF_WIDTH)), BRONZE, free_ends=False)
     ball = body_of(BALL, (-HALF_WIDTH, HALF_WIDTH), free_ends=False)
