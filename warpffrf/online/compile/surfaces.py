@@ -93,9 +93,10 @@ def fill_surfaces(collector: Collector, m: Model) -> np.ndarray:
 
 
 class Curves:
-    """The curves of extruded surfaces, one behind the other."""
+    """The curves of extruded surfaces, one behind the other, each once: a flank meets several teeth."""
 
     def __init__(self) -> None:
+        self.found: dict[int, dict[str, object]] = {}  # by identity of the curve, which its surface keeps
         self.knots: list[np.ndarray] = []
         self.pieces: list[np.ndarray] = []
         self.seeds: list[np.ndarray] = []
@@ -108,16 +109,19 @@ class Curves:
                 "curve_start": start, "curve_count": 0, "curve_length": 0.0, "seed_start": seed_start,
                 "seed_columns": 0, "seed_rows": 0, "seed_corner": np.zeros(2), "seed_pitch": 1.0,
             }  # fmt: skip
-        corner, pitch, seeds = curve.seeds()
+        if id(curve) in self.found:
+            return self.found[id(curve)]
+        corner, pitch, seeds = curve.seeds
         pieces = curve.coefficients.reshape(-1, 8)
         self.knots.append(curve.knots)
         self.pieces.append(np.concatenate([pieces, np.zeros((1, 8))]))
         self.seeds.append(seeds.astype(np.int32).ravel())
-        return {
+        self.found[id(curve)] = {
             "curve_start": start, "curve_count": len(pieces), "curve_length": curve.length if curve.closed else 0.0,
             "seed_start": seed_start, "seed_columns": seeds.shape[0], "seed_rows": seeds.shape[1],
             "seed_corner": corner, "seed_pitch": pitch,
         }  # fmt: skip
+        return self.found[id(curve)]
 
 
 def _frame(surface: ContactSurface | RigidSurface) -> np.ndarray:
