@@ -2,7 +2,7 @@
 
 A closed box about three parallel shafts along y: two walls across the shafts with a round bore for each bearing, and
 between them a shell. Facet groups `NAME_front` and `NAME_back`, the bores of the shafts `input`, `middle` and `output`
-in the walls at y < 0 and y > 0, and `foot_1` to `foot_4`, the corners of the bottom. Around a bore the cells form a
+in the walls at y < 0 and y > 0, and `feet`, the corners of the bottom. Around a bore the cells form a
 ring between its circle and a rectangle, the rest of a wall is a grid.
 Run: python demos/data/make_gearbox_housing.py
 """
@@ -17,11 +17,11 @@ import numpy as np
 import warpffrf as wf
 from warpffrf.model.mesh.shapes.disc import assembled, refined
 
-BORES = {"input": (0.0, 23.5e-3), "middle": (60e-3, 26e-3), "output": (160e-3, 31e-3)}  # x and radius
-BLOCKS = {"input": (-30e-3, 30e-3), "middle": (30e-3, 90e-3), "output": (118e-3, 202e-3)}  # x of the rectangles
-ENDS, SHELL, HEIGHT, BLOCK = (-42e-3, 250e-3), 8e-3, 95e-3, 42e-3  # x; thickness; half heights
+BORES = {"input": (0.0, 26e-3), "middle": (75e-3, 31e-3), "output": (195e-3, 36e-3)}  # x and radius
+BLOCKS = {"input": (-37.5e-3, 37.5e-3), "middle": (37.5e-3, 112.5e-3), "output": (149e-3, 241e-3)}  # x of the rectangles
+ENDS, SHELL, HEIGHT, BLOCK = (-46e-3, 304e-3), 8.5e-3, 110e-3, 46e-3  # x; thickness; half heights
 WALLS = ((-58e-3, -42e-3), (42e-3, 58e-3))  # y
-FOOT = 30e-3  # width of a foot along x
+FOOT = 36e-3  # width of a foot along x
 AROUND, RADIAL, ALONG = 4, 2, 4  # cells: on each side of a rectangle, of a ring, between the walls
 FOLDER = Path(__file__).parent
 
@@ -29,7 +29,7 @@ FOLDER = Path(__file__).parent
 def housing() -> wf.mesh.Mesh:
     """The mesh with its facet sets."""
     blocks = [np.linspace(*ends, AROUND + 1) for ends in BLOCKS.values()]
-    beyond = np.array([226e-3, ENDS[1] - SHELL, ENDS[1]])
+    beyond = np.array([268e-3, ENDS[1] - SHELL, ENDS[1]])
     x = np.unique(np.round(np.concatenate([[ENDS[0]], *blocks, beyond]), 9))
     up = np.concatenate([np.linspace(BLOCK, HEIGHT - SHELL, 3), [HEIGHT]])
     z = np.concatenate([-up[::-1], np.linspace(-BLOCK, BLOCK, AROUND + 1)[1:-1], up])
@@ -49,10 +49,12 @@ def housing() -> wf.mesh.Mesh:
                 lattices.append(_standing(part, rows))
     mesh = assembled(lattices, 2, sets, "gearbox housing")
     mesh = mesh.select_plane("bottom", point=(0, 0, -HEIGHT), normal=(0, 0, -1))
-    corners = [(a, b) for a in (ENDS[0], ENDS[1] - FOOT) for b in (WALLS[0][0], WALLS[1][0])]
-    for number, (a, b) in enumerate(corners, start=1):
-        low, high = (a, b, -np.inf), (a + FOOT, b + np.diff(WALLS[0])[0], np.inf)
-        mesh = mesh.select_box(f"foot_{number}", from_set="bottom", low=low, high=high)
+    inside = np.array([ENDS[0] + FOOT, WALLS[0][1]]), np.array([ENDS[1] - FOOT, WALLS[1][0]])
+
+    def corners(x: np.ndarray) -> np.ndarray:
+        return np.all((x[:, :2] < inside[0]) | (x[:, :2] > inside[1]), axis=1)
+
+    mesh = mesh.select("feet", "bottom", corners)
     return mesh
 
 
