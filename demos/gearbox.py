@@ -60,7 +60,8 @@ def line_load(result: wf.Result, stage: str) -> tuple[np.ndarray, np.ndarray, fl
     gear = result.gear(stage)
     contact = result.contact(gear.contacts[int(np.argmax(gear.load[-1]))])
     middle = result.body(STAGES[stage][0]).position[-1, 1]
-    return middle + contact.cells.z[-1], contact.pressure[-1].max(axis=0), middle + contact.center_of_pressure[-1, 1]
+    center = contact.center_of_pressure[-1, 1]
+    return middle + contact.z[-1], contact.mean_pressure[-1].max(axis=0), middle + center
 
 
 def statics(result: wf.Result, torque: float) -> dict[str, float]:
@@ -107,10 +108,11 @@ def panels(result: wf.Result, torque: float) -> list[Panel]:
         *drawn,
         Panel("Largest pressure along the teeth", "y [mm]", "[MPa]",
               {stage: (1e3 * y, 1e-6 * p) for stage, (y, p, _) in rows.items()}),
-        Panel("Loads of the bearings", label, "[kN]", {"found": (number, np.array(list(found.values())) / 1e3)},
-              points={"statics": (number, np.array(list(known.values())) / 1e3)}),
-        Panel("Displacement of the bores of the housing", label, "[um]",
-              {f"along {c}": (number, 1e6 * moved[:, i]) for i, c in enumerate("xyz")}),
+        Panel("Loads of the bearings", label, "[kN]", {},
+              points={name: (number, np.array(list(of.values())) / 1e3)
+                      for name, of in (("found", found), ("statics", known))}),
+        Panel("Displacement of the bores of the housing", label, "[um]", {},
+              points={f"along {c}": (number, 1e6 * moved[:, i]) for i, c in enumerate("xyz")}),
     ]  # fmt: skip
 
 

@@ -18,7 +18,11 @@ import warpffrf as wf
 from warpffrf.model.mesh.shapes.disc import assembled, refined
 
 BORES = {"input": (0.0, 26e-3), "middle": (75e-3, 31e-3), "output": (195e-3, 36e-3)}  # x and radius
-BLOCKS = {"input": (-37.5e-3, 37.5e-3), "middle": (37.5e-3, 112.5e-3), "output": (149e-3, 241e-3)}  # x of the rectangles
+BLOCKS = {
+    "input": (-37.5e-3, 37.5e-3),
+    "middle": (37.5e-3, 112.5e-3),
+    "output": (149e-3, 241e-3),
+}  # x of the rectangles
 ENDS, SHELL, HEIGHT, BLOCK = (-46e-3, 304e-3), 8.5e-3, 110e-3, 46e-3  # x; thickness; half heights
 WALLS = ((-58e-3, -42e-3), (42e-3, 58e-3))  # y
 FOOT = 36e-3  # width of a foot along x
