@@ -56,7 +56,7 @@ def torque_of(result: wf.Result, force: str) -> float:
 
 
 def line_load(result: wf.Result, stage: str) -> tuple[np.ndarray, np.ndarray, float]:
-    """Places along the shafts [m] of the rows of cells, the largest pressures [Pa] there, the centre of pressure [m]."""
+    """Places along the shafts [m] of the rows of cells, the largest pressures [Pa] there, centre of pressure [m]."""
     gear = result.gear(stage)
     contact = result.contact(gear.contacts[int(np.argmax(gear.load[-1]))])
     middle = result.body(STAGES[stage][0]).position[-1, 1]

@@ -1,5 +1,5 @@
-r"""Facet selection by geometry: on a plane, a cylinder or a sphere, in a box, or all that are reachable without crossing
-an edge.
+r"""Facet selection by geometry: on a plane, a cylinder or a sphere, in a box, or all that are reachable without
+crossing an edge.
 
 A facet lies on a surface where all its nodes (those in the middle of edges too) are within a tolerance of it and its
 normal n is not far off the surface's normal m there, `|n . m| >= cos 60 degrees`: the end face of a coarse ring has all

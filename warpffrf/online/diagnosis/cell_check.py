@@ -82,8 +82,8 @@ def cell_check_notes(engine: Engine, checks: Mapping[int, CellCheck]) -> list[st
 
 
 def check_cells(engine: Engine, history: History, sampled: int = SAMPLED) -> dict[int, CellCheck]:
-    """Changes by finer cells by number of the contact, at most `sampled` saved steps of `history` each; of contacts with
-    one plan those of the one with the largest force."""
+    """Changes by finer cells by number of the contact, at most `sampled` saved steps of `history` each; of contacts
+    with one plan those of the one with the largest force."""
     scene, plans = engine.scene, engine.compiled.patches
     found = {i: history.contacts[scene.finite_sliding[i].name] for i in plans}
     forces = {i: np.linalg.norm(record.force, axis=1) for i, record in found.items()}
