@@ -10,6 +10,7 @@ Run: python demos/data/make_gearbox_housing.py
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import meshio
 import numpy as np
@@ -91,9 +92,9 @@ def _standing(section: np.ndarray, y: np.ndarray) -> np.ndarray:
 def write(mesh: wf.mesh.Mesh, file: Path) -> None:
     """Gmsh's format 2.2 with the facet sets of the mesh, but the whole bottom, as groups."""
     names = [name for name in mesh.sets if name != "bottom"]
-    blocks = [("hexahedron27", mesh.single[1]), *(("quad9", mesh.facets(name).single[1]) for name in names)]
+    blocks: Any = [("hexahedron27", mesh.single[1]), *(("quad9", mesh.facets(name).single[1]) for name in names)]
     numbers = [np.full(len(block), n, dtype=np.int32) for n, (_, block) in enumerate(blocks)]
-    data = {"gmsh:physical": numbers, "gmsh:geometrical": [number + 1 for number in numbers]}
+    data: Any = {"gmsh:physical": numbers, "gmsh:geometrical": [number + 1 for number in numbers]}
     groups = {name: np.array([n, 2]) for n, name in enumerate(names, start=1)}
     meshio.write(file, meshio.Mesh(mesh.points, blocks, cell_data=data, field_data=groups), "gmsh22", binary=True)
 
