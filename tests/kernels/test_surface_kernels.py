@@ -279,7 +279,7 @@ def test_ends_and_depth_of_a_curve_are_those_of_the_host() -> None:
     u = rng.uniform(start - 2e-3, end + 2e-3, 2000)
     x = THIN.at(u) + rng.uniform(-4e-3, 4e-3, 2000)[:, None] * THIN.normal(u)
     foot, distance = THIN.foot(x)
-    known = np.abs(distance + DEPTH) > THIN.seeds()[1]
+    known = np.abs(distance + DEPTH) > THIN.seeds[1]
     found = charted(Numbers(planar=2, curve=THIN), np.column_stack([x, np.zeros(2000)]))
     assert np.allclose(found[known, 2, 0], THIN.gap(x)[known], rtol=0.0, atol=NEWTON)
     past = ((foot < start) | (foot > end)) & known & (distance > -DEPTH)

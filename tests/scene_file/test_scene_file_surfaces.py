@@ -252,3 +252,37 @@ def test_gears() -> None:
     assert loaded.made["meshes"]["disc"].sets["rim"] == 24
     with pytest.raises(wf.InputError, match="scene.toml:4: .* 16 teeth with profile_shift -0.5 .* are undercut"):
         scene_of(text.replace("profile_shift = 0.18", "profile_shift = -0.5"))
+
+
+def test_facet_sets_of_meshes() -> None:
+    """Facets of a generated mesh by a box, and parameters that are tables."""
+    text = """
+        [parameters]
+        tooth = { kind = "gear", module = 4.5e-3, teeth = 16, profile_shift = 0.18 }
+        [meshes.shaft]
+        kind = "roller"
+        outer_radius = 0.02
+        inner_radius = 0.0
+        width = 0.1
+        sectors = 8
+        layers = 1
+        axial = 10
+        order = 1
+        sets = { seat = { from_set = "rim", low = [-inf, 0.02, -inf] } }
+        [meshes.pinion]
+        kind = "gear"
+        gear = "= tooth"
+        width = 14e-3
+        rim_radius = 15e-3
+        teeth = 2
+        order = 1
+        """
+    made = scene_of(text).made["meshes"]
+    assert made["shaft"].sets["seat"] == 3 * 8
+    gear = wf.gears.Gear(4.5e-3, 16, profile_shift=0.18)
+    known = wf.mesh.gear(gear, 14e-3, rim_radius=15e-3, teeth=2, order=1)
+    assert made["pinion"].content_hash() == known.content_hash()
+    with pytest.raises(wf.InputError, match="scene.toml.*: sets: 'seat' must be a table with low, high, from_set"):
+        scene_of(text.replace("from_set =", "of ="))
+    with pytest.raises(wf.InputError, match="scene.toml.*select 'seat': the centre of no facet of 'rim' lies in"):
+        scene_of(text.replace("0.02, -inf]", "0.2, -inf]"))

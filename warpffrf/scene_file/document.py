@@ -234,8 +234,6 @@ def resolved(source: Source) -> Source:
         value = _get(parameters, path)
         if value is None:
             raise InputError(f"there is no parameter {name!r}{suggestion(name, names)}")
-        if isinstance(value, dict):
-            raise InputError(f"parameter {name!r} is a table, not a value")
         if name in busy:
             raise InputError(f"parameter {name!r} depends on itself, through {', '.join(busy)}")
         if name not in done:

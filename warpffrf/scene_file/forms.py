@@ -156,6 +156,26 @@ def listed(kind: type) -> Callable[..., Any]:
     return made
 
 
+def with_sets(call: Callable[..., Any]) -> Callable[..., Any]:
+    """`call`, which makes a mesh, with the facet sets `sets` in addition: {name: arguments of `Mesh.select_box`}."""
+    from warpffrf.model.mesh import Mesh
+
+    @wraps(call)
+    def made(*, sets: dict[str, Any] | None = None, **given: Any) -> Any:
+        mesh = call(**given)
+        for name, box in (sets or {}).items():
+            known = tuple(inspect.signature(Mesh.select_box).parameters)[2:]
+            if not isinstance(box, dict) or not set(box) <= set(known):
+                raise InputError(f"sets: {name!r} must be a table with {', '.join(known)}, got {brief(box)}")
+            mesh = mesh.select_box(name, **box)
+        return mesh
+
+    own = inspect.Parameter("sets", inspect.Parameter.KEYWORD_ONLY, default=None, annotation="dict | None")
+    parameters = (p.replace(kind=p.KEYWORD_ONLY) for p in inspect.signature(call).parameters.values())
+    setattr(made, "__signature__", inspect.Signature([*parameters, own]))  # noqa: B010
+    return made
+
+
 def estimated_elements(designation: Any) -> int:
     """Number of elements of a bearing of the catalogue; 0 of an unknown one, which is refused when it is made."""
     from warpffrf.model.bearings.designations import boundary, estimate
@@ -422,15 +442,15 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     found = {
         "materials": {"": form_of("material", Material, {}, ("name",))},
         "meshes": {
-            "roller": form_of("roller", mesh.roller, {}),
-            "box": form_of("box", mesh.box, {}),
-            "grid": form_of("grid", mesh.grid, {}),
-            "cage": form_of("cage", mesh.cage, {}),
-            "cam": form_of("cam", mesh.cam, {"curve": "value"}),
-            "gear": form_of("gear", mesh.gear, {"gear": "value"}),
-            "read": form_of("mesh file", mesh.read, paths),
-            "from_matrices": form_of("matrices", mesh.from_matrices, paths, ("name",)),
-            "cut": form_of("cut", cut, {"mesh": "meshes"}),
+            "roller": form_of("roller", with_sets(mesh.roller), {}),
+            "box": form_of("box", with_sets(mesh.box), {}),
+            "grid": form_of("grid", with_sets(mesh.grid), {}),
+            "cage": form_of("cage", with_sets(mesh.cage), {}),
+            "cam": form_of("cam", with_sets(mesh.cam), {"curve": "value"}),
+            "gear": form_of("gear", with_sets(mesh.gear), {"gear": "value"}),
+            "read": form_of("mesh file", with_sets(mesh.read), paths),
+            "from_matrices": form_of("matrices", with_sets(mesh.from_matrices), paths, ("name",)),
+            "cut": form_of("cut", with_sets(cut), {"mesh": "meshes"}),
         },
         "reduced_bodies": {
             "reduce": form_of(

@@ -5,7 +5,7 @@ Expressions. A text that begins with "=" is evaluated from numbers and the param
     "= 2 * outer_radius"    "= upper.load / (pi * sqrt(area))"    "= -speed"
 
 Expressions consist of numbers, dotted names of parameters, pi, + - * / **, brackets, and the functions below. A
-single name returns the parameter unchanged: a text, a number, true or false, or a list.
+single name returns the parameter unchanged: a text, a number, true or false, a list, or a table.
 """
 
 from __future__ import annotations

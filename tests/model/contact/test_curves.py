@@ -88,8 +88,8 @@ def test_ends_are_edges_and_depths_are_limits() -> None:
     end = np.linalg.norm(points[2] - [R, 0.0])
     assert curve.gap(points) == pytest.approx([radius[0], radius[1], end, radius[3]], abs=HERMITE * R)
     assert thin.gap(points) == pytest.approx([radius[0], -radius[1], end, radius[3]], abs=HERMITE * R)
-    pieces = thin.seeds()[2]
-    assert pieces.min() < 0 and np.all(curve.seeds()[2] >= 0)
+    pieces = thin.seeds[2]
+    assert pieces.min() < 0 and np.all(curve.seeds[2] >= 0)
     with pytest.raises(InputError, match="a closed curve has no depth"):
         replace(CIRCLES["of an arc"], depth=0.1 * R)
 

@@ -146,3 +146,17 @@ def test_selected_facets_keep_their_orientation() -> None:
         x = mesh.points[nodes]
         assert np.all(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])[:, 2] > 0.0)
     assert cell_kind("hex8").corner_count == 8
+
+
+def test_box() -> None:
+    """The upper end of a roller, a quarter of its rim, and boxes that contain nothing or are none."""
+    mesh = roller()
+    found = mesh.select_box("upper", low=(-np.inf, 0.4 * WIDTH, -np.inf), from_set="ends")
+    known = mesh.select("known", "ends", lambda x: x[:, 1] > 0)
+    assert same_facets(found.facets("upper"), known.facets("known"))
+    quarter = mesh.select_box("quarter", low=(0.0, -1.0, 0.0), high=1.0, from_set="rim")
+    assert quarter.sets["quarter"] == mesh.sets["rim"] // 4
+    with pytest.raises(InputError, match="the centre of no facet of 'rim' lies in the box; they lie between"):
+        mesh.select_box("none", low=1.0, from_set="rim")
+    with pytest.raises(InputError, match="low must be three numbers"):
+        mesh.select_box("none", low=(0.0, 0.0), from_set="rim")

@@ -160,3 +160,14 @@ def test_a_pair_of_no_rows() -> None:
 def test_an_unknown_pair() -> None:
     with pytest.raises(wf.InputError, match="no gear pair called 'gear'"):
         cycle().gear("gear")
+
+
+def test_all_pairs_of_teeth_of_a_revolution_are_no_faults() -> None:
+    """Each flank meets several teeth; those of other angles neither face each other nor close, which is no note."""
+    scene = on_shafts(RELIEVED, angle_at(RELIEVED, 6e-3), 200.0, rotation=None)
+    assert len(scene.contacts) == 48
+    result = wf.equilibrium(scene, progress=False)
+    assert np.count_nonzero(result.gear("mesh").load[-1]) == 2
+    assert not [note for note in result.history.notes if "face each other" in note or "not closed" in note or "apart" in note]
+    checks = result.history.cell_checks
+    assert len(checks) == 2 and len({id(check) for check in checks.values()}) == 1  # equal teeth, compared once

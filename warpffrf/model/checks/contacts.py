@@ -186,7 +186,7 @@ def out_of_reach(scene: Scene, gaps: dict[str, Nearest | None]) -> list[str]:
     """One message per such pair; `gaps`: `facing_gap` by the name of the pairs to check."""
     told, free = [], None
     for contact in scene.finite_sliding:
-        if contact.name not in gaps:
+        if contact.name not in gaps or contact.meeting is not None:  # teeth that are to meet later
             continue
         near, size = gaps[contact.name], _size(contact)
         said = f"contact {contact.name!r}: {contact.a.label} and {contact.b.label}"

@@ -216,6 +216,12 @@ class Mesh(reprs.Shown):
         tolerance [m], from_set and errors: as for `select_plane`."""
         return selection.sphere(self, name, center=center, radius=radius, tolerance=tolerance, from_set=from_set)
 
+    def select_box(self, name: str, *, low: Any = -np.inf, high: Any = np.inf, from_set: str | None = None) -> Mesh:
+        """A new mesh with the facet set `name`: the facets of `from_set`, None for all outer ones, whose centres, the
+        means of their corners, lie between the corners `low` and `high` (3,) [m, user frame] of a box along the axes;
+        -inf and inf for no limit. Raises `InputError` for a used name and for an empty selection."""
+        return selection.box(self, name, low=low, high=high, from_set=from_set)
+
     def select_feature(self, name: str, *, seed: Any, angle: float = 30.0, from_set: str | None = None) -> Mesh:
         """A new mesh with the facet set `name`: all facets reachable from the one nearest `seed` (3,) [m] without
         crossing an edge of more than `angle` [degrees]. from_set: the facet set to stay in; None: all outer facets.

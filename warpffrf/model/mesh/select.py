@@ -1,4 +1,5 @@
-r"""Facet selection by geometry: on a plane, a cylinder or a sphere, or all facets reachable without crossing an edge.
+r"""Facet selection by geometry: on a plane, a cylinder or a sphere, in a box, or all that are reachable without
+crossing an edge.
 
 A facet lies on a surface where all its nodes (those in the middle of edges too) are within a tolerance of it and its
 normal n is not far off the surface's normal m there, `|n . m| >= cos 60 degrees`: the end face of a coarse ring has all
@@ -139,6 +140,30 @@ def feature(mesh: Mesh, name: str, *, seed: Any, angle: float = 30.0, from_set: 
     graph = coo_matrix((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(len(source),) * 2)
     label = connected_components(graph, directed=False)[1]
     return _with_set(mesh, name, source.kept(label == label[owner[start]]))
+
+
+def box(mesh: Mesh, name: str, *, low: Any = -np.inf, high: Any = np.inf, from_set: str | None = None) -> Mesh:
+    """A new mesh with the facet set `name`: the facets whose centres, the means of their corners, lie between the
+    corners `low` and `high` (3,) [m] of a box along the axes, -inf and inf for no limit.
+
+    Raises `InputError` for a used name and for an empty selection, with the box around the centres.
+    """
+    ends = []
+    for label, value in (("low", low), ("high", high)):
+        try:
+            ends.append(np.broadcast_to(np.asarray(value, dtype=np.float64), 3))
+        except (TypeError, ValueError):
+            raise InputError(f"select {name!r}: {label} must be three numbers, got {value!r}") from None
+    source = _source(mesh, name, from_set)
+    centers = source.centers(mesh.points)
+    keep = np.all((centers >= ends[0]) & (centers <= ends[1]), axis=1)
+    if not keep.any():
+        where = "outer facet" if from_set is None else f"facet of {from_set!r}"
+        raise InputError(
+            f"select {name!r}: the centre of no {where} lies in the box; they lie between {_place(centers.min(axis=0))}"
+            f" and {_place(centers.max(axis=0))}; correct low and high"
+        )
+    return _with_set(mesh, name, source.kept(keep))
 
 
 def _on_surface(

@@ -193,18 +193,22 @@ class Curve:
         material; beyond an end those of the tangent there."""
         p = np.asarray(points, float)
         places, tree = self._samples
-        u = places[tree.query(p.reshape(-1, 2))[1].reshape(p.shape[:-1])]
-        limit = 2.0 * np.diff(self.knots).max()
+        off = p.reshape(-1, 2)
+        found = places[tree.query(off)[1]]
+        limit, moving = 2.0 * np.diff(self.knots).max(), np.arange(len(found))
         for _ in range(FOOT_STEPS):
-            off, slope = p - self.at(u), self.at(u, 1)
+            u = found[moving]
+            away, slope = off[moving] - self.at(u), self.at(u, 1)
             square = np.sum(slope**2, axis=-1)
-            steep = np.maximum(square - np.sum(off * self.at(u, 2), axis=-1), FLATTEST * square)
-            step = np.sum(off * slope, axis=-1) / steep
+            steep = np.maximum(square - np.sum(away * self.at(u, 2), axis=-1), FLATTEST * square)
+            step = np.sum(away * slope, axis=-1) / steep
             beyond = ~np.asarray(self.closed) & ((u <= self.knots[0]) | (u >= self.knots[-1]))
             step = np.where(beyond, step, np.clip(step, -limit, limit))
-            u = u + step
-            if not np.any(np.abs(step) > FOOT_STALLED * self.length):
+            found[moving] = u + step
+            moving = moving[np.abs(step) > FOOT_STALLED * self.length]
+            if not len(moving):
                 break
+        u = found.reshape(p.shape[:-1])
         if self.closed:
             u = self.knots[0] + np.remainder(u - self.knots[0], self.length)
         return u, np.sum((p - self.at(u)) * self.normal(u), axis=-1)
@@ -220,6 +224,7 @@ class Curve:
         distance = np.where(ends == u, distance, np.linalg.norm(p - self.at(ends), axis=-1))
         return distance if self.depth is None else np.where(distance < -self.depth, -distance, distance)
 
+    @cached_property
     def seeds(self) -> tuple[Array, float, Array]:
         """Lower corner (2,) [m] and pitch [m] of a lattice, and the piece (columns, rows) nearest to the centre of
         each of its cells, -1 - piece below `depth`."""

@@ -94,9 +94,10 @@ def fill_surfaces(collector: Collector, m: Model) -> np.ndarray:
 
 
 class Curves:
-    """The curves of extruded surfaces, and the pieces of heights, one behind the other."""
+    """The curves of extruded surfaces, each once as a flank meets several teeth, and the pieces of heights."""
 
     def __init__(self) -> None:
+        self.found: dict[int, dict[str, object]] = {}  # by identity of the curve, which its surface keeps
         self.knots: list[np.ndarray] = []
         self.pieces: list[np.ndarray] = []
         self.seeds: list[np.ndarray] = []
@@ -115,15 +116,18 @@ class Curves:
             return found | {"seed_columns": columns, "seed_rows": rows, "seed_corner": -height.half}
         if curve is None:
             return found
-        corner, pitch, seeds = curve.seeds()
+        if id(curve) in self.found:
+            return self.found[id(curve)]
+        corner, pitch, seeds = curve.seeds
         pieces = curve.coefficients.reshape(-1, 8)
         self.knots.append(curve.knots)
         self.pieces.append(np.concatenate([pieces, np.zeros((1, 8))]))
         self.seeds.append(seeds.astype(np.int32).ravel())
-        return found | {
+        self.found[id(curve)] = found | {
             "curve_count": len(pieces), "curve_length": curve.length if curve.closed else 0.0,
             "seed_columns": seeds.shape[0], "seed_rows": seeds.shape[1], "seed_corner": corner, "seed_pitch": pitch,
         }  # fmt: skip
+        return self.found[id(curve)]
 
 
 def _frame(surface: ContactSurface | RigidSurface) -> np.ndarray:

@@ -82,27 +82,33 @@ def cell_check_notes(engine: Engine, checks: Mapping[int, CellCheck]) -> list[st
 
 
 def check_cells(engine: Engine, history: History, sampled: int = SAMPLED) -> dict[int, CellCheck]:
-    """Changes by finer cells by number of the contact, at most `sampled` saved steps of `history` each."""
+    """Changes by finer cells by number of the contact, at most `sampled` saved steps of `history` each; of contacts
+    with one plan those of the one with the largest force."""
     scene, plans = engine.scene, engine.compiled.patches
     found = {i: history.contacts[scene.finite_sliding[i].name] for i in plans}
     forces = {i: np.linalg.norm(record.force, axis=1) for i, record in found.items()}
     if not any(np.any(force > 0.0) for force in forces.values()):
         return {}
-    widths = {i: _widths(found[i], forces[i]) for i in plans}
-    few = {
-        i: plan.spread(scene.finite_sliding[i], min(plan.columns, FEW[0]), min(len(plan.z), FEW[1]), *widths[i])
-        for i, plan in plans.items()
-    }
-    checks = {}
+    alike: dict[int, list[int]] = {}  # contacts by their plan, which all pairs of teeth of two gears share
     for i, plan in plans.items():
-        loaded = _loaded(forces[i])
+        alike.setdefault(id(plan), []).append(i)
+    few, widths = {}, {}
+    for group in alike.values():
+        plan, ends = plans[group[0]], np.array([_widths(found[i], forces[i]) for i in group])
+        width = widths[group[0]] = float(ends[:, 0].min()), float(ends[:, 1].max())
+        size = min(plan.columns, FEW[0]), min(len(plan.z), FEW[1])
+        few |= dict.fromkeys(group, plan.spread(scene.finite_sliding[group[0]], *size, *width))
+    checks = {}
+    for group in alike.values():
+        i = max(group, key=lambda one: forces[one].max(initial=0.0))
+        plan, loaded = plans[i], _loaded(forces[i])
         if not len(loaded):
             continue
         rows = _sampled(loaded, forces[i], sampled)
         size = plan.columns, len(plan.z)
         finer = size[0] * size[1] < MANY
         across, along = (2 * n - 1 if finer else (n + 1) // 2 | 1 for n in size)
-        other = plan.spread(scene.finite_sliding[i], across, along, *widths[i])
+        other = plan.spread(scene.finite_sliding[i], across, along, *widths[group[0]])
         at_own, at_other = (_at_rest(engine, history, rows, i, {**few, i: cells}) for cells in (plan, other))
         apart = [
             _apart(at_own[t], at_other[t]) for t in rows if t in at_own and t in at_other and at_own[t].force > 0.0
@@ -110,7 +116,8 @@ def check_cells(engine: Engine, history: History, sampled: int = SAMPLED) -> dic
         second, first = (4.0 / 3.0, 1.0 / np.hypot(1.0, 0.5)) if finer else (1.0 / 3.0, 1.0 / np.hypot(1.0, 2.0))
         force, largest, field = np.max([np.zeros(3), *apart], axis=0) * np.array([second, second, first])
         seen = tuple(rows) if apart else ()
-        checks[i] = CellCheck(float(force), float(largest), float(field), seen, finer)
+        check = CellCheck(float(force), float(largest), float(field), seen, finer)
+        checks |= {k: check for k in group if np.any(forces[k] > 0.0)}
     return checks
 
 

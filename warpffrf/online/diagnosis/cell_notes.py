@@ -296,7 +296,7 @@ def near_patches(scene: Scene, history: History) -> list[str]:
         for contact in scene.finite_sliding
         if contact.name in history.contacts and history.contacts[contact.name].cells is not None
         for side, port in enumerate(contact.ports)
-        if not port.rigid
+        if not port.rigid and not port.surface.half_space
     ]
     notes = []
     for i, (contact, port, side) in enumerate(sides):

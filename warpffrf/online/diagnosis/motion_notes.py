@@ -211,14 +211,14 @@ def untouched_notes(scene: Scene, history: History) -> list[str]:
                 f"it, or it is too shallow for columns {surface.grid.pitch * radius:.2g} m apart; use a finer mesh "
                 f"(half_width=), {CELLS}"
             )
-    notes += out_of_reach(scene, {c.name: facing_gap(c) for c in apart})
+    notes += out_of_reach(scene, {c.name: facing_gap(c) for c in apart if c.meeting is None})
     gaps = {c.name: -float(np.max(history.contacts[c.name].approach)) for c in apart}
     gaps |= {
         name: -float(np.max(found.approach))
         for name, found in history.lumped_contacts.items()
         if len(found.approach) and not np.any(found.force != 0.0)
     }
-    beyond = _beyond_load_zones(scene, gaps)
+    beyond = _beyond_load_zones(scene, gaps) | _out_of_mesh(scene, gaps)
     open_ones = [
         f"{name!r} ({gap:.2g} m apart at least)" if np.isfinite(gap) else repr(name)
         for name, gap in gaps.items()
@@ -235,6 +235,12 @@ def _beyond_load_zones(scene: Scene, gaps: Mapping[str, float]) -> set[str]:
     """Names of the contacts of bearings that carry load: those of elements outside the load zone, and ribs."""
     carry = [b for b in scene.bearings if any(c.name not in gaps for side in SIDES for c in b.contacts_of(side))]
     return {str(contact.name) for bearing in carry for contact in bearing.contacts.values()}
+
+
+def _out_of_mesh(scene: Scene, gaps: Mapping[str, float]) -> set[str]:
+    """Names of the contacts of gear pairs that carry load: those of teeth which meet at other angles."""
+    carry = [pair for pair in scene.gears if any(c.name not in gaps for c in pair.contacts.values())]
+    return {str(contact.name) for pair in carry for contact in pair.contacts.values()}
 
 
 def _saved(scene: Scene, history: History) -> list[Contact]:

@@ -35,6 +35,7 @@ def patch_plans(
     two surfaces. dynamic: indices of bodies whose local modes have inertia; off_end: as `PatchPlan.of`.
     """
     plans: dict[int, PatchPlan] = {}
+    alike: dict[int, PatchPlan] = {}  # pairs of teeth of two gears are, by identity of where they meet
     notes = []
     for i, contact in enumerate(contacts):
         asked = contact.grid == "contact_fixed"
@@ -50,7 +51,9 @@ def patch_plans(
                 )
             continue
         try:
-            plans[i] = PatchPlan.of(contact, off_end=off_end)
+            plans[i] = alike.get(id(contact.meeting)) or PatchPlan.of(contact, off_end=off_end)
+            if contact.meeting is not None:
+                alike[id(contact.meeting)] = plans[i]
         except InputError as error:
             if asked or any(port.surface.half_space for port in contact.ports if not port.rigid):
                 raise
@@ -72,7 +75,7 @@ def patch_plans(
         f"contact {contacts[i].name!r}: pressures on the contact-fixed grid, for which its bodies were "
         'reduced (contact_fixed); grid="body_fixed" uses the other one'
         for i in plans
-        if contacts[i].grid == "auto"
+        if contacts[i].grid == "auto" and not any(p.surface.half_space for p in contacts[i].ports if not p.rigid)
     ]
     return plans, notes
 
