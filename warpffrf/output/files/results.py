@@ -48,6 +48,7 @@ from warpffrf.model.files import hdf5_parts
 from warpffrf.model.files.hdf5_parts import member, read
 from warpffrf.model.files.paths import check_ending, checked_output_path
 from warpffrf.model.files.sealed_file import check_schema, verify, written_sealed
+from warpffrf.model.messages.status import Status
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.file import read_reduced_body
 from warpffrf.model.surfaces import from_description
@@ -238,7 +239,7 @@ def get_history(file: Any, scene: SceneView | None = None) -> History:
     return History(
         scene=_get_scene(file) if scene is None else scene,
         energy={line: energy[:, n] for n, line in enumerate(json.loads(file.attrs["energy_lines"]))},
-        status=str(file.attrs["status"]),
+        status=Status(str(file.attrs["status"])),
         message=str(file.attrs["message"]),
         counters={str(k): float(v) for k, v in json.loads(file.attrs["counters"]).items()},
         notes=[str(note) for note in json.loads(file.attrs["notes"])],
