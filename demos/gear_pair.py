@@ -109,8 +109,8 @@ def panels(results: dict[str, wf.Result]) -> list[Drawn]:
 
 
 def main(out: str | Path = "out/gear_pair", *, quick: bool = False, progress: bool = True) -> list[wf.Result]:
-    """Write gear_pair.png, and an .h5 and .rrd file of the largest load, into the folder `out` and print the figures;
-    quick: fewer steps, the largest load only."""
+    """Write gear_pair.h5, .rrd and .png of the largest load into the folder `out` and print the figures; quick: fewer
+    steps, the largest load only."""
     stem, size = Path(out) / "gear_pair", QUICK if quick else FULL
     results = {
         f"{name}, {torque:g} N m": wf.static(build(torque), 1.0, step=1.0 / size.steps, progress=progress)

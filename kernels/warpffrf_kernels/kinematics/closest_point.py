@@ -5,9 +5,10 @@ section z of A its minima with respect to the angle (for a plane, the position) 
 
     dg/dtheta = grad d_B . dx_A/dtheta.
 
-A step begins with a scan of the whole surface: in three sections every minimum among SCAN angles is refined by secants
-over half a column, and a secant that leaves the bracket is replaced by bisection. From the smallest of them the closest
-point is found by Newton's method on the chart, with finite differences of the gradient for the second derivatives;
+A step begins with a scan of the whole surface: in three sections every minimum among SCAN angles is refined by secants,
+the first over half a column, and a secant that leaves the bracket is replaced by bisection. (With secants over half a
+column only, a point where the curvature changes over less would be left by its error, which is of the order of SETTLED
+and another one in each iteration of a step.) From the smallest of them the closest point is found by Newton's method on the chart, with finite differences of the gradient for the second derivatives;
 directions without curvature of the gap are regularised by REGULAR, and steps end at the edges of A's grid. (Its gap is
 recorded as the approach.) Within a step the point is tracked by secants in its section. A constant gap (plane on plane)
 leaves the point in the middle.
@@ -53,7 +54,8 @@ SECTIONS = wp.constant(3)  # both ends and the middle
 # of the scene's length: gaps that differ by less are equal, the middle one is taken
 TIE = wp.constant(wp.float64(1.0e-11))
 SECANTS = wp.constant(40)  # as many bisections of 15 degrees reach 1e-11; secants take five
-SETTLED = wp.constant(wp.float64(1.0e-9))  # columns
+SETTLED = wp.constant(wp.float64(1.0e-9))  # columns, of a step by a secant between two places of the iteration
+CLOSE = wp.constant(wp.float64(1.0e-12))  # columns: a secant between places that are closer is round-off
 LOOKS = wp.constant(33)  # sections of the initial search for the smallest gap: a wheel's flange, root and tread
 STEPS = wp.constant(12)  # of Newton's method from there
 HALVINGS = wp.constant(6)
@@ -177,34 +179,33 @@ def settle(model: Model, A: int, B: int, view: View, start: real, z: real) -> re
     farthest = wp.max(spacing_of(model, A), real(1.0))  # columns per step
     low = real(-1.0e300)  # the bracket: the gap decreases at one end and increases at the other
     high = real(1.0e300)
-    x = start
-    step = int(0)
+    before_x = start + real(0.5)  # the first secant is over half a column
+    before = real(0.0)
+    x = before_x
+    step = int(-1)
     while step < SECANTS:
-        slope = real(0.0)
-        turn = real(0.0)
-        part = int(0)
-        while part < 2:  # here, and half a column further
-            found = slopes(model, A, B, view, x + real(0.5) * real(part), z)[0]
-            turn = found - slope
-            if part == 0:
-                slope = found
-            part += 1
-        to = x
-        if wp.abs(slope) * pitch > flat or turn * pitch > flat:
-            if slope > real(0.0):
-                high = x
-            else:
-                low = x
-            to = x - wp.sign(slope) * farthest
-            if turn * pitch > flat:
-                to = x + wp.clamp(-real(0.5) * slope / turn, -farthest, farthest)
-            if to < low or to > high:
-                to = real(0.5) * (low + high)
-        if not around:
-            to = wp.clamp(to, real(0.0), last)
+        slope = slopes(model, A, B, view, x, z)[0]
+        to = start
+        if step >= 0:
+            to = x
+            turn = (slope - before) / (x - before_x)
+            if wp.abs(slope) * pitch > flat or real(0.5) * turn * pitch > flat:
+                if slope > real(0.0):
+                    high = x
+                else:
+                    low = x
+                to = x - wp.sign(slope) * farthest
+                if real(0.5) * turn * pitch > flat:
+                    to = x + wp.clamp(-slope / turn, -farthest, farthest)
+                if to < low or to > high:
+                    to = real(0.5) * (low + high)
+            if not around:
+                to = wp.clamp(to, real(0.0), last)
         step += 1
-        if wp.abs(to - x) <= SETTLED:
+        if wp.abs(to - x) <= CLOSE or (step > 1 and wp.abs(to - x) <= SETTLED):
             step = SECANTS
+        before_x = x
+        before = slope
         x = to
     return x
 

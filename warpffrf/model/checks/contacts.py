@@ -264,6 +264,7 @@ def _in_itself(port: SurfacePort, length: float) -> np.ndarray:
 
 MOVED = 4.0  # of the deepest overlap: further than a wedge is deep, and near enough for a linear programme
 NEARER = 12.0  # of it: wider gaps stay open in such a motion of both bodies and a rotation
+TOUCHING = 1e-9  # of the scene's length: overlaps of surfaces that were placed in touch, by round-off
 SHALLOW = 1e-7  # of the deepest overlap: residual of the linear programme
 TAKES_PART = 1e-6  # of all multipliers
 
@@ -318,11 +319,10 @@ def find_wedge(scene: Scene, gaps: dict[str, Nearest | None] | None = None) -> W
     if gaps is None:
         gaps = {contact.name: facing_gap(contact) for contact in scene.finite_sliding}
     nearest = {name: near for name, near in gaps.items() if near is not None}
-    deepest = -min((near[0] for near in nearest.values()), default=0.0)
-    if deepest <= 0.0:
+    deepest, length = -min((near[0] for near in nearest.values()), default=0.0), scene_length(scene)
+    if deepest <= TOUCHING * length:
         return None
     pairs = [contact for contact in scene.finite_sliding if contact.name in nearest]
-    length = scene_length(scene)
     samples = [gap_samples(contact, nearest[contact.name]).below(NEARER * deepest) for contact in pairs]
     gradients = np.vstack([
         _gradients(contact, sample, len(scene.bodies), length) for contact, sample in zip(pairs, samples, strict=True)
