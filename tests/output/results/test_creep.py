@@ -139,7 +139,7 @@ def test_a_cone_creeps_by_the_radius_at_its_center() -> None:
             second_body=SimpleNamespace(name="b"),
         ),
         bodies={"a": SimpleNamespace(angular_velocity=rate * np.array([[1.0, 0, 0]]), rotation=TIPPED)},
-        patch_center=np.array([[theta, z]]), creep_place=np.array([[theta, z_0]]),
+        patch_center=np.array([[theta, z]]), creep_place=np.array([[theta, z_0]]), side=1.0,
     )  # fmt: skip
     drift = -0.03  # of the other body's plane
     found = center_creep(contact, np.array([[rate * float(cone.radius_at(z_0)) + drift, 0.0]]))

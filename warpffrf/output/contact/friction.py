@@ -40,11 +40,13 @@ rigid-body slip of the surfaces is
 
 the first (A) against the second (B), with the creep c at the centre (J. J. Kalker, Three-Dimensional Elastic Bodies in
 Rolling Contact, 1990, with the longitudinal direction along e_theta, the lateral one along t_z). The run records the
-tangential creep c' at the place x', a neighbouring cell or the middle of given rows, so that at the centre x_C
+creep in a neighbouring column, from which the same equations give that of the column of the centre x_C, and there in
+the middle x' of the rows, so that
 
-    c_i = t_i.(c'_1 t'_1 + c'_2 t'_2 + (omega_A - omega_B) x (x_C - x')),
+    c_i = t_i.(c'_1 t'_1 + c'_2 t'_2 + c'_n n' + (omega_A - omega_B) x (x_C - x')),
 
-t, t' the tangents at both: on a tread the radius at x_C is another one. Tractions on the first body have the moment
+t, t' the tangents at both: on a tread the radius at x_C is another one. c'_n n' is the velocity along the normal n' at
+x' with which the one along n at x_C is zero, as the surfaces touch. Tractions on the first body have the moment
 
     M_z = n.sum (x - x_C) x A (tau_1 e_theta + tau_2 t_z),
 
@@ -348,10 +350,14 @@ def center_creep(contact: Any, creep: np.ndarray) -> np.ndarray:
     """Creep (T, 2) [m/s] along (e_theta, t_z) at the centre, from the recorded `creep` (T, 2)."""
     shape, offset = contact.view.first.shape, grid_theta_offset(contact.view.first)
     (theta, z), (theta_0, z_0) = contact.patch_center.T, contact.creep_place.T
-    away = shape.point(theta + offset, z) - shape.point(theta_0 + offset, z_0)
-    recorded = np.stack(tangents(shape, theta_0 + offset, z_0))  # (2, T, 3)
-    velocity = np.einsum("td,dtk->tk", creep, recorded) + np.cross(relative_rotation(contact), away)
-    return np.einsum("tk,dtk->td", velocity, np.stack(tangents(shape, theta + offset, z)))
+    around = contact.side * np.asarray(shape.radius_at(z_0)) * (theta - theta_0)
+    creep = np.asarray(creep, dtype=float) + np.stack([0.0 * around, spin_velocity(contact) * around], axis=1)
+    theta = theta + offset
+    velocity = np.einsum("td,dtk->tk", creep, tangents(shape, theta, z_0))
+    velocity = velocity + np.cross(relative_rotation(contact), shape.point(theta, z) - shape.point(theta, z_0))
+    n, n_0 = shape.normal(theta, z), shape.normal(theta, z_0)
+    velocity = velocity - n_0 * (np.einsum("tk,tk->t", velocity, n) / np.einsum("tk,tk->t", n_0, n))[:, None]
+    return np.einsum("tk,dtk->td", velocity, tangents(shape, theta, z))
 
 
 def spin_moment(contact: Any) -> np.ndarray:
