@@ -45,7 +45,7 @@ def sample(shape, count: int = 40, seed: int = 3) -> tuple[np.ndarray, np.ndarra
 
 
 def test_every_kind_is_here() -> None:
-    """But one over a plane, whose chart is oblique (`test_mesh_surface`)."""
+    """But one over a plane, whose chart is oblique (`test_free_forms`)."""
     assert {shape.kind for shape in SHAPES} | {surfaces.MeshSurface.kind} == set(surfaces.SHAPES)
 
 

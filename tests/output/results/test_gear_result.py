@@ -164,9 +164,8 @@ def test_teeth_that_touch_near_the_root_carry_the_torque(angle: float) -> None:
     """The curvature of the pinion changes there within half a column of its grid, over which nearest places were found
     by secants: they were not exact enough for forces to balance."""
     form: Any = {"tip_relief": 15e-6, "tip_relief_length": 2.6e-3, "tip_relief_shape": "parabolic"}
-    pair = wf.gears.GearPair(
-        *(wf.gears.Gear(3e-3, z, tip_rounding=1.5e-4, thickness_allowance=-30e-6, **form) for z in (20, 60)), 0.12
-    )
+    gears = [wf.gears.Gear(3e-3, z, tip_rounding=1.5e-4, thickness_allowance=-30e-6, **form) for z in (20, 60)]
+    pair = wf.gears.GearPair(gears[0], gears[1], 0.12)
     scene = wf.Scene()
     one, two = (
         scene.add_body(

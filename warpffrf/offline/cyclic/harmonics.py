@@ -426,7 +426,7 @@ class RealModes:
             wave = np.exp(2j * np.pi * h.k * np.arange(N) / N)[:, None, None]
             for p in range(len(h.omega)):
                 u = wave * h.shape[dofs, p].reshape(1, points, 3)
-                parts = (u.real, u.imag) if pair else (u.real,)
+                parts = (np.real(u), np.imag(u)) if pair else (np.real(u),)
                 scale = np.sqrt(len(parts) / N)
                 for part in parts:
                     fields[place[row]] = scale * sector_to_user(part, axes)
