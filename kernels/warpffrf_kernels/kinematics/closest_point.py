@@ -8,10 +8,10 @@ section z of A its minima with respect to the angle (for a plane, the position) 
 A step begins with a scan of the whole surface: in three sections every minimum among SCAN angles is refined by secants,
 the first over half a column, and a secant that leaves the bracket is replaced by bisection. (With secants over half a
 column only, a point where the curvature changes over less would be left by its error, which is of the order of SETTLED
-and another one in each iteration of a step.) From the smallest of them the closest point is found by Newton's method on the chart, with finite differences of the gradient for the second derivatives;
-directions without curvature of the gap are regularised by REGULAR, and steps end at the edges of A's grid. (Its gap is
-recorded as the approach.) Within a step the point is tracked by secants in its section. A constant gap (plane on plane)
-leaves the point in the middle.
+and another one in each iteration of a step.) From the smallest of them the closest point is found by Newton's method on
+the chart, with finite differences of the gradient for the second derivatives; directions without curvature of the gap
+are regularised by REGULAR, and steps end at the edges of A's grid. (Its gap is recorded as the approach.) Within a
+step the point is tracked by secants in its section. A constant gap (plane on plane) leaves the point in the middle.
 
 The point is the centre of the window, with or without contact: for a separated pair it is the point of the next
 contact, to a fraction of a column. It is also the *phase* of A's grid; the opposite point on B, its row, and the shift
