@@ -32,6 +32,7 @@ from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.kinematics.line_of_centres import DRIFT, FARTHEST, PHASE_TOLERANCE, row_below, wrap
 from warpffrf_kernels.surfaces.height import height_at
 from warpffrf_kernels.surfaces.surface import (
+    DIAGONAL,
     EXTRUDED,
     HEIGHT,
     axes_of,
@@ -296,8 +297,8 @@ def least_place(model: Model, A: int, B: int, view: View, column: real, z_start:
 
 
 @wp.func
-def scan(model: Model, w: int, pair: int, A: int, B: int, view: View, geometry: ContactGeometry):
-    """Scan: the closest point, and the columns of other minima that overlap."""
+def scan(model: Model, w: int, pair: int, A: int, B: int, view: View, geometry: ContactGeometry) -> real:
+    """Scan: the closest point, and the columns of other minima that overlap. Returns the smallest gap [m]."""
     around = model.surfaces.periodic[A] != 0
     spacing = spacing_of(model, A)
     pitch = model.surfaces.pitch[A]
@@ -357,6 +358,40 @@ def scan(model: Model, w: int, pair: int, A: int, B: int, view: View, geometry: 
     geometry.nearest[w, pair, 1] = place[2]
     geometry.touched[w, pair, 0] = low
     geometry.touched[w, pair, 1] = high
+    return place[0]
+
+
+@wp.func
+def length_of(model: Model, A: int) -> real:
+    """Length [m] of the grid of an extruded surface along its curve; of others none."""
+    if model.surfaces.planar[A] != EXTRUDED:
+        return BEYOND
+    return real(model.surfaces.columns[A] - 1 + model.surfaces.periodic[A]) * model.surfaces.pitch[A]
+
+
+@wp.func
+def may_reach(model: Model, A: int, B: int, view: View, reach: real) -> bool:
+    """Whether the curve of an extruded A may be nearer to B than `reach` [m] somewhere; true of other kinds.
+
+    The gap changes along a way by no more than its length, and over the width by no more than the inclination of the
+    generators: a place with the gap g has none nearer than `reach` within g - reach - inclination. A gap far outside
+    B's lattice is overestimated by up to sqrt(2): the foot is that of the nearest place of the lattice.
+    """
+    if model.surfaces.planar[A] != EXTRUDED:
+        return True
+    last = model.surfaces.z[model.surfaces.z_start[A] + model.surfaces.rows[A] - 1]
+    z = section_of(model, A, 0)
+    inclination = real(1.0)
+    if model.surfaces.planar[B] == EXTRUDED:
+        inclination = wp.sqrt(view.turn[0, 2] * view.turn[0, 2] + view.turn[1, 2] * view.turn[1, 2])
+    nearest = reach + inclination * (last - z)
+    u = real(0.0)
+    end = length_of(model, A)
+    free = end
+    while free > end / real(SCAN) and u < end:
+        free = DIAGONAL * gap_at(model, A, B, view, model.surfaces.theta[A] + u, z) - nearest
+        u += free
+    return free <= end / real(SCAN)
 
 
 @kernel

@@ -11,15 +11,16 @@ d and linear interpolation in z.
 
 import warp as wp
 
-from warpffrf_kernels.core.contact_scratch import PatchScratch
+from warpffrf_kernels.core.contact_scratch import ContactGeometry, PatchScratch
 from warpffrf_kernels.core.declaration import kernel
-from warpffrf_kernels.core.model import PATCH, Elements, Model
+from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.kinematics.line_of_centres import wrap
 from warpffrf_kernels.patch.cells import row_place
 from warpffrf_kernels.patch.far_splines import beside_block, turned_column
 from warpffrf_kernels.patch.near import cubic_shares
+from warpffrf_kernels.patch.place import has_cells
 from warpffrf_kernels.patch.spline_tables import real_side
 from warpffrf_kernels.surfaces.surface import radius_of
 
@@ -78,12 +79,12 @@ def way_between(
 
 
 @kernel
-def lay_between(run: Run, patch: PatchScratch):
+def lay_between(run: Run, geometry: ContactGeometry, patch: PatchScratch):
     """Per (world, pair of family 2), lanes over entries: K of its rows due to those of all neighbouring patches, and
     where the blocks between their columns of splines begin in `beside`; -1 outside a grid."""
     w, pair, lane = wp.tid()
     model = run.models[w]
-    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not has_cells(model, w, pair, geometry):
         return
     elements = model.elements[0]
     rows = model.surfaces.rows[model.pairs.first[pair]]

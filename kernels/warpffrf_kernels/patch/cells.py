@@ -11,15 +11,16 @@ the second power of the cell size, as constant pressures do.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.contact_scratch import PatchScratch
+from warpffrf_kernels.core.contact_scratch import ContactGeometry, PatchScratch
 from warpffrf_kernels.core.declaration import kernel
-from warpffrf_kernels.core.model import PATCH, Elements
+from warpffrf_kernels.core.model import Elements
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.kinematics.closest_point import view_of, wrap_column
 from warpffrf_kernels.kinematics.contact_wrench import Held, held_section, held_sphere, is_sphere, point_wrench
 from warpffrf_kernels.patch.far_splines import TAPS, Taps, column_taps, row_taps
+from warpffrf_kernels.patch.place import has_cells
 from warpffrf_kernels.surfaces.height import height_at
 from warpffrf_kernels.surfaces.surface import (
     EXTRUDED,
@@ -62,12 +63,14 @@ class Row:
 
 
 @kernel
-def hold_rows(run: Run, trial: Trial, patch: PatchScratch, patch_row: wp.array3d(dtype=Row)):
+def hold_rows(
+    run: Run, trial: Trial, geometry: ContactGeometry, patch: PatchScratch, patch_row: wp.array3d(dtype=Row)
+):  # fmt: skip
     """Per (world, pair of family 2), lanes over rows: data common to their cells; and the contact frame of a
     sphere."""
     w, pair, lane = wp.tid()
     model = run.models[w]
-    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not has_cells(model, w, pair, geometry):
         return
     elements = model.elements[0]
     A = elements.patches.first[pair]
@@ -110,15 +113,15 @@ def place_splines(
 
 @kernel
 def sample_cells(
-    run: Run, trial: Trial, patch: PatchScratch, patch_row: wp.array3d(dtype=Row), weak_gap: wp.array(dtype=real),
-    area: wp.array(dtype=real), wrench: wp.array(dtype=real), more_wrench: wp.array(dtype=real),
-    far_at: wp.array(dtype=int), far_weight: wp.array(dtype=real),
+    run: Run, trial: Trial, geometry: ContactGeometry, patch: PatchScratch, patch_row: wp.array3d(dtype=Row),
+    weak_gap: wp.array(dtype=real), area: wp.array(dtype=real), wrench: wp.array(dtype=real),
+    more_wrench: wp.array(dtype=real), far_at: wp.array(dtype=int), far_weight: wp.array(dtype=real),
 ):  # fmt: skip
     """Per (world, pair of family 2), lanes over cells: weak gap, area (0 without an opposite surface), wrench, loads on
     splines."""
     w, pair, lane = wp.tid()
     model = run.models[w]
-    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not has_cells(model, w, pair, geometry):
         return
     elements = model.elements[0]
     A = elements.patches.first[pair]
@@ -203,12 +206,12 @@ def sample_cells(
 
 
 @kernel
-def open_far_windows(run: Run, patch: PatchScratch):
+def open_far_windows(run: Run, geometry: ContactGeometry, patch: PatchScratch):
     """Per (world, pair of family 2): first column and number of columns of the splines under the cells, by side. A
     patch that covers more of them than the capacity ends the attempt."""
     w, pair = wp.tid()
     model = run.models[w]
-    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not has_cells(model, w, pair, geometry):
         return
     elements = model.elements[0]
     cells = elements.patches.columns[pair] * model.surfaces.rows[model.pairs.first[pair]]

@@ -15,10 +15,10 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real
 from warpffrf_kernels.core.scratch import Residuals, Trial
 from warpffrf_kernels.core.state import ContactState
-from warpffrf_kernels.kinematics.closest_point import least_place, view_of
+from warpffrf_kernels.kinematics.closest_point import least_place, length_of, may_reach, scan, view_of
 from warpffrf_kernels.normal.pair_forces import modal_line
 from warpffrf_kernels.patch.between import add_half_space
-from warpffrf_kernels.patch.place import extent_of
+from warpffrf_kernels.patch.place import extent_of, has_cells
 from warpffrf_kernels.patch.spline_tables import line_of, real_side, table_at, trace_at
 from warpffrf_kernels.patch.strips import multiply_pressures
 from warpffrf_kernels.surfaces.fields import clear_field
@@ -107,14 +107,14 @@ def sum_lines(
 
 @kernel
 def modal_cells(
-    run: Run, patch: PatchScratch, amplitude: wp.array(dtype=real), of_state: int,
+    run: Run, geometry: ContactGeometry, patch: PatchScratch, amplitude: wp.array(dtype=real), of_state: int,
     first_field: wp.array(dtype=real),
 ):  # fmt: skip
     """Per (world, pair of family 2), lanes over splines, then cells: weak displacement by the global modes of both
     bodies."""
     w, pair, lane = wp.tid()
     model = run.models[w]
-    if run.ctl[w].run == 0 or (of_state != 0 and run.ctl[w].moved == 0) or model.pairs.family[pair] != PATCH:
+    if run.ctl[w].run == 0 or (of_state != 0 and run.ctl[w].moved == 0) or not has_cells(model, w, pair, geometry):
         return
     elements = model.elements[0]
     for side in range(2):
@@ -360,7 +360,7 @@ def local_cells(run: Run, patch: PatchScratch, geometry: ContactGeometry, fields
     far field, due to the present pressures."""
     w, pair, _lane = wp.tid()
     model = run.models[w]
-    if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
+    if run.ctl[w].run == 0 or not has_cells(model, w, pair, geometry):
         return
     displace_patch(
         model, model.elements[0], w, pair, 1, int(model.elements[0].patches.touching > 0), patch, geometry,
@@ -396,7 +396,9 @@ def load_modes(run: Run, patch: PatchScratch, pair_modal: wp.array(dtype=real)):
 
 
 @kernel
-def guard_patches(run: Run, contact: ContactState, patch: PatchScratch, residuals: Residuals):
+def guard_patches(
+    run: Run, geometry: ContactGeometry, contact: ContactState, patch: PatchScratch, residuals: Residuals
+):  # fmt: skip
     """Per world: a patch that has reached the outermost strips is not balanced, because W has to grow."""
     w = wp.tid()
     model = run.models[w]
@@ -405,7 +407,7 @@ def guard_patches(run: Run, contact: ContactState, patch: PatchScratch, residual
     elements = model.elements[0]
     pair = int(0)
     while pair < model.pairs.count:
-        if model.pairs.family[pair] == PATCH:
+        if has_cells(model, w, pair, geometry):
             width = patch.patch_place[w, pair, 2]
             rows = model.surfaces.rows[model.pairs.first[pair]]
             found = extent_of(elements, w, pair, rows, width, contact)
@@ -416,8 +418,8 @@ def guard_patches(run: Run, contact: ContactState, patch: PatchScratch, residual
 
 @kernel
 def measure_patches(run: Run, trial: Trial, geometry: ContactGeometry):
-    """Per (world, pair of family 2), if a state is recorded: smallest undeformed gap and nearest column, stored where
-    `record` reads them."""
+    """Per (world, pair of family 2), if a state is recorded: smallest undeformed gap, at most the length of A's curve,
+    and nearest column, stored where `record` reads them."""
     w, pair = wp.tid()
     model = run.models[w]
     if run.ctl[w].record == 0 or model.pairs.family[pair] != PATCH:
@@ -426,11 +428,16 @@ def measure_patches(run: Run, trial: Trial, geometry: ContactGeometry):
     A = elements.patches.first[pair]
     B = elements.patches.second[pair]
     view = view_of(model, w, pair, trial)
-    place = least_place(model, A, B, view, geometry.nearest[w, pair, 0], geometry.nearest[w, pair, 1])
+    gap = length_of(model, A)
+    if has_cells(model, w, pair, geometry):
+        place = least_place(model, A, B, view, geometry.nearest[w, pair, 0], geometry.nearest[w, pair, 1])
+        gap = place[0]
+    elif may_reach(model, A, B, view, gap):
+        gap = wp.min(scan(model, w, pair, A, B, view, geometry), gap)
     rows = model.surfaces.rows[model.pairs.first[pair]]
     for end in range(2):
         s = end * ((rows - 1) * model.quadrature.z_points - 1)
-        geometry.station[w, pair, s, 0] = place[0]
+        geometry.station[w, pair, s, 0] = gap
         geometry.station[w, pair, s, 1] = geometry.nearest[w, pair, 0]
 
 

@@ -3,13 +3,14 @@ these, by the splines of the far field (`spline_tables`)."""
 
 import warp as wp
 
-from warpffrf_kernels.core.contact_scratch import ContactSolve, PatchScratch
+from warpffrf_kernels.core.contact_scratch import ContactGeometry, ContactSolve, PatchScratch
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.core.scratch import ImpulsiveContact
 from warpffrf_kernels.normal.compliance_reuse import OLDER
+from warpffrf_kernels.patch.place import has_cells
 from warpffrf_kernels.patch.spline_tables import line_of, real_side, trace_at
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -70,11 +71,13 @@ def first_new(run: Run, w: int, normal: ContactSolve) -> int:
 
 
 @kernel
-def load_modes_of_cells(run: Run, normal: ContactSolve, patch: PatchScratch):
+def load_modes_of_cells(run: Run, geometry: ContactGeometry, normal: ContactSolve, patch: PatchScratch):
     """Per (world, pair of family 2), if there are new rows: loads of unit pressures on the modes of A, then of B."""
     w, pair, _lane = wp.tid()
     model = run.models[w]
-    if run.ctl[w].run == 0 or first_new(run, w, normal) == run.ctl[w].slots or model.pairs.family[pair] != PATCH:
+    if run.ctl[w].run == 0 or first_new(run, w, normal) == run.ctl[w].slots:
+        return
+    if not has_cells(model, w, pair, geometry):
         return
     elements = model.elements[0]
     line = line_of(model.surfaces.rows[model.pairs.first[pair]])

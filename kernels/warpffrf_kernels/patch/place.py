@@ -26,7 +26,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Trial
 from warpffrf_kernels.core.state import ContactState
-from warpffrf_kernels.kinematics.closest_point import View, gap_at, scan, settle, view_of, wrap_column
+from warpffrf_kernels.kinematics.closest_point import View, gap_at, may_reach, scan, settle, view_of, wrap_column
 from warpffrf_kernels.kinematics.line_of_centres import FARTHEST, PHASE_TOLERANCE
 from warpffrf_kernels.normal.compliance_reuse import BEGUN, OLDER, are_near
 from warpffrf_kernels.surfaces.surface import chart_of, local_point, radius_of
@@ -243,6 +243,33 @@ def extrapolate(w: int, pair: int, cells: int, factor: real, contact: ContactSta
         m += 1
 
 
+@wp.func
+def has_cells(model: Model, w: int, pair: int, geometry: ContactGeometry) -> bool:
+    """Whether a pair is of family 2, and its surfaces are within reach of each other."""
+    return model.pairs.family[pair] == PATCH and geometry.window[w, pair, 0] <= geometry.window[w, pair, 1]
+
+
+@wp.func
+def part(
+    run: Run, w: int, pair: int, width: real, geometry: ContactGeometry, contact: ContactState, patch: PatchScratch
+):  # fmt: skip
+    """A pair without cells: an empty window, no splines, no pressures."""
+    model = run.models[w]
+    m = int(0)
+    while m < model.window.grid_nodes:
+        if contact.active[w, pair, m] != 0:
+            contact.active[w, pair, m] = 0
+            contact.pressure[w, pair, m] = real(0.0)
+            run.ctl[w].reassemble = 1
+        m += 1
+    patch.patch_place[w, pair, 2] = width
+    for side in range(2):
+        patch.far_window[w, pair, side, 0] = 0
+        patch.far_window[w, pair, side, 1] = 0
+    geometry.window[w, pair, 0] = 0
+    geometry.window[w, pair, 1] = -1
+
+
 @kernel
 def keep_change(
     run: Run, contact: ContactState, patch: PatchScratch, active_before: wp.array3d(dtype=int),
@@ -286,9 +313,21 @@ def locate_patches(
     B = elements.patches.second[pair]
     rows = model.surfaces.rows[model.pairs.first[pair]]
     view = view_of(model, w, pair, trial)
-    # nearest point of the two surfaces, and its columns on both
-    if run.ctl[w].iteration == 0:
-        scan(model, w, pair, A, B, view, geometry)
+    old = contact.patch_width[w, pair]
+    least = elements.patches.least_width[pair]
+    most = elements.patches.most_width[pair]
+    # nearest point of the two surfaces, unless they are apart, and its columns on both
+    if run.ctl[w].iteration == 0 or not has_cells(model, w, pair, geometry):
+        reach = elements.patches.begins[pair] + real(0.5) * elements.patches.curvature[pair] * most * most
+        near = model.surfaces.modal_count[A] > 0 or model.surfaces.modal_count[B] > 0
+        if not near:
+            near = may_reach(model, A, B, view, reach)
+        if near:
+            best = scan(model, w, pair, A, B, view, geometry)
+            near = best < reach or model.surfaces.modal_count[A] > 0 or model.surfaces.modal_count[B] > 0
+        if not near:
+            part(run, w, pair, wp.max(old, least), geometry, contact, patch)
+            return
     z = elements.patches.middle[pair]
     if elements.patches.follows[pair] != 0:
         z = geometry.nearest[w, pair, 1]
@@ -309,9 +348,6 @@ def locate_patches(
         return
 
     # wanted W: from the active cells, or from the overlap of the undeformed surfaces if there are none
-    old = contact.patch_width[w, pair]
-    least = elements.patches.least_width[pair]
-    most = elements.patches.most_width[pair]
     m = int(0)
     while m < model.window.grid_nodes:  # left by a rejected attempt
         if contact.active[w, pair, m] != 0 and not wp.isfinite(contact.pressure[w, pair, m]):

@@ -12,11 +12,12 @@ so sums over splines run along places or along splines, LINE numbers at a time, 
 
 import warp as wp
 
-from warpffrf_kernels.core.contact_scratch import PatchScratch
+from warpffrf_kernels.core.contact_scratch import ContactGeometry, PatchScratch
 from warpffrf_kernels.core.declaration import kernel
-from warpffrf_kernels.core.model import PATCH, Elements, Model
+from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.patch.place import has_cells
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -144,12 +145,12 @@ def trace_at(model: Model, elements: Elements, w: int, pair: int, side: int) -> 
 
 
 @kernel
-def lay_splines(run: Run, patch: PatchScratch):
+def lay_splines(run: Run, geometry: ContactGeometry, patch: PatchScratch):
     """Per (world, pair of family 2): shares of the splines of both sides; S and the modes on them if the window of
     splines has changed."""
     w, pair, lane = wp.tid()
     model = run.models[w]
-    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not has_cells(model, w, pair, geometry):
         return
     elements = model.elements[0]
     lines = model.surfaces.rows[model.pairs.first[pair]]

@@ -13,12 +13,13 @@ takes 285 thousand operations with two components instead of two million.
 
 import warp as wp
 
-from warpffrf_kernels.core.contact_scratch import PatchScratch
+from warpffrf_kernels.core.contact_scratch import ContactGeometry, PatchScratch
 from warpffrf_kernels.core.declaration import kernel
-from warpffrf_kernels.core.model import PATCH, Elements, Model
+from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.patch.near import end_constant, first_level, level_shares
+from warpffrf_kernels.patch.place import has_cells
 from warpffrf_kernels.patch.spline_tables import line_of
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -171,12 +172,12 @@ def spectrum_at(model: Model, elements: Elements, w: int, pair: int) -> int:
 
 
 @kernel
-def lay_spectrum(run: Run, patch: PatchScratch):
+def lay_spectrum(run: Run, geometry: ContactGeometry, patch: PatchScratch):
     """Per (world, pair of family 2), lanes over entries: the blocks of the pressures' K at the W of the attempt, unless
     they are those of `patch_laid`, and the contribution of distant ends, for all cells the same."""
     w, pair, lane = wp.tid()
     model = run.models[w]
-    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not has_cells(model, w, pair, geometry):
         return
     elements = model.elements[0]
     width = patch.patch_place[w, pair, 2]

@@ -17,6 +17,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.core.scratch import ImpulsiveContact
 from warpffrf_kernels.patch.fields import rows_of
 from warpffrf_kernels.patch.modal_rows import weigh_loads
+from warpffrf_kernels.patch.place import has_cells
 from warpffrf_kernels.patch.spline_tables import line_of, real_side, trace_at
 from warpffrf_kernels.patch.strips import spectrum_at
 
@@ -97,12 +98,14 @@ def soften_line(
 
 
 @kernel
-def answer_splines(run: Run, patch: PatchScratch, impulses: ImpulsiveContact):
+def answer_splines(run: Run, geometry: ContactGeometry, patch: PatchScratch, impulses: ImpulsiveContact):
     """Per (world, pair of family 2 with a matrix), if slots are new: near field, and displacement of the splines of
     both sides due to unit pressures."""
     w, pair, _lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].fresh == run.ctl[w].slots or not has_matrix(model, pair):
+        return
+    if not has_cells(model, w, pair, geometry):
         return
     elements = model.elements[0]
     rows = model.surfaces.rows[model.pairs.first[pair]]

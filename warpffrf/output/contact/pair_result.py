@@ -111,7 +111,7 @@ class PairResult(reprs.Shown, ABC):
     approach = Recorded(
         "(T,) m, approach of the bodies beyond undeformed contact: for parallel axes the sum of the radii minus the "
         "distance of the axes at mid-width, for closest points minus the smallest undeformed gap. Negative if they are "
-        "apart."
+        "apart; on an extruded surface at least minus the length of its curve."
     )
     active_nodes = Recorded("(T,) number of active nodes of the contact grid, or of loaded cells.")
 
