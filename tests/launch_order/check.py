@@ -24,6 +24,7 @@ SET_FIRST = {
     ("closest_point.locate_points", "center"),
     ("closest_point.locate_points", "phase"),
     ("place.locate_patches", "center"),
+    ("place.locate_patches", "window"),
     ("windows.open_window", "station"),
     ("system.assemble_cells", "slot_reach"),
     ("slope_condensation.condense_slopes", "speed_late"),

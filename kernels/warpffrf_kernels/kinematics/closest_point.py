@@ -41,6 +41,7 @@ from warpffrf_kernels.surfaces.surface import (
     gradient_of,
     local_point,
     origin_of,
+    past_end,
     period_of,
     profile_of,
     radius_of,
@@ -113,6 +114,8 @@ def gap_at(model: Model, A: int, B: int, view: View, theta: real, z: real) -> re
         return smooth_distance(model, B, x)
     foot = curved_foot(model, B, x)
     if model.surfaces.rigid[B] != 0 or model.surfaces.periodic[B] != 0 or model.surfaces.planar[B] == HEIGHT:
+        return foot.distance
+    if past_end(model, B, foot.theta) != real(0.0):  # the distance is that of the end already
         return foot.distance
     last = real(model.surfaces.columns[B] - 1)
     column = (foot.theta - model.surfaces.theta[B]) / model.surfaces.pitch[B]

@@ -237,8 +237,9 @@ def foot_from(model: Model, s: int, x: vec3, near: Section) -> Foot:
     found.z = x[2]
     found.normal = vec3(scale * near.slope[1], -scale * near.slope[0], real(0.0))
     found.distance = (x[0] - near.point[0]) * found.normal[0] + (x[1] - near.point[1]) * found.normal[1]
-    if near.free != 0:
-        found.distance = wp.abs(found.distance)
+    if near.free != 0 and found.distance < real(0.0):
+        found.distance = -found.distance
+        found.normal = -found.normal
     past = past_end(model, s, near.u)
     if past != real(0.0):
         off = wp.vec2d(x[0], x[1]) - near.point + past * near.slope
