@@ -15,6 +15,10 @@ With their places y_i along the shafts, bearings at +-l/2 and forces f_i on a sh
 
 Bent shafts tilt the gears: y_i is the centre of pressure, 1 to 2 mm from the middle of the teeth, and a bearing of
 balls resists the tilt with a small moment, which is left out.
+
+**At speed** a motor drives the input shaft through the coupling, and the same torque loads the output shaft; balls and
+cages begin as they roll. Teeth come into mesh and leave it: each stage excites shafts and housing at its tooth
+frequency.
 """
 
 from __future__ import annotations
@@ -32,22 +36,30 @@ SHAFTS, ENDS = ("input", "middle", "output"), ("front", "back")
 BETWEEN = 0.1  # m, between the bearings of a shaft
 STAGES = {"stage_1": ("pinion_1", 1.0), "stage_2": ("pinion_2", -1.0)}  # pinion; 1 where its right flank pushes
 RATIO = 40.0 / 20.0 * 60.0 / 20.0
+OF_INPUT = {"input": -1.0, "middle": 0.5, "output": -1.0 / 6.0}  # speeds about y over that of the input shaft
+SPEED = 4.0 * np.pi  # rad/s of the input shaft: 120 rpm
+STEP = 1e-4  # s
 
 
 @dataclass(frozen=True)
 class Size:
-    """Strips and rows of cells of a patch; None: chosen by `cell_error`."""
+    """Strips and rows of cells of a patch, None: chosen by `cell_error`; duration [s] of the run at speed."""
 
     cells: tuple[int, int] | None = None
+    duration: float = 0.05
 
 
-FULL, QUICK = Size(), Size((7, 9))
+FULL, QUICK = Size(), Size((7, 9), 2e-3)
 
 
-def build(size: Size = FULL) -> wf.Scene:
-    """The scene of the file: bodies, bearings `input_front` to `output_back`, gear pairs `stage_1` and `stage_2`."""
+def build(size: Size = FULL, speed: float = 0.0) -> wf.Scene:
+    """The scene of the file: bodies, bearings `input_front` to `output_back`, gear pairs `stage_1` and `stage_2`; the
+    input shaft rotates at `speed` [rad/s] about -y."""
     cells = [f"gear_pairs.{stage}.cells={list(size.cells)}" for stage in STAGES] if size.cells else []
-    return wf.load_scene(FILE, settings=cells).scene
+    scene = wf.load_scene(FILE, settings=[f"speed={speed}", f"turn={speed * size.duration}", *cells]).scene
+    for bearing in scene.bearings:
+        bearing.roll(inner=speed * OF_INPUT[bearing.name.split("_")[0]])
+    return scene
 
 
 def torque_of(result: wf.Result, force: str) -> float:
@@ -116,20 +128,54 @@ def panels(result: wf.Result, torque: float) -> list[Panel]:
     ]  # fmt: skip
 
 
-def main(out: str | Path = "out/gearbox", *, quick: bool = False, progress: bool = True) -> wf.Result:
-    """Write gearbox.h5, .rrd and .png into the folder `out` and print the figures; quick: fewer cells."""
-    stem = Path(out) / "gearbox"
-    result = wf.equilibrium(build(QUICK if quick else FULL), progress=progress)
+def moving_panels(result: wf.Result) -> list[Panel]:
+    """Transmission error and loads of the teeth of both stages, loads of the bearings."""
+    t, label = 1e3 * result.time, "time [ms]"
+    gears = {stage: result.gear(stage) for stage in STAGES}
+    loads = {f"{s}_{e}": result.joint(f"{s}_{e} inner seat").force for s in SHAFTS for e in ENDS}
+    return [
+        Panel("Transmission error", label, "[um]",
+              {stage: (t, 1e6 * gear.transmission_error) for stage, gear in gears.items()}),
+        *(Panel(f"Loads of the pairs of teeth, {stage}", label, "[kN]",
+                {f"{k} on {m}": (t, load / 1e3)
+                 for (_, k, m), load in zip(gear.teeth, gear.load.T, strict=True) if load.any()})
+          for stage, gear in gears.items()),
+        Panel("Radial loads of the bearings", label, "[kN]",
+              {name: (t, np.hypot(force[:, 0], force[:, 2]) / 1e3) for name, force in loads.items()}),
+    ]  # fmt: skip
+
+
+def run(size: Size, progress: bool) -> wf.Result:
+    """From equilibrium under torque, at speed."""
+    options = wf.RunOptions(integrator=wf.integrators.GeneralizedAlpha(0.8))
+    scene = build(size, SPEED)
+    return wf.simulate(scene, size.duration, step=STEP, start="equilibrium", options=options, progress=progress)
+
+
+def main(out: str | Path = "out/gearbox", *, quick: bool = False, progress: bool = True) -> list[wf.Result]:
+    """Write gearbox.h5 (at rest), gearbox.at_speed.h5, .rrd and .png into the folder `out` and print the figures;
+    quick: fewer cells, a shorter run."""
+    stem, size = Path(out) / "gearbox", QUICK if quick else FULL
+    result = wf.equilibrium(build(size), progress=progress)
     torque = torque_of(result, "load")
     result.save(f"{stem}.h5", overwrite=True)
-    wf.record(result, f"{stem}.rrd", overwrite=True)
-    save_panels(panels(result, torque), f"{stem}.png", overwrite=True)
     taken = torque_of(result, "coupling")
     print(f"torque {torque:g} N m out, {taken:.4f} in: ratio {torque / taken:.5f}, of the teeth {RATIO:g}")
     known = statics(result, torque)
     for name, load in bearing_loads(result).items():
         print(f"{name:13} {load:7.1f} N, statics {known[name]:7.1f} N")
-    return result
+
+    moving = run(size, progress)
+    moving.save(f"{stem}.at_speed.h5", overwrite=True)
+    wf.record(moving, f"{stem}.rrd", overwrite=True)
+    save_panels([*panels(result, torque), *moving_panels(moving)], f"{stem}.png", overwrite=True)
+    for stage in STAGES:
+        error = 1e6 * moving.gear(stage).transmission_error
+        print(f"at speed, {stage}: transmission error {error.min():.2f} to {error.max():.2f} um")
+    taken = np.abs(moving.force("coupling").torque[:, 1])
+    print(f"at speed: input torque {taken.min():.2f} to {taken.max():.2f} N m; energy balance closed to "
+          f"{np.abs(moving.energy_residual).max():.1e} of the largest energy")  # fmt: skip
+    return [result, moving]
 
 
 if __name__ == "__main__":

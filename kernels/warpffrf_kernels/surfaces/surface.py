@@ -119,7 +119,7 @@ class Foot:
 @wp.struct
 class Section:
     """A place of a curve: u [m], the point [m], tangent (not of unit length) and second derivative there; `free`: 1
-    where the point whose foot it is lies below the material behind the curve."""
+    where the point whose foot it is lies below the material behind the curve, or so far away that no foot is found."""
 
     u: real
     free: int
@@ -210,9 +210,11 @@ def section_near(model: Model, s: int, x: real, y: real) -> Section:
             length = model.surfaces.curve_knot[first + piece + 1] - model.surfaces.curve_knot[first + piece]
             t = wp.min(t, length)
         elif wp.abs(move) <= FOOT_TOLERANCE * length:
-            step = PIECES
+            step = PIECES + 1
         found = on_piece(model, s, piece, t)
     found.free = free
+    if step == PIECES:  # far away
+        found.free = 1
     return found
 
 
@@ -230,18 +232,15 @@ def past_end(model: Model, s: int, u: real) -> real:
 @wp.func
 def foot_from(model: Model, s: int, x: vec3, near: Section) -> Foot:
     """The foot at a section of an extruded curve. Its ends are edges: beyond them all is free space, at the distance of
-    the end."""
+    the end, and so it is below the material, at the distance of the curve."""
     scale = real(1.0) / wp.length(near.slope)
     found = Foot()
     found.theta = near.u
     found.z = x[2]
     found.normal = vec3(scale * near.slope[1], -scale * near.slope[0], real(0.0))
     found.distance = (x[0] - near.point[0]) * found.normal[0] + (x[1] - near.point[1]) * found.normal[1]
-    if near.free != 0 and found.distance < real(0.0):
-        found.distance = -found.distance
-        found.normal = -found.normal
     past = past_end(model, s, near.u)
-    if past != real(0.0):
+    if past != real(0.0) or near.free != 0:
         off = wp.vec2d(x[0], x[1]) - near.point + past * near.slope
         found.distance = wp.length(off)
         scale = real(1.0) / wp.max(found.distance, CENTRE)
