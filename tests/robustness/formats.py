@@ -295,6 +295,7 @@ FORMATS: dict[str, Format] = {
     ".msh binary": Format(".msh", copied(wf.examples.path("roller") / "roller.msh"), read_mesh, bytewise),
     ".inp": Format(".inp", make_inp, read_mesh, textwise),
     ".inp assembly": Format(".inp", copied("assembly.inp"), read_assembly, textwise),
+    ".cdb": Format(".cdb", copied("box.cdb"), read_mesh, textwise),
     ".vtu ASCII": Format(".vtu", vtu(False), read_mesh, textwise),
     ".vtu binary": Format(".vtu", vtu(True), read_mesh, bytewise),
     ".bdf": Format(".bdf", make_bdf, read_mesh, textwise),

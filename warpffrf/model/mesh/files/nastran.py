@@ -34,10 +34,9 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.files.paths import Budget, exists, reason
 from warpffrf.model.material import Material
-from warpffrf.model.mesh.files.raw_mesh import RawMesh, system_of
+from warpffrf.model.mesh.files.raw_mesh import RawMesh, listed_counts, system_of
 
 SUFFIXES = (".bdf", ".nas", ".fem", ".dat")
-MOST_LISTED = 20  # kinds of unused cards in the note; control decks have a handful
 
 # linear kind, quadratic kind, position in the card of each node of the quadratic kind (Nastran puts the vertical edges
 # before those of the top)
@@ -142,9 +141,7 @@ def read_bulk(path: Path, length_unit: str) -> RawMesh:
     notes: list[str] = []
     materials = _materials(deck, length_unit, notes)
     if deck.ignored:
-        listed = [f"{name} ({count})" for name, count in deck.ignored.most_common(MOST_LISTED)]
-        more = len(deck.ignored) - len(listed)
-        notes.append(f"cards that are not used: {', '.join(listed)}" + (f" and {more} other kinds" if more else ""))
+        notes.append(f"cards that are not used: {listed_counts(deck.ignored)}")
     more = {"stray_facets": True, "either_hand": True, "labels": labels}
     return RawMesh(points, blocks, full, materials, tuple(notes), **more)
 

@@ -25,6 +25,7 @@ tetrahedron. Mid nodes follow their edges.
 from __future__ import annotations
 
 import logging
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -35,11 +36,13 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation, corner_notes, part_labels
 from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind, facet_kind
-from warpffrf.model.mesh.facets import FacetSet, row_numbers
+from warpffrf.model.mesh.facets import FacetSet, outer_faces, row_numbers
 
 logger = logging.getLogger(__name__)
 
 Array = np.ndarray
+
+MOST_LISTED = 20  # kinds in a note; control decks have a handful of unused ones
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +52,8 @@ class RawMesh:
 
     `stray_facets`: facets that are no faces of a cell are omitted with a note (shells of a larger model) instead of
     refused. `either_hand`: the format does not define the orientation of cells. `labels`: the numbers that the
-    file gives the members of each block, None where it gives none.
+    file gives the members of each block, None where it gives none. `node_groups`: {name: numbers of points}, which
+    become the outer facets all of whose nodes they contain.
     """
 
     points: Array
@@ -60,6 +64,7 @@ class RawMesh:
     stray_facets: bool = False
     either_hand: bool = False
     labels: Sequence[Array] | None = None
+    node_groups: Mapping[str, Array] = field(default_factory=dict)
 
 
 def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, label: str) -> Mesh:
@@ -85,9 +90,11 @@ def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, labe
     cells = {kind: np.concatenate(parts) for kind, parts in by_kind.items()}
     labels = None if raw.labels is None else np.concatenate([a for parts in named.values() for a in parts])
     number = _cell_numbers(raw, volumes, kept, list(cells))
-    used = np.unique(np.concatenate([nodes.ravel() for nodes in cells.values()]))
-    new_number = np.full(len(raw.points), -1, dtype=np.int64)
-    new_number[used] = np.arange(len(used))
+    marked = np.zeros(len(raw.points), dtype=bool)
+    for nodes in cells.values():
+        marked[nodes] = True
+    used = np.flatnonzero(marked)
+    new_number = np.where(marked, np.cumsum(marked) - 1, -1)
     cells = {kind: new_number[nodes] for kind, nodes in cells.items()}
 
     cell_sets = {}
@@ -96,6 +103,7 @@ def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, labe
         if np.any(members >= 0):
             cell_sets[group] = members[members >= 0]
     facet_sets, left_out = _facet_sets(raw, cells, new_number, label)
+    facet_sets |= _node_sets(raw, cells, new_number, facet_sets, left_out)
     points, what = raw.points[used] * scale, "number" if labels is None else "element"
     try:
         # what mesh.check() does, with the file's numbers; nodes without cells are left out already
@@ -123,24 +131,30 @@ def _uncollapsed(raw: RawMesh, notes: list[str], label: str) -> RawMesh:
         bad = repeated(nodes) if kind in CELL_KINDS else np.zeros(0, dtype=bool)
         if not bad.any():
             continue
-        left: dict[str, list[tuple[int, list[int]]]] = {}
-        for row in np.flatnonzero(bad):
-            found = left_over(kind, nodes[row])
+        rows = np.flatnonzero(bad)
+        # cells with the same pattern of repetition, each node as the first place of its number, leave the same
+        pattern = np.argmax(nodes[rows][:, :, None] == nodes[rows][:, None, :], axis=2)
+        patterns, of_row = np.unique(pattern, axis=0, return_inverse=True)
+        left: dict[str, list[tuple[Array, Array]]] = {}
+        for number, one in enumerate(patterns):
+            alike = rows[of_row.ravel() == number]
+            found = left_over(kind, one)
             if found is None:
-                name = f"number {row} of its kind" if raw.labels is None else f"element {raw.labels[b][row]}"
+                name = f"number {alike[0]} of its kind" if raw.labels is None else f"element {raw.labels[b][alike[0]]}"
+                pyramid = len(set(one[: cell_kind(kind).corner_count].tolist())) == 5
                 raise InputError(
-                    f"{label}: {kind} {name} has repeated nodes and is neither a wedge nor a tetrahedron; mesh with "
-                    "these instead"
+                    f"{label}: {kind} {name} has repeated nodes and is {'a pyramid, ' if pyramid else ''}neither a "
+                    "wedge nor a tetrahedron; mesh with these instead"
                 )
-            left.setdefault(found[0], []).append((int(row), found[1]))
-        for new_kind, rows in left.items():
-            old = np.array([row for row, _ in rows])
-            blocks.append((new_kind, np.array([new for _, new in rows], dtype=np.int64)))
+            left.setdefault(found[0], []).append((alike, nodes[alike][:, found[1]]))
+        for new_kind, parts_left in left.items():
+            old, new = (np.concatenate(parts) for parts in zip(*parts_left, strict=True))
+            blocks.append((new_kind, new))
             for parts in groups.values():
                 parts.append(np.flatnonzero(np.isin(old, parts[b])))
             if labels is not None and raw.labels is not None:
                 labels.append(raw.labels[b][old])
-            notes.append(f"{len(rows)} {kind} cells with repeated nodes are read as {new_kind}")
+            notes.append(f"{len(old)} {kind} cells with repeated nodes are read as {new_kind}")
         number = np.cumsum(~bad) - 1
         blocks[b] = (kind, nodes[~bad])
         for parts in groups.values():
@@ -252,6 +266,35 @@ def _facet_sets(
         if blocks:
             sets[name] = FacetSet({facet: np.concatenate(parts) for facet, parts in blocks.items()})
     return sets, notes
+
+
+def _node_sets(
+    raw: RawMesh, cells: dict[str, Array], new_number: Array, taken: Mapping[str, FacetSet], notes: list[str]
+) -> dict[str, FacetSet]:
+    """The outer facets over each group of nodes; `notes` list groups that have none, and names that are taken."""
+    outer = outer_faces(cells) if raw.node_groups else FacetSet({})
+    sets: dict[str, FacetSet] = {}
+    empty: list[str] = []
+    for name, members in raw.node_groups.items():
+        inside = np.zeros(int(new_number.max()) + 1, dtype=bool)
+        inside[new_number[members][new_number[members] >= 0]] = True
+        facets = FacetSet({kind: nodes[inside[nodes].all(axis=1)] for kind, nodes in outer.blocks.items()})
+        if not len(facets):
+            empty.append(f"{name!r} ({len(members)} nodes)")
+        elif name not in taken:
+            sets[name] = facets
+        elif len(facets) != len(taken[name]):
+            notes.append(f"node set {name!r} is not used, a set of facets has that name")
+    if empty:
+        notes.append(f"node sets without a complete outer facet are not used: {', '.join(empty)}")
+    return sets
+
+
+def listed_counts(found: Counter[str]) -> str:
+    """Names with their counts, the most frequent first."""
+    listed = [f"{name} ({count})" for name, count in found.most_common(MOST_LISTED)]
+    more = len(found) - len(listed)
+    return ", ".join(listed) + (f" and {more} other kinds" if more else "")
 
 
 def _key(kind: str, nodes: Array) -> Array:
