@@ -167,7 +167,7 @@ def test_what_is_left_out_is_reported_by_count_and_name(tmp_path: Path) -> None:
     )
     notes = "\n".join(mesh.notes)
     assert "elements that are not used: type 14 (2)" in notes
-    assert "commands that are not used: TB (2), RLBLOCK (1), FINISH (1)" in notes
+    assert "commands that are not used: TB (2), RLBLOCK (1)" in notes
     assert "component 'BOLT': 1 of 2 elements are not read" in notes
     assert "node sets without a complete outer facet are not used: 'POINT' (1 nodes)" in notes
     assert "material 9 is not used" in notes

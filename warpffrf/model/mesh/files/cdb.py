@@ -25,7 +25,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh.files.columns import CHUNK, Lines, widths
-from warpffrf.model.mesh.files.raw_mesh import RawMesh, listed_counts, system_of
+from warpffrf.model.mesh.files.raw_mesh import RawMesh, listed_counts, places, require_once, system_of
 
 Array = np.ndarray
 
@@ -44,7 +44,6 @@ _KIND = {number: kind for kind, numbers in _SOLIDS.items() for number in numbers
 _CORNERS = {"hex8": 8, "hex20": 8, "tet4": 4, "tet10": 4}
 _LINEAR = {"hex20": "hex8", "tet10": "tet4"}
 WIDEST_INTEGER = 20  # columns of an integer: a line of one may be the -1 that ends a block
-SPARSE = 64  # numbers per node up to which a table of all numbers is smaller than the file
 _REFUSED = {"N", "E", "EN", "NGEN", "EGEN", "FILL", "VMESH", "NUMMRG"}  # they create, or change, nodes and elements
 _BLOCKED = "write the database with CDWRITE,DB,FILE,CDB and without UNBLOCKED"
 _NUMBER = re.compile(r"[+-]?(?>[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[ED][+-]?[0-9]++)?+")
@@ -166,7 +165,7 @@ class _Database:
         if len(reals) < 3:
             raise self.lines.fault(i + 1, "NBLOCK: three coordinates are needed; write the file again")
         rows = self._rows(i + 2, "NBLOCK")
-        whole, real = self.lines.table(rows, integers, reals)
+        whole, real = self.lines.table(rows, integers, reals, needed=0)  # CDWRITE omits zeros
         self._declared(i, words, len(rows), 4, "nodes")
         if len(rows) and whole[:, 0].min() < 1:
             raise self.lines.fault(int(rows[np.argmin(whole[:, 0])]), "nodes are numbered from 1; write the file again")
@@ -278,10 +277,7 @@ def read_cdb(path: Path, length_unit: str) -> RawMesh:
     widest = max(part.shape[1] for part in data.elements.nodes)
     nodes = np.concatenate([np.pad(part, ((0, 0), (0, widest - part.shape[1]))) for part in data.elements.nodes])
     for what, found in (("node", numbers), ("element", rows[:, 0])):
-        ordered = np.sort(found)
-        again = ordered[1:] == ordered[:-1]
-        if again.any():
-            raise InputError(f"{label}: {what} {ordered[1:][again][0]} is given twice; write the file again")
+        require_once(found, f"{label}: {what}")
     nodes = _positions(data, numbers, nodes, rows, lines)
     kinds = _kinds(data, rows, lines)
     notes: list[str] = []
@@ -289,6 +285,9 @@ def read_cdb(path: Path, length_unit: str) -> RawMesh:
     groups = _groups(data, rows, members, notes)
     node_groups = {name: _found(numbers, items) for name, (kind, items) in data.components.items() if kind == "NODE"}
     materials = _materials(data, length_unit, notes)
+    if "FINISH" not in data.ignored:
+        notes.append("the file does not end with FINISH, as CDWRITE ends it: is it whole?")
+    del data.ignored["FINISH"]
     if data.ignored:
         notes.append(f"commands that are not used: {listed_counts(data.ignored)}")
     labels = [rows[m, 0] for m in members]
@@ -314,14 +313,7 @@ def _found(numbers: Array, items: Array) -> Array:
 
 def _positions(data: _Database, numbers: Array, nodes: Array, rows: Array, lines: Array) -> Array:
     """Nodes as positions, -1 where there is none."""
-    if numbers.max() < SPARSE * len(numbers):
-        table = np.full(int(numbers.max()) + 1, -1)
-        table[numbers] = np.arange(len(numbers))
-        place = np.where((nodes >= 0) & (nodes < len(table)), table[np.clip(nodes, 0, len(table) - 1)], -1)
-    else:
-        order = np.argsort(numbers, kind="stable")
-        place = order[np.minimum(np.searchsorted(numbers, nodes, sorter=order), len(numbers) - 1)]
-        place = np.where(numbers[place] == nodes, place, -1)
+    place = places(numbers, nodes)
     missing = (nodes != 0) & (place < 0)
     if missing.any():
         k, column = np.argwhere(missing)[0]

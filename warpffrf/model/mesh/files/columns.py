@@ -1,7 +1,7 @@
 """Lines of a text file, and tables of numbers in columns of fixed width, as Fortran writes them.
 
 A table of a million lines is read as arrays of characters, one row per line, without a loop over lines. A blank integer
-is 0; a blank real too, since programs omit trailing zeros. Every other character that is not of a number is refused,
+is 0, and where a program omits trailing zeros, a real too. Every other character that is not of a number is refused,
 with the file and the line.
 """
 
@@ -58,8 +58,11 @@ class Lines:
         """Line `i` for messages."""
         return repr(self.text(i).strip()[:SHOWN])
 
-    def table(self, rows: Array, integers: Sequence[int], reals: Sequence[int] = ()) -> tuple[Array, Array]:
-        """Integers (n, i) int64 and then reals (n, r) float64 of the lines `rows`, columns of the given widths.
+    def table(
+        self, rows: Array, integers: Sequence[int], reals: Sequence[int] = (), *, needed: int | None = None
+    ) -> tuple[Array, Array]:
+        """Integers (n, i) int64 and then reals (n, r) float64 of the lines `rows`, columns of the given widths; the
+        reals from number `needed` on may be missing at the end of a line (None: none of them), and are 0.
 
         Raises `InputError` for other characters, numbers too large, and text behind the columns.
         """
@@ -68,11 +71,19 @@ class Lines:
         for at in range(0, len(rows), CHUNK):
             part = np.asarray(rows[at : at + CHUNK])
             characters = np.ascontiguousarray(self._characters(part, int(edges[-1])).T)  # one place in all lines: a row
+            ended = np.zeros(len(part), dtype=bool)  # lines whose last reals are missing
             for k, (a, b) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
                 field = characters[a:b]
                 if k < len(integers):
                     whole[at : at + CHUNK, k] = self._integers(part, field, k)
-                elif a < self._filled:
+                    continue
+                blank = np.all(field == _BLANK, axis=0) if a < self._filled else np.ones(len(part), dtype=bool)
+                lost = (ended & ~blank) | (blank if needed is None or k - len(integers) < needed else False)
+                if np.any(lost):
+                    i = int(part[np.argmax(lost)])
+                    raise self.fault(i, f"{self.short(i)}: column {k + 1} is empty; write the file again")
+                ended = blank
+                if not blank.all():
                     real[at : at + CHUNK, k - len(integers)] = self._reals(part, field, k)
         return whole, real
 

@@ -42,6 +42,7 @@ logger = logging.getLogger(__name__)
 
 Array = np.ndarray
 
+SPARSE = 64  # numbers per node up to which a table of all numbers is smaller than the file
 MOST_LISTED = 20  # kinds in a note; control decks have a handful of unused ones
 
 
@@ -195,9 +196,14 @@ def _upright(kind: str, raw: RawMesh, nodes: Array, notes: list[str]) -> Array:
     over = cell.jacobians(raw.points[nodes], middle)[:, 0] < 0.0
     if raw.either_hand and over.any():
         notes.append(f"{np.sum(over)} {kind} cells with nodes in reversed order are corrected")
+    return np.where(over[:, None], nodes[:, mirror(kind)], nodes)
+
+
+def mirror(kind: str) -> list[int]:
+    """The order of the nodes of a cell of the other orientation."""
     # every reference cell is its own mirror image in the plane between its first two axes
-    mirror = np.array([int(np.argmin(np.abs(cell.nodes - x).sum(axis=1))) for x in cell.nodes[:, [1, 0, 2]]])
-    return np.where(over[:, None], nodes[:, mirror], nodes)
+    x = cell_kind(kind).nodes
+    return [int(np.argmin(np.abs(x - image).sum(axis=1))) for image in x[:, [1, 0, 2]]]
 
 
 def _cell_numbers(raw: RawMesh, volumes: list[int], kept: dict[int, Array], kinds: list[str]) -> dict[int, Array]:
@@ -288,6 +294,25 @@ def _node_sets(
     if empty:
         notes.append(f"node sets without a complete outer facet are not used: {', '.join(empty)}")
     return sets
+
+
+def places(numbers: Array, wanted: Array) -> Array:
+    """Positions in `numbers`, of nodes of a file, of the numbers `wanted`; -1 for those that are not among them."""
+    if numbers.max() < SPARSE * len(numbers):
+        table = np.full(int(numbers.max()) + 1, -1)
+        table[numbers] = np.arange(len(numbers))
+        return np.where((wanted >= 0) & (wanted < len(table)), table[np.clip(wanted, 0, len(table) - 1)], -1)
+    order = np.argsort(numbers, kind="stable")
+    place = order[np.minimum(np.searchsorted(numbers, wanted, sorter=order), len(numbers) - 1)]
+    return np.where(numbers[place] == wanted, place, -1)
+
+
+def require_once(numbers: Array, label: str) -> None:
+    """Raise `InputError` where a number of a node or element occurs twice."""
+    ordered = np.sort(numbers)
+    again = ordered[1:] == ordered[:-1]
+    if again.any():
+        raise InputError(f"{label} {ordered[1:][again][0]} is given twice; write the file again")
 
 
 def listed_counts(found: Counter[str]) -> str:
