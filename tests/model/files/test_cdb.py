@@ -1,4 +1,4 @@
-"""Ansys databases: blocks, degenerate solids, components, materials, faults; files of others beside mapdl-archive."""
+"""Ansys databases: blocks, degenerate solids, components, materials, faults; files that mapdl-archive reads too."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""MED files: those of Gmsh beside its .msh, those of meshio, groups, faults."""
+"""MED files: those of Gmsh compared with its .msh, those of meshio, groups, faults."""
 
 from __future__ import annotations
 

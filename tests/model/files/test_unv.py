@@ -1,4 +1,4 @@
-"""Universal files: nodes, elements, groups and systems, faults; files of Gmsh beside its .msh, and pyuff beside."""
+"""Universal files: nodes, elements, groups and systems, faults; files of Gmsh compared with its .msh, and pyuff."""
 
 from __future__ import annotations
 
