@@ -17,7 +17,7 @@ UNREAD = "not read: not installed where this page was made"
 HEAD = """\
 # Licences of what warpffrf needs
 
-warpffrf itself is Apache-2.0 ([LICENSE](../LICENSE)); it contains no code of these packages and is installed beside
+warpffrf itself is Apache-2.0 ([LICENSE](../LICENSE)); it contains no code of these packages and is installed next to
 them. Made by `python .ci/licences.py` from the metadata of installed packages: an SPDX expression, or the classifier or
 first line that a package has in place of one. What these packages need in turn is not listed.
 

@@ -1,4 +1,6 @@
-"""Make gmsh_<kind>.msh: a quarter of a ring, three cells around and two through, with groups, by Gmsh's own hand.
+"""Make gmsh_<kind>.msh, and of some kinds .unv and .med, by Gmsh's own hand.
+
+A quarter of a ring, three cells around and two through, with groups.
 
 Needs the gmsh Python package (pip install warpffrf[gmsh]); the tests read only the files. Lengths in mm.
 Run: python tests/data/make_gmsh_kinds.py
@@ -16,7 +18,9 @@ KINDS = {
     "hex27": (True, 2, False, 2.2),
     "wedge6": (False, 1, False, 2.2),
     "wedge15": (False, 2, True, 4.1),
+    "tet10": (False, 2, True, 4.1),
 }
+OTHERS = {"hex20", "wedge15", "tet10"}  # kinds that are also written as .unv and .med
 
 
 def make(kind: str, file: Path) -> None:
@@ -42,7 +46,7 @@ def make(kind: str, file: Path) -> None:
         geo.mesh.setTransfiniteSurface(surface)
         if recombined:
             geo.mesh.setRecombine(2, surface)
-        swept = geo.extrude([(2, surface)], 0.0, 0.0, WIDTH, numElements=[1], recombine=True)
+        swept = geo.extrude([(2, surface)], 0.0, 0.0, WIDTH, numElements=[1], recombine=kind != "tet10")
         volumes.append(swept[1][1])
         rim = [swept[3][1]]  # top, volume, then the sides in the order of the loop: low, outer arc, ...
     geo.synchronize()
@@ -53,7 +57,8 @@ def make(kind: str, file: Path) -> None:
     gmsh.model.mesh.generate(3)
     gmsh.model.mesh.setOrder(order)
     gmsh.option.setNumber("Mesh.MshFileVersion", version)
-    gmsh.write(str(file))
+    for ending in (".msh", ".unv", ".med") if kind in OTHERS else (".msh",):
+        gmsh.write(str(file.with_suffix(ending)))
     gmsh.finalize()
 
 

@@ -202,6 +202,16 @@ def make_mtx(path: Path) -> None:
     mmwrite(path, springs, symmetry="symmetric")
 
 
+def make_pch(path: Path) -> None:
+    """A symmetric matrix of DMIG cards in large fields, of springs between nodes 1, 2 and 5."""
+    lines = ["$TITLE   = SPRINGS", "DMIG    KAAX           0       6       2       0"]
+    for a, b, value in ((1, 1, 1e6), (1, 2, -1e6), (2, 2, 2e6), (2, 5, -1e6), (5, 5, 1e6)):
+        for c in (1, 2, 3):
+            number = f"{value:.9E}".replace("E", "D")
+            lines += [f"DMIG*   {'KAAX':16}{b:16}{c:16}", f"*       {a:16}{c:16}{number:>16}"]
+    path.write_text("\n".join([*lines, ""]))
+
+
 def read_matrix_file(path: Path) -> str:
     found = read_matrix(path)
     matrix = found.matrix.tocsr()
@@ -295,10 +305,15 @@ FORMATS: dict[str, Format] = {
     ".msh binary": Format(".msh", copied(wf.examples.path("roller") / "roller.msh"), read_mesh, bytewise),
     ".inp": Format(".inp", make_inp, read_mesh, textwise),
     ".inp assembly": Format(".inp", copied("assembly.inp"), read_assembly, textwise),
+    ".cdb": Format(".cdb", copied("box.cdb"), read_mesh, textwise),
+    ".unv": Format(".unv", copied("box.unv"), read_mesh, textwise),
+    ".med": Format(".med", copied("gmsh_hex20.med"), read_mesh, bytewise),
+    ".med, arrays": Format(".med", copied("gmsh_hex20.med"), read_mesh, mutations.of_arrays),
     ".vtu ASCII": Format(".vtu", vtu(False), read_mesh, textwise),
     ".vtu binary": Format(".vtu", vtu(True), read_mesh, bytewise),
     ".bdf": Format(".bdf", make_bdf, read_mesh, textwise),
     ".mtx": Format(".mtx", make_mtx, read_matrix_file, textwise),
+    ".pch": Format(".pch", make_pch, read_matrix_file, textwise),
     ".sti": Format(".sti", copied("calculix/hex8.sti"), read_sti, textwise),
     ".toml": Format(".toml", make_toml, read_toml, textwise),
 }

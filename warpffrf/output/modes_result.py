@@ -19,13 +19,16 @@ contact is closed, including springs and joints. Mesh errors are not included.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
+from warpffrf.model.files.paths import check_ending, checked_output_path, written_whole
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.progress import speaking
@@ -34,6 +37,8 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.vibrations.eigenmodes import BodyShape, SceneModes, find_modes
 from warpffrf.output.budget.budget import FLOOR, SMALL, percent
 from warpffrf.output.equivalent_damping import EquivalentDamping, equivalent_damping
+from warpffrf.output.frequency_response import FrequencyResponse, frequency_response
+from warpffrf.output.mode_files import gltf_file, universal_file
 from warpffrf.output.plots.modes import draw_shape, shapes_figure, skins_of
 from warpffrf.output.result import Result
 
@@ -143,6 +148,16 @@ class Modes(reprs.Shown):
         """
         return equivalent_damping(self.found, self._index(i), amplitude, at=at, cycles=cycles, steps=steps)
 
+    def frequency_response(self, force: Any, responses: Any, frequencies: Any) -> FrequencyResponse:
+        """Response of the scene about the state to a harmonic force, with all coordinates, not the modes found alone.
+
+        force: (port, direction), `(body["interface"], (0, 0, 1))` or `(body.at((x, y, z)), ...)`, direction (3,) in
+        world axes. responses: the same, or a list of such pairs. frequencies (f,) [Hz]. A reciprocal of the force over
+        a displacement is a dynamic stiffness. Raises InputError for scenes with oil films, states with rotating
+        bodies, ports that do not move, and frequencies at which the response is infinite.
+        """
+        return frequency_response(self.found, force, responses, frequencies)
+
     def report(self) -> str:
         """Table of the modes, frequencies, damping, the bodies with the largest motion, and notes: plain text."""
         lines = [f"modes about the {self.about}, t = {self.found.time:.6g} s", ""]
@@ -200,6 +215,32 @@ class Modes(reprs.Shown):
         drawn = _scale(scale)
         shapes = [(self._title(i), skins_of(self, i)) for i in range(count)]
         return shapes_figure(shapes, f"Modes about the {self.about}", drawn=drawn)
+
+    def to_uff(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+        """Write a universal file: nodes and triangles of the skins (datasets 2411, 2412, SI units), and a dataset 55
+        per mode, six digits; returns the path. Undamped modes are normal modes of modal mass 1, others complex ones.
+        Raises InputError for a file that exists, unless warpffrf wrote it and `overwrite` is set, and where there is
+        nothing to write."""
+        return self._written(path, "to_uff", (".uff", ".unv"), overwrite)
+
+    def to_gltf(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+        """Write a .glb file, glTF with the modes as morph targets and an animation of each, which viewers in browsers
+        rotate and play; returns the path. Raises InputError as `to_uff`, with `overwrite`."""
+        return self._written(path, "to_gltf", (".glb",), overwrite)
+
+    def _written(self, path: str | os.PathLike[str], what: str, endings: tuple[str, ...], overwrite: bool) -> Path:
+        check_ending(path, what, endings)
+        target = checked_output_path(path, what, overwrite=overwrite)
+        skins = [skins_of(self, i) for i in range(len(self))]
+        if not skins or not skins[0]:
+            raise InputError(f"{what}: there are no modes, or no skins of bodies to show them")
+        if what == "to_uff":
+            content = universal_file(self, skins, UNDAMPED).encode()
+        else:
+            content = gltf_file(self, skins, UNDAMPED)
+        with written_whole(target) as partial:
+            partial.write_bytes(content)
+        return target
 
     def _title(self, i: int) -> str:
         ratio = 100.0 * self.damping_ratios[i] + 0.0

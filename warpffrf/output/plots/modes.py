@@ -12,7 +12,7 @@ solids of a run (`rigid_mesh`).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -155,6 +155,7 @@ class MovedSkin:
     points: np.ndarray
     triangles: np.ndarray
     displacement: np.ndarray
+    name: str = ""  # of the body
 
 
 def skins_of(modes: Any, i: int) -> list[MovedSkin]:
@@ -166,13 +167,15 @@ def skins_of(modes: Any, i: int) -> list[MovedSkin]:
         skin = mode_skin(body.reduced, MAX_TRIANGLES // 2 // len(flexible))
         A, origin = rot.matrix(modes.found.rotation[body.name]), modes.found.position[body.name]
         still = skin.points + skin_displacement(body, modes.found.modal[body.name])[skin.kept]
-        found.append(MovedSkin(origin + still @ A.T, skin.triangles, modes.displacement(i, body.name)[skin.kept]))
+        found.append(
+            MovedSkin(origin + still @ A.T, skin.triangles, modes.displacement(i, body.name)[skin.kept], body.name)
+        )
     poses = {name: Pose(modes.found.position[name], modes.found.rotation[name]) for name in modes.found.position}
     state = {name: SimpleNamespace(position=[pose.position], rotation=[pose.rotation]) for name, pose in poses.items()}
     for name, mesh in meshes_in_state(scene_view(modes.scene), state).items():
         shape, arms = modes.shape(i, name), poses[name].turned(mesh.points)
         moved = shape.translation + np.cross(shape.rotation, arms)
-        found.append(MovedSkin(poses[name].position + arms, mesh.triangles, moved))
+        found.append(MovedSkin(poses[name].position + arms, mesh.triangles, moved, name))
     return found
 
 
@@ -203,7 +206,7 @@ def outward(skin: MovedSkin) -> MovedSkin:
     volume."""
     corners = skin.points[skin.triangles] - skin.points.mean(axis=0)
     volume = np.einsum("ti,ti->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
-    return skin if volume >= 0.0 else MovedSkin(skin.points, skin.triangles[:, ::-1], skin.displacement)
+    return skin if volume >= 0.0 else replace(skin, triangles=skin.triangles[:, ::-1])
 
 
 def shapes_figure(modes: Sequence[tuple[str, Sequence[MovedSkin]]], title: str, *, drawn: float = DRAWN) -> Any:

@@ -34,10 +34,9 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.files.paths import Budget, exists, reason
 from warpffrf.model.material import Material
-from warpffrf.model.mesh.files.raw_mesh import RawMesh, system_of
+from warpffrf.model.mesh.files.raw_mesh import RawMesh, listed_counts, system_of
 
 SUFFIXES = (".bdf", ".nas", ".fem", ".dat")
-MOST_LISTED = 20  # kinds of unused cards in the note; control decks have a handful
 
 # linear kind, quadratic kind, position in the card of each node of the quadratic kind (Nastran puts the vertical edges
 # before those of the top)
@@ -66,7 +65,7 @@ Array = np.ndarray
 
 
 @dataclass
-class _Card:
+class Card:
     """A card's `name`, its fields after the name, and where it begins."""
 
     name: str
@@ -104,12 +103,12 @@ class _Card:
 class _Deck:
     """The cards of a solid body."""
 
-    grids: dict[int, tuple[int, tuple[float, float, float], _Card]] = field(default_factory=dict)
-    systems: dict[int, _Card] = field(default_factory=dict)
-    cells: dict[str, list[tuple[int, list[int], _Card]]] = field(default_factory=dict)  # by kind: property, nodes
+    grids: dict[int, tuple[int, tuple[float, float, float], Card]] = field(default_factory=dict)
+    systems: dict[int, Card] = field(default_factory=dict)
+    cells: dict[str, list[tuple[int, list[int], Card]]] = field(default_factory=dict)  # by kind: property, nodes
     elements: set[int] = field(default_factory=set)  # their numbers
-    solids: dict[int, _Card] = field(default_factory=dict)  # PSOLID by property
-    materials: dict[int, _Card] = field(default_factory=dict)  # MAT1
+    solids: dict[int, Card] = field(default_factory=dict)  # PSOLID by property
+    materials: dict[int, Card] = field(default_factory=dict)  # MAT1
     mass_factors: list[float] = field(default_factory=list)  # PARAM,WTMASS
     ignored: Counter[str] = field(default_factory=Counter)
 
@@ -117,7 +116,7 @@ class _Deck:
 def read_bulk(path: Path, length_unit: str) -> RawMesh:
     """Contents of a bulk data file. Raises `InputError`, with file and line, for invalid entries."""
     deck = _Deck()
-    for card in _cards(path):
+    for card in cards(path):
         _take(deck, card)
     numbers = {node: i for i, node in enumerate(deck.grids)}
     placed = _Systems(deck)
@@ -142,14 +141,12 @@ def read_bulk(path: Path, length_unit: str) -> RawMesh:
     notes: list[str] = []
     materials = _materials(deck, length_unit, notes)
     if deck.ignored:
-        listed = [f"{name} ({count})" for name, count in deck.ignored.most_common(MOST_LISTED)]
-        more = len(deck.ignored) - len(listed)
-        notes.append(f"cards that are not used: {', '.join(listed)}" + (f" and {more} other kinds" if more else ""))
+        notes.append(f"cards that are not used: {listed_counts(deck.ignored)}")
     more = {"stray_facets": True, "either_hand": True, "labels": labels}
     return RawMesh(points, blocks, full, materials, tuple(notes), **more)
 
 
-def _take(deck: _Deck, card: _Card) -> None:
+def _take(deck: _Deck, card: Card) -> None:
     name = card.name
     if name == "GRID":
         number = card.integer(1)
@@ -191,7 +188,7 @@ def _take(deck: _Deck, card: _Card) -> None:
         deck.ignored[name] += 1
 
 
-def _add(deck: _Deck, kind: str, card: _Card, fields: list[int]) -> None:
+def _add(deck: _Deck, kind: str, card: Card, fields: list[int]) -> None:
     number = card.integer(1)
     if number in deck.elements:
         raise card.fault(f"element {number} is defined twice; give one of them another number")
@@ -207,7 +204,7 @@ class _Systems:
         self._cards = deck.systems
         self._frames: dict[int, tuple[Array, Array]] = {}
 
-    def basic(self, system: int, x: tuple[float, float, float] | Array, card: _Card, depth: int = 0) -> Array:
+    def basic(self, system: int, x: tuple[float, float, float] | Array, card: Card, depth: int = 0) -> Array:
         """Basic coordinates (3,) of the coordinates `x` in `system`."""
         if system == 0:
             return np.asarray(x, dtype=float)
@@ -270,9 +267,9 @@ def _materials(deck: _Deck, length_unit: str, notes: list[str]) -> dict[str, Mat
     return found
 
 
-def _cards(path: Path) -> Iterator[_Card]:
+def cards(path: Path) -> Iterator[Card]:
     """The cards of the bulk data section, with copies expanded."""
-    last: _Card | None = None
+    last: Card | None = None
     recipe: list[str] | None = None
     copies = 0
     for card in _written_cards(path):
@@ -300,7 +297,7 @@ def _cards(path: Path) -> Iterator[_Card]:
             yield last
 
 
-def _copy(last: _Card, recipe: list[str], card: _Card) -> _Card:
+def _copy(last: Card, recipe: list[str], card: Card) -> Card:
     """The card after `last` by `recipe`, the fields of a card = at `card`."""
     fields: list[str] = []
     given = list(recipe)
@@ -321,20 +318,20 @@ def _copy(last: _Card, recipe: list[str], card: _Card) -> _Card:
         raise card.fault(
             f"it gives {len(given)} of the {len(last.fields)} fields of {last.name}; write == for the rest"
         )
-    return _Card(last.name, fields, card.place)
+    return Card(last.name, fields, card.place)
 
 
-def _grown(last: _Card, i: int, step: str, card: _Card) -> str:
+def _grown(last: Card, i: int, step: str, card: Card) -> str:
     """Field i of `last` and `step` more."""
     if _INTEGER.fullmatch(last.text(i)) and _INTEGER.fullmatch(step):
         return str(int(last.text(i)) + int(step))
-    by = _Card(card.name, [step], card.place)
+    by = Card(card.name, [step], card.place)
     return repr(last.real(i) + by.real(1))
 
 
-def _written_cards(path: Path) -> Iterator[_Card]:
+def _written_cards(path: Path) -> Iterator[Card]:
     """The cards as written, with their continuations joined."""
-    card: _Card | None = None
+    card: Card | None = None
     width = 8
     name = ""  # of the continuation that the line before announces
     for line, place in _bulk_lines(path, Budget()):
@@ -369,7 +366,7 @@ def _written_cards(path: Path) -> Iterator[_Card]:
             continue
         if card is not None:
             yield card
-        card, width, name = _Card(head.rstrip("*").upper(), data, place), limit, behind
+        card, width, name = Card(head.rstrip("*").upper(), data, place), limit, behind
     if card is not None:
         yield card
 

@@ -25,6 +25,7 @@ tetrahedron. Mid nodes follow their edges.
 from __future__ import annotations
 
 import logging
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -35,11 +36,14 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation, corner_notes, part_labels
 from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind, facet_kind
-from warpffrf.model.mesh.facets import FacetSet, row_numbers
+from warpffrf.model.mesh.facets import FacetSet, outer_faces, row_numbers
 
 logger = logging.getLogger(__name__)
 
 Array = np.ndarray
+
+SPARSE = 64  # numbers per node up to which a table of all numbers is smaller than the file
+MOST_LISTED = 20  # kinds in a note; control decks have a handful of unused ones
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +53,8 @@ class RawMesh:
 
     `stray_facets`: facets that are no faces of a cell are omitted with a note (shells of a larger model) instead of
     refused. `either_hand`: the format does not define the orientation of cells. `labels`: the numbers that the
-    file gives the members of each block, None where it gives none.
+    file gives the members of each block, None where it gives none. `node_groups`: {name: numbers of points}, which
+    become the outer facets all of whose nodes they contain.
     """
 
     points: Array
@@ -60,6 +65,7 @@ class RawMesh:
     stray_facets: bool = False
     either_hand: bool = False
     labels: Sequence[Array] | None = None
+    node_groups: Mapping[str, Array] = field(default_factory=dict)
 
 
 def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, label: str) -> Mesh:
@@ -85,9 +91,11 @@ def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, labe
     cells = {kind: np.concatenate(parts) for kind, parts in by_kind.items()}
     labels = None if raw.labels is None else np.concatenate([a for parts in named.values() for a in parts])
     number = _cell_numbers(raw, volumes, kept, list(cells))
-    used = np.unique(np.concatenate([nodes.ravel() for nodes in cells.values()]))
-    new_number = np.full(len(raw.points), -1, dtype=np.int64)
-    new_number[used] = np.arange(len(used))
+    marked = np.zeros(len(raw.points), dtype=bool)
+    for nodes in cells.values():
+        marked[nodes] = True
+    used = np.flatnonzero(marked)
+    new_number = np.where(marked, np.cumsum(marked) - 1, -1)
     cells = {kind: new_number[nodes] for kind, nodes in cells.items()}
 
     cell_sets = {}
@@ -96,6 +104,7 @@ def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, labe
         if np.any(members >= 0):
             cell_sets[group] = members[members >= 0]
     facet_sets, left_out = _facet_sets(raw, cells, new_number, label)
+    facet_sets |= _node_sets(raw, cells, new_number, facet_sets, left_out)
     points, what = raw.points[used] * scale, "number" if labels is None else "element"
     try:
         # what mesh.check() does, with the file's numbers; nodes without cells are left out already
@@ -123,24 +132,30 @@ def _uncollapsed(raw: RawMesh, notes: list[str], label: str) -> RawMesh:
         bad = repeated(nodes) if kind in CELL_KINDS else np.zeros(0, dtype=bool)
         if not bad.any():
             continue
-        left: dict[str, list[tuple[int, list[int]]]] = {}
-        for row in np.flatnonzero(bad):
-            found = left_over(kind, nodes[row])
+        rows = np.flatnonzero(bad)
+        # cells with the same pattern of repetition, each node as the first place of its number, leave the same
+        pattern = np.argmax(nodes[rows][:, :, None] == nodes[rows][:, None, :], axis=2)
+        patterns, of_row = np.unique(pattern, axis=0, return_inverse=True)
+        left: dict[str, list[tuple[Array, Array]]] = {}
+        for number, one in enumerate(patterns):
+            alike = rows[of_row.ravel() == number]
+            found = left_over(kind, one)
             if found is None:
-                name = f"number {row} of its kind" if raw.labels is None else f"element {raw.labels[b][row]}"
+                name = f"number {alike[0]} of its kind" if raw.labels is None else f"element {raw.labels[b][alike[0]]}"
+                pyramid = len(set(one[: cell_kind(kind).corner_count].tolist())) == 5
                 raise InputError(
-                    f"{label}: {kind} {name} has repeated nodes and is neither a wedge nor a tetrahedron; mesh with "
-                    "these instead"
+                    f"{label}: {kind} {name} has repeated nodes and is {'a pyramid, ' if pyramid else ''}neither a "
+                    "wedge nor a tetrahedron; mesh with these instead"
                 )
-            left.setdefault(found[0], []).append((int(row), found[1]))
-        for new_kind, rows in left.items():
-            old = np.array([row for row, _ in rows])
-            blocks.append((new_kind, np.array([new for _, new in rows], dtype=np.int64)))
+            left.setdefault(found[0], []).append((alike, nodes[alike][:, found[1]]))
+        for new_kind, parts_left in left.items():
+            old, new = (np.concatenate(parts) for parts in zip(*parts_left, strict=True))
+            blocks.append((new_kind, new))
             for parts in groups.values():
                 parts.append(np.flatnonzero(np.isin(old, parts[b])))
             if labels is not None and raw.labels is not None:
                 labels.append(raw.labels[b][old])
-            notes.append(f"{len(rows)} {kind} cells with repeated nodes are read as {new_kind}")
+            notes.append(f"{len(old)} {kind} cells with repeated nodes are read as {new_kind}")
         number = np.cumsum(~bad) - 1
         blocks[b] = (kind, nodes[~bad])
         for parts in groups.values():
@@ -181,9 +196,14 @@ def _upright(kind: str, raw: RawMesh, nodes: Array, notes: list[str]) -> Array:
     over = cell.jacobians(raw.points[nodes], middle)[:, 0] < 0.0
     if raw.either_hand and over.any():
         notes.append(f"{np.sum(over)} {kind} cells with nodes in reversed order are corrected")
+    return np.where(over[:, None], nodes[:, mirror(kind)], nodes)
+
+
+def mirror(kind: str) -> list[int]:
+    """The order of the nodes of a cell of the other orientation."""
     # every reference cell is its own mirror image in the plane between its first two axes
-    mirror = np.array([int(np.argmin(np.abs(cell.nodes - x).sum(axis=1))) for x in cell.nodes[:, [1, 0, 2]]])
-    return np.where(over[:, None], nodes[:, mirror], nodes)
+    x = cell_kind(kind).nodes
+    return [int(np.argmin(np.abs(x - image).sum(axis=1))) for image in x[:, [1, 0, 2]]]
 
 
 def _cell_numbers(raw: RawMesh, volumes: list[int], kept: dict[int, Array], kinds: list[str]) -> dict[int, Array]:
@@ -252,6 +272,54 @@ def _facet_sets(
         if blocks:
             sets[name] = FacetSet({facet: np.concatenate(parts) for facet, parts in blocks.items()})
     return sets, notes
+
+
+def _node_sets(
+    raw: RawMesh, cells: dict[str, Array], new_number: Array, taken: Mapping[str, FacetSet], notes: list[str]
+) -> dict[str, FacetSet]:
+    """The outer facets over each group of nodes; `notes` list groups that have none, and names that are taken."""
+    outer = outer_faces(cells) if raw.node_groups else FacetSet({})
+    sets: dict[str, FacetSet] = {}
+    empty: list[str] = []
+    for name, members in raw.node_groups.items():
+        inside = np.zeros(int(new_number.max()) + 1, dtype=bool)
+        inside[new_number[members][new_number[members] >= 0]] = True
+        facets = FacetSet({kind: nodes[inside[nodes].all(axis=1)] for kind, nodes in outer.blocks.items()})
+        if not len(facets):
+            empty.append(f"{name!r} ({len(members)} nodes)")
+        elif name not in taken:
+            sets[name] = facets
+        elif len(facets) != len(taken[name]):
+            notes.append(f"node set {name!r} is not used, a set of facets has that name")
+    if empty:
+        notes.append(f"node sets without a complete outer facet are not used: {', '.join(empty)}")
+    return sets
+
+
+def places(numbers: Array, wanted: Array) -> Array:
+    """Positions in `numbers`, of nodes of a file, of the numbers `wanted`; -1 for those that are not among them."""
+    if numbers.max() < SPARSE * len(numbers):
+        table = np.full(int(numbers.max()) + 1, -1)
+        table[numbers] = np.arange(len(numbers))
+        return np.where((wanted >= 0) & (wanted < len(table)), table[np.clip(wanted, 0, len(table) - 1)], -1)
+    order = np.argsort(numbers, kind="stable")
+    place = order[np.minimum(np.searchsorted(numbers, wanted, sorter=order), len(numbers) - 1)]
+    return np.where(numbers[place] == wanted, place, -1)
+
+
+def require_once(numbers: Array, label: str) -> None:
+    """Raise `InputError` where a number of a node or element occurs twice."""
+    ordered = np.sort(numbers)
+    again = ordered[1:] == ordered[:-1]
+    if again.any():
+        raise InputError(f"{label} {ordered[1:][again][0]} is given twice; write the file again")
+
+
+def listed_counts(found: Counter[str]) -> str:
+    """Names with their counts, the most frequent first."""
+    listed = [f"{name} ({count})" for name, count in found.most_common(MOST_LISTED)]
+    more = len(found) - len(listed)
+    return ", ".join(listed) + (f" and {more} other kinds" if more else "")
 
 
 def _key(kind: str, nodes: Array) -> Array:

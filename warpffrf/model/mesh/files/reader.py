@@ -1,8 +1,9 @@
-"""Meshes from files: Gmsh .msh, VTK .vtu and .vtk, Nastran bulk data, Abaqus and CalculiX .inp.
+"""Meshes from files: Gmsh .msh, VTK .vtu and .vtk, Nastran bulk data, Abaqus and CalculiX .inp, Ansys .cdb,
+universal files .unv, MED.
 
-One module per format reads it (`gmsh`, `vtu`, `vtk`, `nastran`, `inp`); `raw_mesh` converts one part
-to a mesh. Named surfaces become facet sets, named groups of cells become cell sets. Contents (cells by kind, pieces,
-entities, groups, arrays) that a mesh cannot represent are refused or listed in `Mesh.notes`.
+One module per format reads it (`gmsh`, `vtu`, `vtk`, `nastran`, `inp`, `cdb`, `unv`, `med`); `raw_mesh` converts one
+part to a mesh. Named surfaces become facet sets, named groups of cells become cell sets. Contents (cells by kind,
+pieces, entities, groups, arrays) that a mesh cannot represent are refused or listed in `Mesh.notes`.
 """
 
 from __future__ import annotations
@@ -13,18 +14,22 @@ from pathlib import Path
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.files.paths import exists
 from warpffrf.model.mesh.data import Mesh
+from warpffrf.model.mesh.files.cdb import read_cdb
 from warpffrf.model.mesh.files.gmsh import read_gmsh
+from warpffrf.model.mesh.files.med import read_med
 from warpffrf.model.mesh.files.nastran import SUFFIXES as NASTRAN
 from warpffrf.model.mesh.files.nastran import read_bulk
 from warpffrf.model.mesh.files.raw_mesh import LENGTH_UNITS, built
+from warpffrf.model.mesh.files.unv import read_unv
 from warpffrf.model.mesh.files.vtk import read_vtk
 from warpffrf.model.mesh.files.vtu import read_vtu
 from warpffrf.model.messages.named_arguments import named_arguments
 
 logger = logging.getLogger(__name__)
 
-READERS = {".msh": read_gmsh, ".vtu": read_vtu, ".vtk": read_vtk}
-SUFFIXES = (*READERS, *NASTRAN, ".inp")
+READERS = {".msh": read_gmsh, ".vtu": read_vtu, ".vtk": read_vtk, ".unv": read_unv, ".uff": read_unv, ".med": read_med}
+IN_UNITS = {".cdb": read_cdb, **dict.fromkeys(NASTRAN, read_bulk)}  # whose materials have the units of the lengths
+SUFFIXES = (*READERS, *IN_UNITS, ".inp")
 
 
 @named_arguments
@@ -59,7 +64,7 @@ def read(path: str | Path, *, length_unit: str, part: int | str | None = None) -
 
         mesh = read_inp(path, length_unit=length_unit, part=part)
     else:
-        raw = READERS[suffix](path) if suffix in READERS else read_bulk(path, length_unit)
+        raw = READERS[suffix](path) if suffix in READERS else IN_UNITS[suffix](path, length_unit)
         mesh = built(raw, scale=LENGTH_UNITS[length_unit], part=part, name=path.stem, label=f"mesh file {path.name}")
     for warning in mesh.report().warnings:
         logger.warning("mesh file %s: %s", path.name, warning)

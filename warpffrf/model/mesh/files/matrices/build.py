@@ -37,6 +37,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -117,6 +118,7 @@ def from_matrices(
         dofs = _dofs(A, dof_map, numbers, what)
         matrix, left_out = ordered(A.matrix, dofs, len(points), what)
         matrix, unsymmetry = require_symmetric(matrix, what)
+        notes += A.notes
         if left_out:
             notes.append(f"{what}: {left_out} empty rows of rotations are left out")
         if unsymmetry > ROUND_OFF:
@@ -152,7 +154,7 @@ def _loaded(given: Any, what: str, role: str) -> FileMatrix:
     if isinstance(given, str | Path):
         given = read_matrix(given, role=role)
     if isinstance(given, FileMatrix):
-        return FileMatrix(require_matrix(given.matrix, f"{what} ({given.source})"), given.dofs, given.source)
+        return replace(given, matrix=require_matrix(given.matrix, f"{what} ({given.source})"))
     return FileMatrix(require_matrix(given, what), None, what)
 
 

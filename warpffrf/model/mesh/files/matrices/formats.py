@@ -56,11 +56,13 @@ class FileMatrix:
 
     `matrix`: scipy.sparse csr (d, d). `dofs` (d, 2) int64: of each row the node's number *in the FE program* and the
     component (0 to 2 displacements, 3 to 5 rotations); None where the file does not give them. `source`: for messages.
+    `notes`: what of the file is not used.
     """
 
     matrix: Any
     dofs: np.ndarray | None
     source: str
+    notes: tuple[str, ...] = ()
 
 
 def from_triplets(rows: np.ndarray, columns: np.ndarray, values: np.ndarray, size: int) -> Any:
