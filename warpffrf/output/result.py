@@ -152,7 +152,7 @@ class Result(reprs.Shown):
 
     @cached_property
     def _films(self) -> dict[str, FilmResult]:
-        return {name: FilmResult(film, self.view.films[name], self.time) for name, film in self.history.films.items()}
+        return {name: FilmResult(film, self.view.films[name], self) for name, film in self.history.films.items()}
 
     @cached_property
     def _small_sliding(self) -> dict[str, SmallSlidingResult]:
