@@ -2,8 +2,8 @@
 
     Film            the film of a pair of surfaces, `film`
     feeds           AxialGroove, CircumferentialGroove, SupplyHole, `feeds`
-    forms           LobedForm, BarrelForm, WornForm, MeasuredForm, deviations from the true shape that add up,
-                    `warpffrf.model.surfaces.form_deviations`
+    forms           LobedForm, BarrelForm, WornForm, PadForm, PocketForm, MeasuredForm, deviations from the true
+                    shape that add up, `warpffrf.model.surfaces.form_deviations`
     roughness       Roughness of a wall, with flow factors; MixedLubrication, asperities in addition, `roughness`
     CAVITATIONS     treatment of pressures below that of cavitation, `cavitation`
 
@@ -25,6 +25,8 @@ from warpffrf.model.surfaces.form_deviations import (
     Form,
     LobedForm,
     MeasuredForm,
+    PadForm,
+    PocketForm,
     WornForm,
 )
 
@@ -32,6 +34,7 @@ __all__ = [
     "CAVITATIONS", "QUADRATURES", "FEEDS", "FORMS", "ROUGHNESSES", "BarrelForm", "Feed", "Film", "Form",
     "AxialGroove", "SupplyHole",
     "LobedForm", "MeasuredForm", "MixedLubrication", "CircumferentialGroove", "Roughness", "CompositeForm", "WornForm",
+    "PadForm", "PocketForm",
 ]  # fmt: skip
 
 
