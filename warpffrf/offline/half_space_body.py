@@ -109,7 +109,8 @@ class Patch:
         self.shape, self.across, self.along = shape, across, along
 
     @classmethod
-    def of(cls, name: str, shape: Any, limits: Any, caller: str = "half_space_body") -> Patch:
+    def of(cls, name: str, shape: Any, limits: Any, caller: str = "half_space_body", *, arcs: bool = False) -> Patch:
+        """A checked one; arcs: limits around are possible on surfaces of revolution, too."""
         label = f"{caller}: surface {name!r}"
         if not isinstance(shape, Shape):
             raise InputError(f"{label} must be a shape of warpffrf.surfaces, got {shape!r}")
@@ -123,7 +124,7 @@ class Patch:
             limits = (shape.table[0][0], shape.table[0][-1])
         if limits is None:
             raise InputError(f"{label} has no ends; give extent={{{name!r}: (low, high)}}, along its axis")
-        wanted = (2, 2) if profile.flat else (2,)
+        wanted = (2, 2) if profile.flat or (arcs and np.ndim(limits) == 2) else (2,)
         limits = np.atleast_2d(require_array(limits, f"{label}: extent", wanted))
         if np.any(np.diff(limits) <= 0.0):
             raise InputError(f"{label}: extent must be ascending, got {limits.tolist()}")

@@ -61,7 +61,7 @@ def rigid_film_body(
     if unknown := [name for name in extent if name not in contact]:
         raise InputError(f"{label}: extent names {unknown[0]!r}, which is no surface of contact")
     columns, rows = (require_count(n, f"{label}: nodes", FEWEST) for n in nodes)
-    patches = {name: Patch.of(name, shape, extent.get(name), label) for name, shape in contact.items()}
+    patches = {name: Patch.of(name, shape, extent.get(name), label, arcs=True) for name, shape in contact.items()}
     skin = skin_of(patches)
     center = require_array(center_of_mass, f"{label}: center_of_mass", (3,))
     return ReducedBody(

@@ -139,7 +139,7 @@ def _error_of(engine: Engine, i: int, film: Film) -> FilmGridError:
         return FilmGridError(*[np.nan] * 5)
     by_rows, by_columns = (OF_CHANGE * (found - own) for found in (rows, columns))
     most = np.maximum(np.abs(own), np.finfo(float).tiny)
-    load = np.linalg.norm(most[:3])
+    load = max(float(np.linalg.norm(most[:3])), np.finfo(float).tiny)
     flow, torque = np.abs(by_rows + by_columns)[3:5].max() / most[3:5].max(), abs((by_rows + by_columns)[5]) / most[5]
     parts = [float(np.linalg.norm(part[:3]) / load) for part in (by_rows + by_columns, by_rows, by_columns)]
     return FilmGridError(parts[0], float(flow), float(torque), *parts[1:])
