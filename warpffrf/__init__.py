@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.scene import Scene
     from warpffrf.model.small_sliding import SmallSliding
-    from warpffrf.offline import ContactGrid, ReductionOptions, bases, half_space_body, reduce
+    from warpffrf.offline import ContactGrid, ReductionOptions, bases, half_space_body, reduce, rigid_film_body
     from warpffrf.offline.contact.contact_grid import contact_spacing
     from warpffrf.online import LocalModes
     from warpffrf.online.stages import Stage
@@ -96,6 +96,7 @@ __all__ = [
     "quiet",
     "record",
     "reduce",
+    "rigid_film_body",
     "run_scene",
     "sensors",
     "signals",
@@ -148,6 +149,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "quiet": ("warpffrf.model.messages.progress", "quiet"),
     "record": ("warpffrf.output.recording.recorder", "record"),
     "reduce": ("warpffrf.offline", "reduce"),
+    "rigid_film_body": ("warpffrf.offline", "rigid_film_body"),
     "run_scene": ("warpffrf.scene_file", "run_scene"),
     "sensors": ("warpffrf.model.sensors", None),
     "signals": ("warpffrf.model.signals", None),

@@ -48,15 +48,15 @@ def bore(
 
 def bearing(
     body: ReducedBody, load: tuple[Any, Any] | None, *, at: tuple[float, float] = (0.3, 0.0), speed: float = SPEED,
-    mass: float = 1.0, clearance: float = CLEARANCE, **film: Any,
+    mass: float = 1.0, clearance: float = CLEARANCE, radius: float = RADIUS, **film: Any,
 ) -> Scene:  # fmt: skip
     """A shaft of `mass` [kg] with `load` [N], numbers or signals, that begins `at` so many clearances; without a load
     it is held there."""
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     held = scene.add_body(body, name="sleeve")
     scene.add(joints.Fixed(scene.ground, held["outside"], axis=(0, 1, 0), name="held"))
-    J, place = 0.5 * mass * RADIUS**2, (at[0] * clearance, 0.0, -at[1] * clearance)
-    axle = surfaces.Cylinder(radius=RADIUS - clearance, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
+    J, place = 0.5 * mass * radius**2, (at[0] * clearance, 0.0, -at[1] * clearance)
+    axle = surfaces.Cylinder(radius=radius - clearance, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
     shaft = scene.add_rigid_body(
         mass, (J, J, J), name="shaft", position=place, angular_velocity=(0.0, speed, 0.0), surfaces={"journal": axle}
     )  # fmt: skip

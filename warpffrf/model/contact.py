@@ -384,6 +384,11 @@ def _require_surface(port: Any, place: str) -> None:
             f"contact: the {place} surface, {port.label}, was reduced as surfaces.Matched, for small sliding; give "
             "sliding='small', or reduce the body with a shape in its place, such as surfaces.Cylinder()"
         )
+    if not port.rigid and port.surface.unyielding:
+        raise InputError(
+            f"contact: the {place} surface, {port.label}, is of a rigid_film_body and has no compliance; it carries "
+            "oil films only: give a rigid body the surface, or reduce a mesh"
+        )
     kind = "nodes" if port.rigid else port.surface.grid.kind
     if kind != "nodes":
         raise InputError(

@@ -29,6 +29,7 @@ from warpffrf.model.errors import (
     unknown_name,
 )
 from warpffrf.model.films import Film
+from warpffrf.model.films.journal_bearing import JournalBearing, add_journal_bearing, add_tilting_pad_bearing
 from warpffrf.model.forces import Pretension
 from warpffrf.model.gears.mesh import GearMesh, add_gear_pair
 from warpffrf.model.joints import Drive, Joint
@@ -56,8 +57,9 @@ class Scene(reprs.Shown):
     """A multibody model: bodies with poses, and the elements that connect and load them.
 
     gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts`, `lumped_contacts`, `films`,
-    `sensors` are lists in the order of adding; `bearings`, `gears`, `cams` and `wheelsets` are assemblies, whose
-    parts are in the other lists, too; `ground` is the world as a body. SI units, world axes, quaternions (x, y, z, w).
+    `sensors` are lists in the order of adding; `bearings`, `gears`, `cams`, `wheelsets` and `journal_bearings` are
+    assemblies, whose parts are in the other lists, too; `ground` is the world as a body. SI units, world axes,
+    quaternions (x, y, z, w).
 
     >>> scene = wf.Scene(gravity=(0, 0, -9.81))  # m/s2
     >>> arm = scene.add_rigid_body(1.0, (0.01, 0.01, 0.01), name="arm", position=(0.1, 0, 0))  # kg, kg m2, m
@@ -83,12 +85,15 @@ class Scene(reprs.Shown):
         self.gears: list[GearMesh] = []
         self.cams: list[CamPair] = []
         self.wheelsets: list[Wheelset] = []
+        self.journal_bearings: list[JournalBearing] = []
         self._numbers: dict[str, int] = {}  # kind -> last number given to an unnamed item
 
     add_bearing = add_bearing
     add_gear_pair = add_gear_pair
     add_cam = add_cam
     add_wheelset = add_wheelset
+    add_journal_bearing = add_journal_bearing
+    add_tilting_pad_bearing = add_tilting_pad_bearing
 
     @property
     def finite_sliding(self) -> list[Contact]:
@@ -101,7 +106,7 @@ class Scene(reprs.Shown):
         return [contact for contact in self.contacts if contact.sliding is not None]
 
     def _facts(self) -> dict[str, Any]:
-        kinds = ("bodies", *_ADDED, "bearings", "gears", "cams", "wheelsets")
+        kinds = ("bodies", *_ADDED, "bearings", "gears", "cams", "wheelsets", "journal_bearings")
         return {kind: reprs.names(getattr(self, kind)) for kind in kinds if getattr(self, kind)}
 
     def _picture(self) -> str:

@@ -82,8 +82,8 @@ def half_space_body(
     if unknown := [name for name in extent if name not in contact]:
         raise InputError(f"{label}: extent names {unknown[0]!r}, which is no surface of contact")
     center = require_array(center_of_mass, f"{label}: center_of_mass", (3,))
-    patches = {name: _Patch.of(name, shape, extent.get(name)) for name, shape in contact.items()}
-    skin = _skin(patches)
+    patches = {name: Patch.of(name, shape, extent.get(name)) for name, shape in contact.items()}
+    skin = skin_of(patches)
     surfaces = {name: patch.surface(name, material, free_ends, len(skin.points)) for name, patch in patches.items()}
     places = points if points else {"center": center}
     return ReducedBody(
@@ -102,15 +102,16 @@ def half_space_body(
     )
 
 
-class _Patch:
-    """A surface within its limits."""
+class Patch:
+    """A surface within its limits: across, angles [rad] or of a plane lengths [m], None all around; along [m]."""
 
     def __init__(self, shape: Any, across: Array | None, along: Array) -> None:
         self.shape, self.across, self.along = shape, across, along
 
     @classmethod
-    def of(cls, name: str, shape: Any, limits: Any) -> _Patch:
-        label = f"half_space_body: surface {name!r}"
+    def of(cls, name: str, shape: Any, limits: Any, caller: str = "half_space_body", *, arcs: bool = False) -> Patch:
+        """A checked one; arcs: limits around are possible on surfaces of revolution, too."""
+        label = f"{caller}: surface {name!r}"
         if not isinstance(shape, Shape):
             raise InputError(f"{label} must be a shape of warpffrf.surfaces, got {shape!r}")
         shape = shape.without_nodes()
@@ -123,13 +124,13 @@ class _Patch:
             limits = (shape.table[0][0], shape.table[0][-1])
         if limits is None:
             raise InputError(f"{label} has no ends; give extent={{{name!r}: (low, high)}}, along its axis")
-        wanted = (2, 2) if profile.flat else (2,)
+        wanted = (2, 2) if profile.flat or (arcs and np.ndim(limits) == 2) else (2,)
         limits = np.atleast_2d(require_array(limits, f"{label}: extent", wanted))
         if np.any(np.diff(limits) <= 0.0):
             raise InputError(f"{label}: extent must be ascending, got {limits.tolist()}")
         if profile.curve is not None and not profile.curve.closed:
             return cls(shape, profile.curve.knots[[0, -1]], limits[-1])
-        return cls(shape, limits[0] if profile.flat else None, limits[-1])
+        return cls(shape, limits[0] if len(limits) == 2 else None, limits[-1])
 
     def chart(self, columns: int, rows: int) -> tuple[Array, Array]:
         """theta (columns,), without the last of a full revolution, and z (rows,)."""
@@ -172,7 +173,7 @@ class _Patch:
         return ContactSurface(name, self.shape, grid("nodes"), lags, modes, recovery(1), tangential, far=far)
 
 
-def _skin(patches: Mapping[str, _Patch]) -> DisplaySurface:
+def skin_of(patches: Mapping[str, Patch]) -> DisplaySurface:
     """The surfaces, open at their ends."""
     points: list[Array] = []
     triangles: list[Array] = []

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
 
     from warpffrf.model.scene import Scene
     from warpffrf.model.sensors import Sensor
+    from warpffrf.online.vibrations.film_coefficients import FilmCoefficients
     from warpffrf.output.bearings.stiffness import BearingStiffness
     from warpffrf.output.bodies.stress import StressResult
     from warpffrf.output.bodies.stress_below import StressBelow
@@ -152,7 +153,7 @@ class Result(reprs.Shown):
 
     @cached_property
     def _films(self) -> dict[str, FilmResult]:
-        return {name: FilmResult(film, self.view.films[name], self.time) for name, film in self.history.films.items()}
+        return {name: FilmResult(film, self.view.films[name], self) for name, film in self.history.films.items()}
 
     @cached_property
     def _small_sliding(self) -> dict[str, SmallSlidingResult]:
@@ -189,6 +190,18 @@ class Result(reprs.Shown):
         from warpffrf.output.bearings.stiffness import bearing_stiffness
 
         return bearing_stiffness(self.scene, name, self.history, row)
+
+    def bearing_coefficients(self, name: str, frequency: float | None = None) -> FilmCoefficients:
+        """Stiffness and damping of the journal bearing called `name` about the last saved step, all of its films
+        together, for motions of `frequency` [Hz], None for that of the rotation of the shaft. Tilting pads follow the
+        motion about their pivots with their inertia, so that these are the reduced coefficients at that frequency; its
+        errors are those of bearings with one film. See `FilmResult.coefficients`. Raises InputError for an unknown
+        name, and a result from a file."""
+        from warpffrf.online.vibrations.film_coefficients import bearing_coefficients
+
+        if frequency is not None:
+            frequency = require_number(frequency, "bearing_coefficients: frequency [Hz]", non_negative=True)
+        return bearing_coefficients(self.scene, name, self.history, frequency)
 
     def since(self, begin: float) -> Result:
         """The saved steps from the time `begin` [s] on, as a Result: its figures, report and plots are those of this

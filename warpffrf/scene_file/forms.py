@@ -428,7 +428,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     from warpffrf.model.mesh.cut import cut
     from warpffrf.model.reduced.body import ReducedBody
     from warpffrf.model.scene import Scene
-    from warpffrf.offline import ContactGrid, ReductionOptions, half_space_body, reduce
+    from warpffrf.offline import ContactGrid, ReductionOptions, half_space_body, reduce, rigid_film_body
     from warpffrf.online.stages import Stage
     from warpffrf.output.options import OF_TIME, RunOptions
     from warpffrf.output.simulate import equilibrium, simulate, static
@@ -460,6 +460,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
                 ("progress",),
             ),
             "half_space": form_of("half-space body", half_space_body, {"material": "materials", "contact": "shapes"}),
+            "rigid_film": form_of("rigid body of films", rigid_film_body, {"contact": "shapes"}),
             "load": form_of("reduced body file", ReducedBody.load, paths),
         },
         "scene": {"": form_of("scene", Scene, {})},

@@ -2,8 +2,9 @@
 
     Film            the film of a pair of surfaces, `film`
     feeds           AxialGroove, CircumferentialGroove, SupplyHole, `feeds`
-    forms           LobedForm, BarrelForm, WornForm, MeasuredForm, deviations from the true shape that add up,
-                    `warpffrf.model.surfaces.form_deviations`
+    forms           LobedForm, BarrelForm, WornForm, PadForm, PocketForm, MeasuredForm, deviations from the true
+                    shape that add up, `warpffrf.model.surfaces.form_deviations`
+    bearings        Pad, Dam, pads, JournalBearing: `scene.add_journal_bearing`, `journal_bearing`
     roughness       Roughness of a wall, with flow factors; MixedLubrication, asperities in addition, `roughness`
     CAVITATIONS     treatment of pressures below that of cavitation, `cavitation`
 
@@ -17,6 +18,7 @@ from typing import TYPE_CHECKING
 from warpffrf.model.errors import no_attribute
 from warpffrf.model.films.feeds import FEEDS, AxialGroove, CircumferentialGroove, Feed, SupplyHole
 from warpffrf.model.films.film import CAVITATIONS, QUADRATURES, Film
+from warpffrf.model.films.journal_bearing import Dam, JournalBearing, Pad, pads
 from warpffrf.model.films.roughness import ROUGHNESSES, MixedLubrication, Roughness
 from warpffrf.model.surfaces.form_deviations import (
     FORMS,
@@ -25,6 +27,8 @@ from warpffrf.model.surfaces.form_deviations import (
     Form,
     LobedForm,
     MeasuredForm,
+    PadForm,
+    PocketForm,
     WornForm,
 )
 
@@ -32,6 +36,7 @@ __all__ = [
     "CAVITATIONS", "QUADRATURES", "FEEDS", "FORMS", "ROUGHNESSES", "BarrelForm", "Feed", "Film", "Form",
     "AxialGroove", "SupplyHole",
     "LobedForm", "MeasuredForm", "MixedLubrication", "CircumferentialGroove", "Roughness", "CompositeForm", "WornForm",
+    "PadForm", "PocketForm", "Pad", "Dam", "pads", "JournalBearing",
 ]  # fmt: skip
 
 

@@ -106,6 +106,11 @@ class ContactSurface(reprs.Shown):
         """Whether the body under it is rigid but for the half-space of a patch (`wf.half_space_body`)."""
         return self.far is not None and not self.lags.any()
 
+    @property
+    def unyielding(self) -> bool:
+        """Whether the body under it is rigid altogether (`wf.rigid_film_body`)."""
+        return self.far is None and not self.lags.any()
+
     @cached_property
     def splines(self) -> FarSplines:
         """The splines of the far field, with the transformation from nodal coefficients."""

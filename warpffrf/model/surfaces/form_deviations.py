@@ -131,6 +131,58 @@ class WornForm(Form):
 
 
 @named_arguments
+@dataclass(frozen=True)
+class PadForm(Form):
+    """A pad whose centre of curvature lies `offset` [m] off the axis, away from theta [rad]: the gap is narrower by
+    offset cos(angle from theta) between the angles `within` (first, last) [rad] of the pad, and unchanged elsewhere.
+    Raises `InputError`."""
+
+    offset: float
+    theta: float
+    within: tuple[float, float]
+    kind: ClassVar[str] = "pad_form"
+
+    def __post_init__(self) -> None:
+        _keep_number(self, "offset", "[m]")
+        _keep_number(self, "theta", "[rad]")
+        _keep_limits(self, "within", "[rad]")
+
+    @property
+    def turns(self) -> bool:
+        return True
+
+    def __call__(self, theta: Any, z: Any) -> np.ndarray:
+        theta, _ = np.broadcast_arrays(np.asarray(theta, float), np.asarray(z, float))
+        return np.where(_inside(theta, self.within), -self.offset * np.cos(theta - self.theta), 0.0)
+
+
+@named_arguments
+@dataclass(frozen=True)
+class PocketForm(Form):
+    """A pocket with sharp edges, `depth` [m], between the angles theta (first, last) [rad, of a plane m] and z (low,
+    high) [m], the whole length if None; a dam, or the texture of a slider. Its edges should lie on columns and rows of
+    the film's grid. Raises `InputError`."""
+
+    depth: float
+    theta: tuple[float, float]
+    z: tuple[float, float] | None = None
+    kind: ClassVar[str] = "pocket_form"
+
+    def __post_init__(self) -> None:
+        _keep_number(self, "depth", "[m]")
+        _keep_limits(self, "theta", "[rad, of a plane m]")
+        if self.z is not None:
+            _keep_limits(self, "z", "[m]")
+
+    def __call__(self, theta: Any, z: Any) -> np.ndarray:
+        theta, z = np.broadcast_arrays(np.asarray(theta, float), np.asarray(z, float))
+        inside = _inside(theta, self.theta)
+        if self.z is not None:
+            inside &= (z >= self.z[0]) & (z <= self.z[1])
+        return np.where(inside, self.depth, 0.0)
+
+
+@named_arguments
 @dataclass(frozen=True, eq=False)
 class MeasuredForm(Form):
     """Measured deviations, `values` (n, m) [m] at theta (n,) [rad, of a plane m] and z (m,) [m], both rising,
@@ -223,7 +275,7 @@ class CompositeForm(Form):
 
 
 FORMS: dict[str, type[Any]] = {
-    form.kind: form for form in (LobedForm, BarrelForm, WornForm, MeasuredForm, CompositeForm)
+    form.kind: form for form in (LobedForm, BarrelForm, WornForm, PadForm, PocketForm, MeasuredForm, CompositeForm)
 }
 
 
@@ -241,6 +293,19 @@ def _names() -> str:
 def _keep_number(form: Form, name: str, unit: str, *, positive: bool = False) -> None:
     label = f"films.{type(form).__name__}: {name} {unit}"
     object.__setattr__(form, name, require_number(getattr(form, name), label, positive=positive))
+
+
+def _keep_limits(form: Form, name: str, unit: str) -> None:
+    label = f"films.{type(form).__name__}: {name} {unit}, (first, last)"
+    low, high = require_array(getattr(form, name), label, (2,))
+    if not low < high:
+        raise InputError(f"{label}, must rise, got ({low:g}, {high:g})")
+    object.__setattr__(form, name, (float(low), float(high)))
+
+
+def _inside(theta: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
+    """Whether angles, also lengths of less than 2 pi m, lie between limits."""
+    return np.remainder(theta - limits[0], TURN) <= limits[1] - limits[0]
 
 
 def _piece(places: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -134,20 +134,23 @@ def _through(count: int, times: int) -> Array:
 
 
 def _error_of(engine: Engine, i: int, film: Film) -> FilmGridError:
-    own, rows, columns = (_figures(engine, i, film, by) for by in ((1, 1), (1, 2), (2, 1)))
+    own, rows, columns = (film_figures(engine, i, film, by) for by in ((1, 1), (1, 2), (2, 1)))
     if own is None or rows is None or columns is None:
         return FilmGridError(*[np.nan] * 5)
     by_rows, by_columns = (OF_CHANGE * (found - own) for found in (rows, columns))
     most = np.maximum(np.abs(own), np.finfo(float).tiny)
-    load = np.linalg.norm(most[:3])
+    load = max(float(np.linalg.norm(most[:3])), np.finfo(float).tiny)
     flow, torque = np.abs(by_rows + by_columns)[3:5].max() / most[3:5].max(), abs((by_rows + by_columns)[5]) / most[5]
     parts = [float(np.linalg.norm(part[:3]) / load) for part in (by_rows + by_columns, by_rows, by_columns)]
     return FilmGridError(parts[0], float(flow), float(torque), *parts[1:])
 
 
-def _figures(engine: Engine, i: int, film: Film, by: tuple[int, int]) -> Array | None:
+def film_figures(
+    engine: Engine, i: int, film: Film, by: tuple[int, int], moved: tuple[Array, int] | None = None
+) -> Array | None:
     """Load (3,) [N], oil in through feeds and out at the ends [m3/s], shear around [N] of a film on a finer grid; None
-    where it is not found."""
+    where it is not found. moved: a vector (3,) of A's axes, and whether it is a displacement [m] (0) or a velocity
+    [m/s] (1) of B; the film is then at rest otherwise."""
     films, state, scratch = engine.compiled.films, engine.state, engine.scratch
     functions, points = (
         slice(*(int(n) for n in getattr(films, f"{name}_start").numpy()[i : i + 2])) for name in ("function", "point")
@@ -162,6 +165,9 @@ def _figures(engine: Engine, i: int, film: Film, by: tuple[int, int]) -> Array |
     line = scratch.film_line.numpy()[0, points]
     numbers = np.column_stack([line[:, int(GAP)], line[:, int(FILLING)] / own.weight, line[:, int(NORMAL) :][:, :3]])
     h, filling, *normal = finer.points(numbers).T
+    if moved is not None:
+        closing = moved[0] @ np.array(normal)
+        h, filling = (h - closing, 0.0 * h) if moved[1] == 0 else (h, -closing)
     of_nodes = scratch.film_carried.numpy()[0, functions]
     carried = np.column_stack([nodes(way) for way in of_nodes.T])
     void = state.film_void.numpy()[0, 0, functions]
@@ -172,7 +178,9 @@ def _figures(engine: Engine, i: int, film: Film, by: tuple[int, int]) -> Array |
     a0 = float(scratch.film_rates.numpy()[0, 0])
     keeps = (min(a0, STAYS * passes) if passes > 0.0 else a0) * basis.area
     began, rate = np.zeros((2, basis.functions))
-    if travels:
+    if travels and moved is not None:
+        began, keeps = nodes(void), STAYS * passes * basis.area
+    elif travels:
         refill = scratch.film_refill.numpy()[0, functions] - transport(own, of_nodes) @ void
         began, rate = nodes(void), nodes(np.divide(refill, own.area, out=np.zeros_like(void), where=own.area > 0.0))
     else:  # a slack: any size does

@@ -49,12 +49,12 @@ MARGIN = 0.3  # of |lambda|, by which a motion may differ from where its search 
 SAME = 1e-6  # of |lambda|, and of a shape: the same motion found twice
 
 
-class _Response:
+class FilmResponse:
     """Response of films to motions z exp(lambda t), columns Q z at rates Q z' + QU z."""
 
     def __init__(self, system: FilmSystem, Q: Array, QU: Array) -> None:
         order = np.argsort(~system.thin, kind="stable")
-        self.thin = int(np.count_nonzero(system.thin))
+        self.thin, self.order = int(np.count_nonzero(system.thin)), order
         line = 1.0 / np.maximum(np.abs(system.J_0).max(axis=1), np.abs(system.J_1).max(axis=1))[order]
         self.J = [line[:, None] * J[np.ix_(order, order)] for J in (system.J_0, system.J_1)]
         self.to_thin = [sparse.csc_array(J[:, : self.thin]) for J in self.J]
@@ -64,6 +64,12 @@ class _Response:
 
     def at(self, value: complex) -> tuple[Array, Array]:
         """(n, n) of T, and its derivative by lambda [N/m, N s/m]."""
+        x, x_rate = self.unknowns(value)
+        return self.push @ x[self.order], self.push @ x_rate[self.order]
+
+    def unknowns(self, value: complex) -> tuple[Array, Array]:
+        """(J_0 + lambda J_1)^-1 (B_0 + lambda B_1) (x, n), minus the film's unknowns by motions, and its derivative by
+        lambda."""
         t = self.thin
         J = self.J[0][:, t:] + value * self.J[1][:, t:]
         to_thin = sparse.csc_array(self.to_thin[0] + value * self.to_thin[1])
@@ -82,7 +88,9 @@ class _Response:
             return np.concatenate([first - within @ last, last])
 
         x = solve(self.by_place + value * self.by_rate)
-        return self.push @ x, self.push @ solve(self.by_rate - self.J[1] @ x)
+        found = np.zeros((2, *x.shape), x.dtype)
+        found[:, self.order] = x, solve(self.by_rate - self.J[1] @ x)
+        return found[0], found[1]
 
 
 def film_modes(
@@ -91,7 +99,7 @@ def film_modes(
     """The `count` slowest eigenvalues [1/s] of Im >= 0 and shapes z (n, modes) of m z'' + d z' + k z and the films,
     whose columns move by Q z at rates Q z' + QU z; and the starts of searches that were given up, see the module.
     """
-    films = [_Response(system, Q, QU) for system in systems]
+    films = [FilmResponse(system, Q, QU) for system in systems]
 
     def about(place: complex) -> tuple[Array, Array]:
         """Eigenvalues and shapes of the quadratic about a point."""

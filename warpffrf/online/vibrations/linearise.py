@@ -104,7 +104,7 @@ class Linearisation:
     resolution: float  # 1/s, frequency of the stiffness that is round-off of the differences
 
 
-class _Probe:
+class Probe:
     """Evaluates the kernels at positions, velocities and accelerations near a state."""
 
     def __init__(self, engine: Engine) -> None:
@@ -267,12 +267,12 @@ def linearise(engine: Engine) -> Linearisation:
     kept = engine.state.to_numpy()
     engine.make_room(int(np.count_nonzero(kept["active"], axis=(1, 2)).max()))  # probes run without the engine's loop
     try:
-        return _linearise(_Probe(engine))
+        return _linearise(Probe(engine))
     finally:
         engine.put_back(kept)
 
 
-def _linearise(probe: _Probe) -> Linearisation:
+def _linearise(probe: Probe) -> Linearisation:
     n, zero = probe.count, np.zeros(probe.count)
     probe.settle_windows()
     probe.place(zero, zero, zero, first=True)
@@ -321,7 +321,7 @@ def _linearise(probe: _Probe) -> Linearisation:
     )
 
 
-def _resolution(probe: _Probe, C: Array) -> float:
+def _resolution(probe: Probe, C: Array) -> float:
     """Frequency below which stiffness is not resolved: round-off of the forces over the step of differences; and, with
     the patch of closed contacts fixed, the work of their force on the deflections of the bodies that roll.
     """
@@ -346,7 +346,7 @@ def _resolution(probe: _Probe, C: Array) -> float:
     return float(np.sqrt(max(squares)))
 
 
-def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
+def _closed_contacts(probe: Probe) -> tuple[Array, int]:
     """L^T G^-1 L of the active nodes (n, n), and their number; after an evaluation with rigid modes."""
     n, m, x = probe.count, probe.model, probe.scratch
     total = np.zeros((n, n))
@@ -373,7 +373,7 @@ def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
     return L.T @ np.linalg.solve(0.5 * (G + G.T), L), count
 
 
-def _local_compliance(probe: _Probe, count: int) -> Array:
+def _local_compliance(probe: Probe, count: int) -> Array:
     """G with the yield of layers (count, count) [m^3/Pa] of the active slots: of nodes the matrix of the kernels, of
     cells the displacements due to unit pressures.
     """
@@ -407,7 +407,7 @@ def _local_compliance(probe: _Probe, count: int) -> Array:
     return G
 
 
-def _coordinates(probe: _Probe) -> tuple[Array, Array, Array, Array, list[str], bool]:
+def _coordinates(probe: Probe) -> tuple[Array, Array, Array, Array, list[str], bool]:
     """T, U, V, W of the module docstring, the names of rotating bodies, and whether y rotates with them."""
     n = probe.count
     bodies = probe.engine.scene.bodies

@@ -27,10 +27,11 @@ Film result. One oil film of a run: forces on its bodies, fields, and positions 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from warpffrf.model.errors import require_number
 from warpffrf.model.messages import reprs
 from warpffrf.model.reduced.contact_grid import cell_edges
 from warpffrf.online.history.history import FilmHistory
@@ -41,6 +42,9 @@ from warpffrf.output.contact.stress_error import StressError, stress_errors
 from warpffrf.output.exposed_histories import Recorded
 from warpffrf.output.geometry.places import grid_theta_offset
 from warpffrf.output.geometry.scene_view import FilmView
+
+if TYPE_CHECKING:
+    from warpffrf.online.vibrations.film_coefficients import FilmCoefficients
 
 __all__ = ["ContactResult", "HertzLine", "PatchPressure"]
 OWN = 1.0 / 6.0  # second moment of a shape function about its node, over the square of the spacing
@@ -203,7 +207,7 @@ class FilmResult(reprs.Shown):
     second. Fields are given at the nodes (columns, rows) of the contact grid of the first surface, at `theta` and `z`.
     """
 
-    _hidden = frozenset({"history", "view", "load_second"})
+    _hidden = frozenset({"history", "view", "load_second", "result"})
 
     force = Recorded("(T, 3) N, on the first body, shear included, world axes.")
     torque = Recorded("(T, 3) N m, on the first body about its user origin, world axes.")
@@ -224,11 +228,12 @@ class FilmResult(reprs.Shown):
     void = Recorded("(T, columns, rows) m, volume of the cavities per area.")
     asperity = Recorded("(T, columns, rows) Pa, pressure of the asperities, in addition to that of the oil.")
 
-    def __init__(self, history: FilmHistory, view: FilmView, time: np.ndarray) -> None:
+    def __init__(self, history: FilmHistory, view: FilmView, result: Any) -> None:
         self.history = history
+        self.result = result
         self.view = view
         self.name = view.name
-        self.time = time  # (T,) s
+        self.time = result.time  # (T,) s
         self.clearance = view.clearance  # m, radius of the bore minus that of the shaft; None for planes and cones
         # (T, columns2, rows2) N, nodal forces on a flexible second surface, inwards; None for a rigid one
         self.load_second = history.load_second
@@ -236,6 +241,18 @@ class FilmResult(reprs.Shown):
     def _facts(self) -> dict[str, Any]:
         rows, *grid = self.pressure.shape
         return {"name": self.name, "rows": rows, "grid": f"{grid[0]} x {grid[1]}"}
+
+    def coefficients(self, frequency: float = 0.0) -> FilmCoefficients:
+        """Stiffness and damping of a film between a shaft and a bore about the last saved step, for small motions of
+        `frequency` [Hz], 0 for slow ones; with the critical mass, the whirl there, and the errors due to the grid of
+        the film. See `warpffrf.online.vibrations.film_coefficients`.
+
+        Raises InputError for films between planes or cones, a first body that rotates, and a result from a file.
+        """
+        from warpffrf.online.vibrations.film_coefficients import film_coefficients
+
+        frequency = require_number(frequency, "coefficients: frequency [Hz]", non_negative=True)
+        return film_coefficients(self.result.scene, self.name, self.result.history, frequency)
 
     @property
     def force_magnitude(self) -> np.ndarray:

@@ -143,7 +143,7 @@ def smooth_functions(surface: ContactSurface) -> Array:
     Phi = np.hstack([np.kron(one, along[:, :some]) for one, some in zip(around, ALONG, strict=False)])
     shape = _shapes(surface)
     size = np.linalg.norm(shape, axis=0)
-    shape = shape[:, size > BESIDE * size.max()] / size[size > BESIDE * size.max()]
+    shape = shape[:, size > BESIDE * size.max(initial=0.0)] / size[size > BESIDE * size.max(initial=0.0)]
     directions, sizes, _ = np.linalg.svd(shape - Phi @ (np.linalg.pinv(Phi) @ shape), full_matrices=False)
     return np.hstack([Phi, directions[:, sizes > BESIDE] * np.sqrt(len(Phi))])
 
