@@ -31,6 +31,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.kinematics.line_of_centres import DRIFT, FARTHEST, PHASE_TOLERANCE, row_below, wrap
 from warpffrf_kernels.surfaces.height import height_at
+from warpffrf_kernels.surfaces.helical import rotated, twist_of
 from warpffrf_kernels.surfaces.surface import (
     EXTRUDED,
     HEIGHT,
@@ -131,8 +132,10 @@ def slopes(model: Model, A: int, B: int, view: View, column: real, z: real) -> w
     along = vec3(real(0.0), real(0.0), real(1.0))
     if model.surfaces.planar[A] == EXTRUDED:
         at = section_at(model, A, theta)
-        x = vec3(at.point[0], at.point[1], z)
-        around = vec3(at.slope[0], at.slope[1], real(0.0))
+        twist = twist_of(model, A)
+        x = rotated(vec3(at.point[0], at.point[1], z), twist * z)
+        around = rotated(vec3(at.slope[0], at.slope[1], real(0.0)), twist * z)
+        along = vec3(-twist * x[1], twist * x[0], real(1.0))
     elif model.surfaces.planar[A] == HEIGHT:
         place = height_at(model, A, theta, z)
         x = vec3(place.value, theta, z)

@@ -442,11 +442,13 @@ def record_patches(run: Run, patch: PatchScratch, saved: SavedContact):
     if run.ctl[w].record == 0:
         return
     at = run.ctl[w].saved % saved.saved_patch.shape[1]
-    for i in range(4):
+    i = int(0)
+    while i < saved.saved_patch.shape[3]:
         value = real(0.0)
         if model.pairs.family[pair] == PATCH:
             value = patch.patch_place[w, pair, i]
         saved.saved_patch[w, at, pair, i] = value
+        i += 1
 
 
 @kernel

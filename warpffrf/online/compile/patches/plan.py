@@ -334,11 +334,12 @@ def stretch_at_start(contact: Contact) -> float:
 
 
 def _along_meridian(contact: Contact, edges: Array, *, follows: bool) -> Along:
-    """The rows between `edges` [m; in W where they follow] by arc length: of rows that follow by the slope at the
-    start, of given ones along the whole meridian; that of others is nearly straight."""
+    """The rows between `edges` [m; in W where they follow] by arc length: of rows that follow, and along a helical
+    surface, by the slope at the start, of given ones along the whole meridian; that of others is nearly straight."""
     if follows or not rows_given(contact):
-        stretch = stretch_at_start(contact) if follows else 1.0
-        return Along(0.5 * stretch * (edges[1:] + edges[:-1]), stretch * np.diff(edges), lambda z: z)
+        stretch = stretch_at_start(contact) if follows or contact.a.surface.shape.profile().twist else 1.0
+        place = 1.0 if follows else stretch
+        return Along(0.5 * stretch * (edges[1:] + edges[:-1]), stretch * np.diff(edges), lambda z: place * z)
     shape, grid = contact.a.surface.shape, np.asarray(contact.a.surface.grid.z)
     z = np.linspace(grid[0], grid[-1], SAMPLES)
     steep = np.hypot(1.0, shape.slope_at(z))
