@@ -215,3 +215,24 @@ def test_what_is_refused() -> None:
     ]
     with pytest.raises(InputError, match="one of two helical gears must be elastic; use wf.half_space_body"):
         scene.add_gear_pair(rigid[0].at((0, 0, 0)), rigid[1].at((0, 0, 0)), pair, name="m")
+
+
+def test_the_transmission_error_with_axial_play() -> None:
+    """A pinion that gives way along its axis lags more, in rotation; the error is still the approach of the flanks over
+    cos beta_b."""
+    pair, stiffness = helical(20.0, **RELIEVED), 5e7  # N/m
+    scene = on_shafts(pair, angle_at(pair, 0.0), LOADED, cells=FEW)
+    scene.joints.clear()
+    one, two = scene.bodies
+    scene.add(wf.joints.Cylindrical(scene.ground, one["center"], axis=(0, 1, 0)))
+    scene.add(wf.joints.Fixed(scene.ground, two["center"]))
+    scene.add(wf.forces.Bushing(scene.ground, one["center"], (0.0, stiffness, 0.0, 0.0, 0.0, 0.0)))
+    result = wf.equilibrium(scene, progress=False)
+    assert result.status == "completed", result.message
+    gear = result.gear("mesh")
+    contact = result.contact(gear.contacts[int(np.argmax(gear.load[0]))])
+    moved = float(result.history.bodies["pinion"].position[0, 1])
+    assert moved == pytest.approx(contact.force[0, 1] / stiffness, rel=1e-6) and abs(moved) > 2e-5
+    error = gear.transmission_error[0] * np.cos(pair.base_helix_angle)
+    assert error == pytest.approx(-contact.approach[0], rel=2e-3)
+    assert gear.stiffness[0] == pytest.approx(gear.load.sum() / contact.approach[0], rel=2e-3)
