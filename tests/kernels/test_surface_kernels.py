@@ -13,7 +13,8 @@ import pytest
 import warp as wp
 from scipy.optimize import minimize_scalar
 
-from warpffrf.model.surfaces import Curve
+from warpffrf.model.gears import Gear
+from warpffrf.model.surfaces import Curve, Extruded
 from warpffrf.model.surfaces.height import Height, unit_normal
 from warpffrf.online.compile.surfaces import Curves
 from warpffrf_kernels.core.model import Model
@@ -299,6 +300,51 @@ def test_places_of_an_extruded_curve_are_those_of_the_host(name: str) -> None:
     assert np.allclose(normals[:, :2], curve.normal(u), rtol=0.0, atol=1e-13)
     assert np.allclose(np.cross(around, [0.0, 0.0, 1.0]), normals, rtol=0.0, atol=1e-13)
     assert np.array_equal(profile[:, :2], np.tile([1.0, 0.0], (len(u), 1)))
+
+
+FLANK = Gear(4.5e-3, 23, helix_angle=np.radians(20.0), tip_rounding=0.2e-3)
+
+
+@wp.kernel
+def spread(models: wp.array(dtype=Model), x: wp.array(dtype=vec3), out: wp.array2d(dtype=vec3)):
+    i = wp.tid()
+    slope = surface.gradient_slope_of(models[0], 0, x[i])
+    for k in range(3):
+        out[i, k] = vec3(slope[k, 0], slope[k, 1], slope[k, 2])
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_helical_flanks_are_those_of_the_host(side: str, sign: float) -> None:
+    """Points, normals, charts, distances and their gradients; the gradient rotates with the point as the tensor of the
+    host's curvatures states, and near the surface as differences of it do."""
+    twist, curve = sign * FLANK.twist, FLANK.flank(side, 2)
+    host = Extruded(curve=curve, twist=twist, axis_direction=(0, 0, 1), x_direction=(1, 0, 0))
+    s, rng = Numbers(planar=2, curve=curve, tangent=twist), np.random.default_rng(8)
+    at = np.stack([rng.uniform(*curve.knots[[0, -1]], 300), rng.uniform(-0.01, 0.01, 300)], axis=1)
+    points, normals, around, _ = np.moveaxis(shown(s, at), 1, 0)
+    assert np.allclose(points, host.point(*at.T), rtol=0.0, atol=1e-15)
+    assert np.allclose(normals, host.normal(*at.T), rtol=0.0, atol=1e-13)
+    assert np.allclose(around, host.around(*at.T), rtol=0.0, atol=1e-13)
+    x = points + rng.uniform(-1.0, 1.0, (300, 1)) * np.where(np.arange(300) % 2, 3e-4, 1e-6)[:, None] * normals
+    chart, gradient, distance = np.moveaxis(charted(s, x), 1, 0)
+    theta, z, known = host.chart(x)
+    inside = (theta > curve.knots[0]) & (theta < curve.knots[-1])
+    assert inside.sum() > 250
+    assert np.allclose(distance[inside, 0], known[inside], rtol=0.0, atol=NEWTON)
+    assert np.allclose(chart[inside], np.stack([theta, z, known], axis=1)[inside], rtol=0.0, atol=1e4 * NEWTON)
+
+    def slopes(x: np.ndarray) -> np.ndarray:
+        return run(spread, s, wp.array(x, dtype=vec3, device="cpu"), len(x), 3)
+
+    flat = inside & (np.hypot(*curve.at(at[:, 0]).T) > 0.5 * FLANK.root_form_diameter + 2e-4)
+    flat &= np.hypot(*curve.at(at[:, 0]).T) < 0.5 * FLANK.tip_form_diameter - 2e-4
+    tensor = host.curvature_tensor(*at.T)
+    assert np.allclose(slopes(points)[flat], tensor[flat], rtol=0.0, atol=1e-4 * np.abs(tensor[flat]).max())
+    h, steps = 1e-6, np.eye(3)
+    found = np.stack([charted(s, x + h * d)[:, 1] - charted(s, x - h * d)[:, 1] for d in steps], axis=2) / (2.0 * h)
+    assert np.allclose(found[flat], slopes(x)[flat], rtol=0.0, atol=2e-3 * np.abs(tensor[flat]).max())
+    assert np.allclose(np.linalg.norm(gradient, axis=1), 1.0, rtol=0.0, atol=1e-14)
 
 
 def waves() -> Height:

@@ -46,7 +46,8 @@ def make_patch_history(body: ReducedBody, *, spin: float = TURNING) -> History:
         return np.repeat(values[:, :, None], CELL_ROWS, axis=2)
 
     contact.pressure = on_rows(peak[:, None] * np.sqrt(np.maximum(1.0 - (x / HALF_WIDTH) ** 2, 0.0)))
-    contact.cells = CellHistory(contact.center_column.copy(), W, z, length, contact.center_column.copy())
+    middle = contact.center_column.copy()
+    contact.cells = CellHistory(middle, W, z, length, middle, np.zeros(z.shape))
     contact.active_nodes = np.count_nonzero(contact.pressure, axis=(1, 2))
     slip, traction = (
         on_rows(carter_slip(x)),
@@ -103,7 +104,9 @@ def patch_contact(
     friction = FrictionHistory(
         traction, slip, state, np.zeros(T), np.tile(creep, (T, 1)), np.full(T, rolling), np.full(T, 0.5)
     )
-    cells = CellHistory(middle, np.array(widths), np.tile(z, (T, 1)), np.full((T, rows), length / rows), middle)
+    cells = CellHistory(
+        middle, np.array(widths), np.tile(z, (T, 1)), np.full((T, rows), length / rows), middle, np.zeros((T, rows))
+    )
     history = ContactHistory(
         none, none, none, none, np.zeros(T, dtype=int), middle, pressure, np.zeros(T, dtype=int), np.zeros((T, 2, 2)),
         np.zeros(T), np.count_nonzero(pressure, axis=(1, 2)), friction, cells,

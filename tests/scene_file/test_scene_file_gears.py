@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import warpffrf as wf
-from scenes.gears import FZG, on_shafts
+from scenes.gears import FZG, helical, on_shafts
 from warpffrf.model.errors import InputError
 from warpffrf.scene_file import load_scene
 
@@ -81,6 +81,23 @@ def test_the_same_scene_as_from_python(tmp_path: Path) -> None:
     assert asdict(read.pair.gear_1) == asdict(FZG.gear_1)
     assert [contact.name for contact in loaded.contacts] == [contact.name for contact in known.contacts]
     assert loaded.bodies[1].position == pytest.approx(known.bodies[1].position)
+
+
+def test_helical_gears(tmp_path: Path) -> None:
+    """Both hands, as from Python; one hand in both is named."""
+    file, degrees = tmp_path / "gears.toml", 12.0
+    pair = helical(degrees)
+    said = text().replace("center_distance = 91.5e-3", f"center_distance = {pair.center_distance!r}")
+    for gear, known in zip(GEARS, (pair.gear_1, pair.gear_2), strict=True):
+        made = f"{{ kind = 'gear', module = 4e-3, teeth = {known.teeth}, thickness_allowance = -50e-6, "
+        said = said.replace(gear, f"{made}helix_angle = {known.helix_angle!r} }}")
+    file.write_text(said)
+    loaded, known = load_scene(file).scene, on_shafts(pair, 0.0, 200.0)
+    assert loaded.gears[0].describe() == known.gears[0].describe()
+    assert loaded.bodies[0]["flank_right_1"].surface.shape.twist == pytest.approx(pair.gear_1.twist)
+    file.write_text(said.replace(repr(pair.gear_2.helix_angle), repr(pair.gear_1.helix_angle)))
+    with pytest.raises(InputError, match="two external gears need opposite hands"):
+        load_scene(file)
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,12 @@
-"""Gear pairs on shafts, half-spaces under their flanks: gear 1 pushes with its right flanks, the wheel stands or is
-moved."""
+"""Gear pairs on shafts, half-spaces under their flanks: gear 1 pushes, the wheel stands or is moved."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
 from typing import Any
+
+import numpy as np
 
 import warpffrf as wf
 
@@ -22,10 +23,20 @@ _SAME = wf.gears.Gear(4.5e-3, 20, thickness_allowance=PLAY)
 EQUAL = wf.gears.GearPair(_SAME, _SAME, 90e-3)
 
 
+def helical(degrees: float, *, teeth: tuple[int, int] = (20, 30), **options: Any) -> wf.gears.GearPair:
+    """Gears of module 4 mm with a helix angle [degrees] of gear 1, in touch at the reference circles."""
+    beta = float(np.radians(degrees))
+    one, two = (
+        wf.gears.Gear(4e-3, z, helix_angle=sign * beta, thickness_allowance=PLAY, **options)
+        for z, sign in zip(teeth, (1.0, -1.0), strict=True)
+    )
+    return wf.gears.GearPair(one, two, 0.5 * (one.reference_diameter + two.reference_diameter))
+
+
 @cache
-def half_space(gear: wf.gears.Gear, sides: tuple[str, ...] = ("right",)) -> wf.ReducedBody:
+def half_space(gear: wf.gears.Gear, sides: tuple[str, ...] = ("right",), width: float = WIDTH) -> wf.ReducedBody:
     flanks: Any = gear.surfaces(sides)
-    return wf.half_space_body(1.0, (1e-3,) * 3, STEEL, contact=flanks, extent=(-0.5 * WIDTH, 0.5 * WIDTH))
+    return wf.half_space_body(1.0, (1e-3,) * 3, STEEL, contact=flanks, extent=(-0.5 * width, 0.5 * width))
 
 
 def about_y(angle: float) -> dict[str, Any]:
@@ -33,16 +44,18 @@ def about_y(angle: float) -> dict[str, Any]:
 
 
 def on_shafts(
-    pair: wf.gears.GearPair, angle: float, torque: float, *, moved: float | None = None, rotation: Any = (0.0, 0.0)
-) -> wf.Scene:
-    """Gear 1 at an angle [rad] from the line of centres under a torque [N m] about -y; the wheel rotates by `moved`
-    [rad] in 1 s, None: fixed. Joints `shaft_1` and `shaft_2`, gear pair `mesh`."""
-    scene = wf.Scene()
-    one = scene.add_body(half_space(pair.gear_1), name="pinion", rotation=about_y(angle))
-    two = scene.add_body(half_space(pair.gear_2), name="wheel")
-    scene.add_gear_pair(one["center"], two["center"], pair, name="mesh", direction=(1, 0, 0), rotation=rotation)
+    pair: wf.gears.GearPair, angle: float, torque: float, *, moved: float | None = None, rotation: Any = (0.0, 0.0),
+    flank: Any = "right", width: float = WIDTH, cells: Any = None,
+) -> wf.Scene:  # fmt: skip
+    """Gear 1 at an angle [rad] from the line of centres under a torque [N m] about -y, of its left flanks about +y; the
+    wheel rotates by `moved` [rad] in 1 s, None: fixed. Joints `shaft_1` and `shaft_2`, gear pair `mesh`."""
+    scene, s = wf.Scene(), 1.0 if flank == "right" else -1.0
+    one = scene.add_body(half_space(pair.gear_1, (flank,), width), name="pinion", rotation=about_y(angle))
+    two = scene.add_body(half_space(pair.gear_2, (flank,), width), name="wheel")
+    place: Any = {"direction": (1, 0, 0), "rotation": rotation, "flank": flank, "cells": cells}
+    scene.add_gear_pair(one["center"], two["center"], pair, name="mesh", **place)
     scene.add(wf.joints.Revolute(scene.ground, one["center"], axis=(0, 1, 0), name="shaft_1"))
-    scene.add(wf.forces.PointTorque(one["center"], (0.0, -torque, 0.0)))
+    scene.add(wf.forces.PointTorque(one["center"], (0.0, -s * torque, 0.0)))
     if moved is None:
         scene.add(wf.joints.Fixed(scene.ground, two["center"], name="shaft_2"))
     else:
@@ -67,7 +80,7 @@ def rolling(pair: wf.gears.GearPair, g: float, torque: float, speed: float) -> w
     return scene
 
 
-def angle_at(pair: wf.gears.GearPair, g: float) -> float:
-    """Rotation [rad] of gear 1 at which its tooth 1 touches at g [m] with its right flank."""
+def angle_at(pair: wf.gears.GearPair, g: float, flank: str = "right") -> float:
+    """Rotation [rad] of gear 1 at which its tooth 1 touches at g [m] with a flank, in its middle section."""
     width = pair.gear_1.tooth_thickness(pair.working_diameters[0]) / pair.working_diameters[0]
-    return float(width - g / pair.gear_1.base_radius)
+    return (1.0 if flank == "right" else -1.0) * float(width - g / pair.gear_1.base_radius)

@@ -170,6 +170,11 @@ def resolve_shapes(mesh: Mesh, shapes: dict[str, Any]) -> dict[str, Any]:
         facets = mesh.facets(name)
         points, normals = mesh.points[facets.node_set], facets.node_normals(mesh.points)
         try:
+            if getattr(shape, "twist", 0.0):
+                raise InputError(
+                    f"surface {shape.kind}: helical surfaces of finite elements carry no contact; use "
+                    "wf.half_space_body for the gear, or reduce it without this surface"
+                )
             resolved[name] = _any(mesh, points, normals) if shape is None else _fitted(mesh, shape, points, normals)
         except InputError as error:
             raise InputError(f"contact {name!r}: {error}") from None

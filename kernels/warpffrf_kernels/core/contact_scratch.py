@@ -36,7 +36,9 @@ class ContactGeometry:
 class PatchScratch:
     """Contact-fixed cells, see the kernels of `patch`."""
 
-    patch_place: DeviceArray = reals("world", "patch_pair", 4, note="column and z [m] of A, W [m], column of B")
+    patch_place: DeviceArray = reals(
+        "world", "patch_pair", "patch_number", note="column and z [m] of A, W [m], column of B; column of A by rows"
+    )
     patch_buffer: DeviceArray = reals("world", "patch_pair", "patch_cell", unit="Pa")
     patch_made: DeviceArray = reals(
         "world", "patch_pair", 3, note="W, tangent of the step and weight for which rows of G were made", carried=True

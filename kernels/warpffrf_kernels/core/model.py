@@ -258,7 +258,7 @@ class Surfaces:
     planar: DeviceArray = integers("surface", note="0: of revolution; theta in m: 1 a plane, 2 a curve, 3 a height")
     side: DeviceArray = reals("surface", note="1 material inside, -1 outside")
     radius: DeviceArray = reals("surface", unit="m", note="1 of a plane")
-    tangent: DeviceArray = reals("surface", note="of a cone's slope dR/dz, 0 without")
+    tangent: DeviceArray = reals("surface", note="of a cone, slope dR/dz; of a curve, its twist [rad/m]; 0 without")
     crown: DeviceArray = reals("surface", unit="m", note="radius of the crown's arc, < 0 of a groove around a shaft")
     table_start: DeviceArray = integers("surface", note="into the two tables of the profile")
     table_count: DeviceArray = integers("surface", note="pieces of the profile table, 0 without")

@@ -62,7 +62,7 @@ class SavedContact:
     saved_pressure: DeviceArray = reals("world", "ring_row", "pair", "node", unit="Pa")
     saved_active: DeviceArray = integers("world", "ring_row", "pair", note="nodes under pressure")
     saved_second_load: DeviceArray = reals("world", "ring_row", "pair", "second_node", unit="N")
-    saved_patch: DeviceArray = reals("world", "ring_row", "patch_pair", 4, note="as patch_place")
+    saved_patch: DeviceArray = reals("world", "ring_row", "patch_pair", "patch_number", note="as patch_place")
 
 
 @topic

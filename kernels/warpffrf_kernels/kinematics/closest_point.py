@@ -25,12 +25,13 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.contact_scratch import ContactGeometry
 from warpffrf_kernels.core.declaration import kernel
-from warpffrf_kernels.core.model import AT_POINTS, Model
+from warpffrf_kernels.core.model import AT_POINTS, PATCH, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.kinematics.line_of_centres import DRIFT, FARTHEST, PHASE_TOLERANCE, row_below, wrap
 from warpffrf_kernels.surfaces.height import height_at
+from warpffrf_kernels.surfaces.helical import rotated, twist_of
 from warpffrf_kernels.surfaces.surface import (
     DIAGONAL,
     EXTRUDED,
@@ -55,6 +56,7 @@ SCAN = wp.constant(24)  # angles of the scan, 15 degrees apart: brackets the one
 SECTIONS = wp.constant(3)  # both ends and the middle
 # of the scene's length: gaps that differ by less are equal, the middle one is taken
 TIE = wp.constant(wp.float64(1.0e-11))
+TWISTED = wp.constant(6)  # sections of twisted curves in which they are looked for
 SECANTS = wp.constant(40)  # as many bisections of 15 degrees reach 1e-11; secants take five
 SETTLED = wp.constant(wp.float64(1.0e-9))  # columns, of a step by a secant between two places of the iteration
 CLOSE = wp.constant(wp.float64(1.0e-12))  # columns: a secant between places that are closer is round-off
@@ -135,8 +137,10 @@ def slopes(model: Model, A: int, B: int, view: View, column: real, z: real) -> w
     along = vec3(real(0.0), real(0.0), real(1.0))
     if model.surfaces.planar[A] == EXTRUDED:
         at = section_at(model, A, theta)
-        x = vec3(at.point[0], at.point[1], z)
-        around = vec3(at.slope[0], at.slope[1], real(0.0))
+        twist = twist_of(model, A)
+        x = rotated(vec3(at.point[0], at.point[1], z), twist * z)
+        around = rotated(vec3(at.slope[0], at.slope[1], real(0.0)), twist * z)
+        along = vec3(-twist * x[1], twist * x[0], real(1.0))
     elif model.surfaces.planar[A] == HEIGHT:
         place = height_at(model, A, theta, z)
         x = vec3(place.value, theta, z)
@@ -365,6 +369,12 @@ def scan(model: Model, w: int, pair: int, A: int, B: int, view: View, geometry: 
 
 
 @wp.func
+def has_cells(model: Model, w: int, pair: int, geometry: ContactGeometry) -> bool:
+    """Whether a pair is of family 2, and its surfaces are within reach of each other."""
+    return model.pairs.family[pair] == PATCH and geometry.window[w, pair, 0] <= geometry.window[w, pair, 1]
+
+
+@wp.func
 def length_of(model: Model, A: int) -> real:
     """Length [m] of the grid of an extruded surface along its curve; of others none."""
     if model.surfaces.planar[A] != EXTRUDED:
@@ -376,24 +386,40 @@ def length_of(model: Model, A: int) -> real:
 def may_reach(model: Model, A: int, B: int, view: View, reach: real) -> bool:
     """Whether the curve of an extruded A may be nearer to B than `reach` [m] somewhere; true of other kinds.
 
-    The gap changes along a way by no more than its length, and over the width by no more than the inclination of the
-    generators: a place with the gap g has none nearer than `reach` within g - reach - inclination. A gap far outside
-    B's lattice is overestimated by up to sqrt(2): the foot is that of the nearest place of the lattice.
+    The gap changes along a way by no more than its length, and over a width dz by no more than dz times the
+    inclination i of the axes and, where the curves are twisted, the twists times the distances from both axes: a place
+    with the gap g has none nearer than `reach` within g - reach - i dz. Twisted ones are looked at in several
+    sections. A gap far outside B's lattice is overestimated by up to sqrt(2): the foot is that of the nearest place of
+    the lattice.
     """
     if model.surfaces.planar[A] != EXTRUDED:
         return True
-    last = model.surfaces.z[model.surfaces.z_start[A] + model.surfaces.rows[A] - 1]
-    z = section_of(model, A, 0)
+    low = model.surfaces.z[model.surfaces.z_start[A]]
+    high = model.surfaces.z[model.surfaces.z_start[A] + model.surfaces.rows[A] - 1]
+    twist_a = wp.abs(twist_of(model, A))
+    twist_b = real(0.0)
     inclination = real(1.0)
     if model.surfaces.planar[B] == EXTRUDED:
         inclination = wp.sqrt(view.turn[0, 2] * view.turn[0, 2] + view.turn[1, 2] * view.turn[1, 2])
-    nearest = reach + inclination * (last - z)
-    u = real(0.0)
+        twist_b = wp.abs(twist_of(model, B))
+    sections = int(1)
+    if twist_a + twist_b > real(0.0):
+        sections = int(TWISTED)
+    dz = real(0.5) * (high - low) / real(sections)
     end = length_of(model, A)
     free = end
-    while free > end / real(SCAN) and u < end:
-        free = DIAGONAL * gap_at(model, A, B, view, model.surfaces.theta[A] + u, z) - nearest
-        u += free
+    section = int(0)
+    while free > end / real(SCAN) and section < sections:
+        z = low + dz * real(2 * section + 1)
+        u = real(0.0)
+        while free > end / real(SCAN) and u < end:
+            x = local_point(model, A, model.surfaces.theta[A] + u, z)
+            y = view.at + view.turn * x
+            change = inclination + twist_a * wp.sqrt(x[0] * x[0] + x[1] * x[1])
+            change += twist_b * wp.sqrt(y[0] * y[0] + y[1] * y[1])
+            free = DIAGONAL * gap_at(model, A, B, view, model.surfaces.theta[A] + u, z) - reach - change * dz
+            u += free
+        section += 1
     return free <= end / real(SCAN)
 
 

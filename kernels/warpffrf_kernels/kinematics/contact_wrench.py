@@ -59,6 +59,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.kinematics.closest_point import BEYOND, view_of
+from warpffrf_kernels.surfaces.helical import rotated, twist_of
 from warpffrf_kernels.surfaces.surface import (
     EXTRUDED,
     HEIGHT,
@@ -104,8 +105,9 @@ def held_section(model: Model, A: int, B: int, at: vec3, turn: mat33, column: re
     least = real(0.0)
     if model.surfaces.planar[A] == EXTRUDED:
         curve = section_at(model, A, theta)
-        way = vec3(curve.slope[0], curve.slope[1], real(0.0))
-        bend = vec3(curve.bend[0], curve.bend[1], real(0.0))
+        angle = twist_of(model, A) * z
+        way = rotated(vec3(curve.slope[0], curve.slope[1], real(0.0)), angle)
+        bend = rotated(vec3(curve.bend[0], curve.bend[1], real(0.0)), angle)
         least = COAXIAL / model.length
     y = at + turn * x
     back = wp.transpose(turn)

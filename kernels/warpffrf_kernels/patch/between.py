@@ -16,11 +16,11 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.kinematics.closest_point import has_cells
 from warpffrf_kernels.kinematics.line_of_centres import wrap
 from warpffrf_kernels.patch.cells import row_place
 from warpffrf_kernels.patch.far_splines import beside_block, turned_column
 from warpffrf_kernels.patch.near import cubic_shares
-from warpffrf_kernels.patch.place import has_cells
 from warpffrf_kernels.patch.spline_tables import real_side
 from warpffrf_kernels.surfaces.surface import radius_of
 

@@ -6,6 +6,14 @@ A cell is treated like a node: with the area A_i of the true surface and its cen
 
 f that of `contact_wrench`, d_B the signed distance from B's true surface. Pressures and gaps at centres converge with
 the second power of the cell size, as constant pressures do.
+
+**Helical rows.** Where A is helical the line of contact is inclined to its sections: it crosses the flank, over many
+widths of the patch. Each row is therefore centred on the nearest point of its own section, from which strips are
+counted. Lines of contact of meshing involutes are generators of the surface (`surfaces.helical`), straight, and at
+right angles to the curves of the sections: with lengths of rows along the generator, sqrt(1 + (tau q)^2) of those along
+the axis, cells are rectangles in the tangent plane as those of other patches. In the chart of arc length u and z, which
+has the ends of the flank as lines, a generator has du/dz = -tau rho, rho = c.n, which changes by tau q per z on an
+involute; the search starts there.
 """
 
 import warp as wp
@@ -13,15 +21,15 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.contact_scratch import ContactGeometry, PatchScratch
 from warpffrf_kernels.core.declaration import kernel
-from warpffrf_kernels.core.model import Elements
+from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.core.scratch import Trial
-from warpffrf_kernels.kinematics.closest_point import view_of, wrap_column
+from warpffrf_kernels.kinematics.closest_point import BEYOND, View, has_cells, settle, view_of, wrap_column
 from warpffrf_kernels.kinematics.contact_wrench import Held, held_section, held_sphere, is_sphere, point_wrench
 from warpffrf_kernels.patch.far_splines import TAPS, Taps, column_taps, row_taps
-from warpffrf_kernels.patch.place import has_cells
 from warpffrf_kernels.surfaces.height import height_at
+from warpffrf_kernels.surfaces.helical import rotated, twist_of
 from warpffrf_kernels.surfaces.surface import (
     EXTRUDED,
     HEIGHT,
@@ -36,6 +44,8 @@ from warpffrf_kernels.surfaces.surface import (
 
 wp.set_module_options(MODULE_OPTIONS)
 
+ROW_COLUMNS = wp.constant(4)  # of `patch_place`, from here on: column of A in the middle of each row
+
 
 @wp.func
 def row_place(elements: Elements, pair: int, row: int, patch_place: wp.array3d(dtype=real), w: int) -> wp.vec2d:
@@ -48,6 +58,22 @@ def row_place(elements: Elements, pair: int, row: int, patch_place: wp.array3d(d
         z = patch_place[w, pair, 1] + width * z
         length = width * length
     return wp.vec2d(z, length)
+
+
+@wp.func
+def row_column(model: Model, A: int, B: int, view: View, column: real, middle: real, z: real) -> real:
+    """Column of A in the middle of the row at z, from that of the patch at `middle` [m]."""
+    twist = twist_of(model, A)
+    if model.surfaces.planar[A] != EXTRUDED or twist == real(0.0):
+        return column
+    at = section_at(model, A, model.surfaces.theta[A] + column * model.surfaces.pitch[A])
+    t = wp.normalize(at.slope)
+    q = -wp.dot(at.point, t)
+    rho = at.point[0] * t[1] - at.point[1] * t[0]
+    way = twist * (z - middle)
+    shift = -way * (rho + real(0.5) * way * q)
+    start = wp.clamp(column + shift / model.surfaces.pitch[A], real(0.0), real(model.surfaces.columns[A] - 1))
+    return settle(model, A, B, view, start, z)
 
 
 @wp.struct
@@ -87,13 +113,18 @@ def hold_rows(
         found.z = place[0]
         found.radius = radius_of(model, A, found.z)
         slope = slope_of(model, A, found.z)
+        column = row_column(model, A, B, view, patch.patch_place[w, pair, 0], patch.patch_place[w, pair, 1], found.z)
+        if model.surfaces.planar[A] == EXTRUDED:
+            at = section_at(model, A, model.surfaces.theta[A] + column * model.surfaces.pitch[A])
+            slope = twist_of(model, A) * wp.dot(at.point, wp.normalize(at.slope))
+        patch.patch_place[w, pair, ROW_COLUMNS + row] = column
         found.length = found.radius * place[1] * wp.sqrt(real(1.0) + slope * slope)
         if found.z < model.surfaces.z[model.surfaces.z_start[A]] or found.z > model.surfaces.z[last]:
             found.length = real(0.0)
         if elements.patches.far_of[A] >= 0:
             found.along = row_taps(model, elements, A, found.z)
         if model.surfaces.planar[A] != PLANE and model.surfaces.planar[A] != HEIGHT and not ball:
-            found.held = held_section(model, A, B, view.at, view.turn, patch.patch_place[w, pair, 0], found.z)
+            found.held = held_section(model, A, B, view.at, view.turn, column, found.z)
         patch_row[w, pair, row] = found
         row += wp.block_dim()
 
@@ -138,8 +169,10 @@ def sample_cells(
     )  # columns of A
     last_b = model.surfaces.z_start[B] + model.surfaces.rows[B] - 1
     first = (w * model.pairs.count + pair) * model.window.grid_nodes
-    known = int(-1)
-    x_a = real(0.0)
+    twist = real(0.0)
+    if model.surfaces.planar[A] == EXTRUDED:
+        twist = twist_of(model, A)
+    x_a = real(BEYOND)
     theta = real(0.0)
     cosine = real(0.0)
     sine = real(0.0)
@@ -148,9 +181,10 @@ def sample_cells(
     m = lane
     while m < columns * rows:
         column = m / rows
-        if column != known:  # a lane of a CPU processes the cells of a strip consecutively
-            known = column
-            x_a = patch.patch_place[w, pair, 0] + (real(column) - real(0.5) * real(columns - 1)) * strip
+        x = patch.patch_place[w, pair, ROW_COLUMNS + m - column * rows]
+        x += (real(column) - real(0.5) * real(columns - 1)) * strip
+        if x != x_a:  # a lane of a CPU processes the cells of a strip consecutively
+            x_a = x
             theta = model.surfaces.theta[A] + x_a * model.surfaces.pitch[A]
             if model.surfaces.planar[A] == EXTRUDED:
                 curve = section_at(model, A, theta)
@@ -161,18 +195,18 @@ def sample_cells(
                 around = column_taps(model, elements, A, x_a)
         row = patch_row[w, pair, m - column * rows]
         size = strip * model.surfaces.pitch[A] * row.length
-        x = vec3(row.radius * cosine, row.radius * sine, row.z)
-        way = vec3(-x[1], x[0], real(0.0))
+        at = vec3(row.radius * cosine, row.radius * sine, row.z)
+        way = vec3(-at[1], at[0], real(0.0))
         if model.surfaces.planar[A] == EXTRUDED:
-            x = vec3(curve.point[0], curve.point[1], row.z)
-            way = vec3(curve.slope[0], curve.slope[1], real(0.0))
+            at = rotated(vec3(curve.point[0], curve.point[1], row.z), twist * row.z)
+            way = rotated(vec3(curve.slope[0], curve.slope[1], real(0.0)), twist * row.z)
         elif model.surfaces.planar[A] == HEIGHT:
             place = height_at(model, A, theta, row.z)
-            x = vec3(place.value, theta, row.z)
+            at = vec3(place.value, theta, row.z)
             size *= wp.sqrt(real(1.0) + wp.dot(place.slope, place.slope))
         elif model.surfaces.planar[A] != 0:
-            x = vec3(real(0.0), theta, row.z)
-        foot = foot_of(model, B, view.at + view.turn * x)
+            at = vec3(real(0.0), theta, row.z)
+        foot = foot_of(model, B, view.at + view.turn * at)
         x_b = (foot.theta - model.surfaces.theta[B]) / model.surfaces.pitch[B]
         x_b = wrap_column(model, B, x_b, patch.patch_place[w, pair, 3])
         if model.surfaces.periodic[A] == 0 and (x_a < real(0.0) or x_a > real(model.surfaces.columns[A] - 1)):
@@ -182,7 +216,7 @@ def sample_cells(
                 size = real(0.0)
             if model.surfaces.periodic[B] == 0 and (x_b < real(0.0) or x_b > real(model.surfaces.columns[B] - 1)):
                 size = real(0.0)
-        unit = point_wrench(model, A, x, way, back * foot.normal, row.held, patch.patch_ball[w, pair])
+        unit = point_wrench(model, A, at, way, back * foot.normal, row.held, patch.patch_ball[w, pair])
         force = turn * unit.force
         moment = turn * (unit.moment + wp.cross(arm_a, unit.force))
         more_force = turn * unit.more_force

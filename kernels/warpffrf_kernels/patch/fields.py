@@ -15,10 +15,10 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real
 from warpffrf_kernels.core.scratch import Residuals, Trial
 from warpffrf_kernels.core.state import ContactState
-from warpffrf_kernels.kinematics.closest_point import least_place, length_of, may_reach, scan, view_of
+from warpffrf_kernels.kinematics.closest_point import has_cells, least_place, length_of, may_reach, scan, view_of
 from warpffrf_kernels.normal.pair_forces import modal_line
 from warpffrf_kernels.patch.between import add_half_space
-from warpffrf_kernels.patch.place import extent_of, has_cells
+from warpffrf_kernels.patch.place import extent_of
 from warpffrf_kernels.patch.spline_tables import line_of, real_side, table_at, trace_at
 from warpffrf_kernels.patch.strips import multiply_pressures
 from warpffrf_kernels.surfaces.fields import clear_field
@@ -449,11 +449,13 @@ def record_patches(run: Run, patch: PatchScratch, saved: SavedContact):
     if run.ctl[w].record == 0:
         return
     at = run.ctl[w].saved % saved.saved_patch.shape[1]
-    for i in range(4):
+    i = int(0)
+    while i < saved.saved_patch.shape[3]:
         value = real(0.0)
         if model.pairs.family[pair] == PATCH:
             value = patch.patch_place[w, pair, i]
         saved.saved_patch[w, at, pair, i] = value
+        i += 1
 
 
 @kernel

@@ -9,8 +9,8 @@ from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.core.scratch import ImpulsiveContact
+from warpffrf_kernels.kinematics.closest_point import has_cells
 from warpffrf_kernels.normal.compliance_reuse import OLDER
-from warpffrf_kernels.patch.place import has_cells
 from warpffrf_kernels.patch.spline_tables import line_of, real_side, trace_at
 
 wp.set_module_options(MODULE_OPTIONS)

@@ -26,10 +26,21 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Trial
 from warpffrf_kernels.core.state import ContactState
-from warpffrf_kernels.kinematics.closest_point import View, gap_at, may_reach, scan, settle, view_of, wrap_column
+from warpffrf_kernels.kinematics.closest_point import (
+    View,
+    gap_at,
+    has_cells,
+    may_reach,
+    scan,
+    settle,
+    view_of,
+    wrap_column,
+)
 from warpffrf_kernels.kinematics.line_of_centres import FARTHEST, PHASE_TOLERANCE
 from warpffrf_kernels.normal.compliance_reuse import BEGUN, OLDER, are_near
-from warpffrf_kernels.surfaces.surface import chart_of, local_point, radius_of
+from warpffrf_kernels.patch.cells import row_column
+from warpffrf_kernels.surfaces.helical import twist_of
+from warpffrf_kernels.surfaces.surface import EXTRUDED, chart_of, local_point, radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -244,12 +255,6 @@ def extrapolate(w: int, pair: int, cells: int, factor: real, contact: ContactSta
 
 
 @wp.func
-def has_cells(model: Model, w: int, pair: int, geometry: ContactGeometry) -> bool:
-    """Whether a pair is of family 2, and its surfaces are within reach of each other."""
-    return model.pairs.family[pair] == PATCH and geometry.window[w, pair, 0] <= geometry.window[w, pair, 1]
-
-
-@wp.func
 def part(
     run: Run, w: int, pair: int, width: real, geometry: ContactGeometry, contact: ContactState, patch: PatchScratch
 ):  # fmt: skip
@@ -302,7 +307,7 @@ def locate_patches(
 ):  # fmt: skip
     """Per (world, pair of family 2): nearest point, phases, W, and the transferred pressures.
 
-    patch_place: column of A in the middle, z there [m], W [m], column of B opposite.
+    patch_place: column of A in the middle, z there [m], W [m], column of B opposite; the rest by `cells.hold_rows`.
     """
     w, pair = wp.tid()
     model = run.models[w]
@@ -365,10 +370,14 @@ def locate_patches(
             lean = wp.sqrt(view.turn[0, 2] * view.turn[0, 2] + view.turn[1, 2] * view.turn[1, 2])
             lean *= elements.patches.row_z[start + rows - 1] - elements.patches.row_z[start]
             row = int(0)
-            if gap_at(model, A, B, view, theta, z) - elements.patches.begins[pair] > lean:
+            helix = model.surfaces.planar[A] == EXTRUDED and twist_of(model, A) != real(0.0)
+            if not helix and gap_at(model, A, B, view, theta, z) - elements.patches.begins[pair] > lean:
                 row = rows
             while row < rows:
-                at_row = overlap_width(model, elements, pair, A, B, view, x, elements.patches.row_z[start + row])
+                z_row = elements.patches.row_z[start + row]
+                at_row = overlap_width(
+                    model, elements, pair, A, B, view, row_column(model, A, B, view, x, z, z_row), z_row
+                )
                 overlap = wp.max(overlap, at_row)
                 row += 1
         if overlap > new or overlap > real(0.0) and overlap < SPARSE * new:

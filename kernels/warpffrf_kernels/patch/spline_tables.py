@@ -17,7 +17,7 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Elements, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
-from warpffrf_kernels.patch.place import has_cells
+from warpffrf_kernels.kinematics.closest_point import has_cells
 
 wp.set_module_options(MODULE_OPTIONS)
 

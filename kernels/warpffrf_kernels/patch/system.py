@@ -15,9 +15,9 @@ from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.core.scratch import ImpulsiveContact
+from warpffrf_kernels.kinematics.closest_point import has_cells
 from warpffrf_kernels.patch.fields import rows_of
 from warpffrf_kernels.patch.modal_rows import weigh_loads
-from warpffrf_kernels.patch.place import has_cells
 from warpffrf_kernels.patch.spline_tables import line_of, real_side, trace_at
 from warpffrf_kernels.patch.strips import spectrum_at
 

@@ -6,8 +6,8 @@ arc length of a curve in cubic pieces, the material to its left, and the normal 
 chart of an open curve continues along its tangents, while all is free space, at the distance of the end, and so it is
 below the depth of its material. The foot of a point is the root of f(u) = (p - c).c' by Newton's method from the piece
 that a lattice names, negative in cells below that depth; with d the distance and kappa the curvature the normal rotates
-by kappa/(1 + kappa d) along the tangent. *Heights* are in `height`. A *surface of revolution* has the point (R cos
-theta, R sin theta, z) with the profile
+by kappa/(1 + kappa d) along the tangent. A *helical* one is rotated by tau z: see `helical`. *Heights* are in `height`.
+A *surface of revolution* has the point (R cos theta, R sin theta, z) with the profile
 
     R(z) = R_0 + T z - arc(z) - table(z),        arc(z) = sign(Rc) z^2/(|Rc| + sqrt(Rc^2 - z^2)),
 
@@ -42,6 +42,7 @@ import warp as wp
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.surfaces.height import ON_BORDER, Height, bend_of_height, height_at, height_near, height_normal
+from warpffrf_kernels.surfaces.helical import helical_slope, lean_of, rotated, twist_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -249,6 +250,18 @@ def foot_from(model: Model, s: int, x: vec3, near: Section) -> Foot:
 
 
 @wp.func
+def helical_foot(found: Foot, y: vec3, twist: real) -> Foot:
+    """The foot on a helical surface, from that of y in its section."""
+    lean = lean_of(twist, y, found.normal)
+    scale = real(1.0) / wp.sqrt(real(1.0) + lean * lean)
+    n = rotated(found.normal, twist * y[2])
+    found.z = y[2] + scale * scale * lean * found.distance
+    found.distance = scale * found.distance
+    found.normal = scale * vec3(n[0], n[1], -lean)
+    return found
+
+
+@wp.func
 def foot_on_height(model: Model, s: int, x: vec3, near: Height) -> Foot:
     """The foot of x at a place of a height: beyond the border all is free space, at the distance of the border."""
     found = Foot()
@@ -269,22 +282,22 @@ def curved_foot(model: Model, s: int, x: vec3) -> Foot:
     """`foot_of` on an extruded curve and on a height."""
     if model.surfaces.planar[s] == HEIGHT:
         return foot_on_height(model, s, x, height_near(model, s, x))
-    return foot_from(model, s, x, section_near(model, s, x[0], x[1]))
-
-
-@wp.func
-def curve_tangent(model: Model, s: int, u: real) -> vec3:
-    """Unit tangent of the curve of an extruded surface."""
-    slope = wp.normalize(section_at(model, s, u).slope)
-    return vec3(slope[0], slope[1], real(0.0))
+    twist = twist_of(model, s)
+    y = rotated(x, -twist * x[2])
+    found = foot_from(model, s, y, section_near(model, s, y[0], y[1]))
+    if twist == real(0.0):
+        return found
+    return helical_foot(found, y, twist)
 
 
 @wp.func
 def curve_curvature(model: Model, s: int, u: real) -> real:
-    """Curvature [1/m] of the curve of an extruded surface, positive if convex."""
+    """Curvature [1/m] of an extruded surface along its curve, positive if convex."""
     at = section_at(model, s, u)
     long = wp.length(at.slope)
-    return (at.slope[0] * at.bend[1] - at.slope[1] * at.bend[0]) / (long * long * long)
+    lean = twist_of(model, s) * wp.dot(at.point, at.slope) / long
+    kappa = (at.slope[0] * at.bend[1] - at.slope[1] * at.bend[0]) / (long * long * long)
+    return kappa / wp.sqrt(real(1.0) + lean * lean)
 
 
 @wp.func
@@ -316,7 +329,7 @@ def local_point(model: Model, s: int, theta: real, z: real) -> vec3:
     """Point of the surface [m] at its chart coordinates."""
     if model.surfaces.planar[s] == EXTRUDED:
         point = section_at(model, s, theta).point
-        return vec3(point[0], point[1], z)
+        return rotated(vec3(point[0], point[1], z), twist_of(model, s) * z)
     if model.surfaces.planar[s] == HEIGHT:
         return vec3(height_at(model, s, theta, z).value, theta, z)
     if model.surfaces.planar[s] != 0:
@@ -329,8 +342,12 @@ def local_point(model: Model, s: int, theta: real, z: real) -> vec3:
 def local_normal(model: Model, s: int, theta: real, z: real) -> vec3:
     """Unit normal away from the material."""
     if model.surfaces.planar[s] == EXTRUDED:
-        t = curve_tangent(model, s, theta)
-        return vec3(t[1], -t[0], real(0.0))
+        at = section_at(model, s, theta)
+        t = wp.normalize(at.slope)
+        twist = twist_of(model, s)
+        n = rotated(vec3(t[1], -t[0], real(0.0)), twist * z)
+        n[2] = twist * wp.dot(at.point, t)
+        return wp.normalize(n)
     if model.surfaces.planar[s] == HEIGHT:
         return height_normal(height_at(model, s, theta, z))
     if model.surfaces.planar[s] != 0:
@@ -493,9 +510,11 @@ def expansion_of(model: Model, s: int, x: vec3):
         under = foot_on_height(model, s, x, place)
         return under.distance, under.normal, bend_of_height(place, under.distance, under.normal)
     if model.surfaces.planar[s] == EXTRUDED:
-        near = section_near(model, s, x[0], x[1])
+        twist = twist_of(model, s)
+        y = rotated(x, -twist * x[2])
+        near = section_near(model, s, y[0], y[1])
         long = wp.length(near.slope)
-        found = foot_from(model, s, x, near)
+        found = foot_from(model, s, y, near)
         t = vec3(-found.normal[1], found.normal[0], real(0.0))
         turn = (near.slope[0] * near.bend[1] - near.slope[1] * near.bend[0]) / (long * long * long)
         grown = real(1.0) + turn * found.distance
@@ -503,6 +522,9 @@ def expansion_of(model: Model, s: int, x: vec3):
             turn = real(1.0)
             grown = found.distance
         grown = wp.sign(grown) * wp.max(wp.abs(grown), EVOLUTE)
+        if twist != real(0.0):
+            twisted = helical_foot(found, y, twist)
+            return twisted.distance, twisted.normal, helical_slope(turn / grown, y, found.normal, twisted.normal, twist)
         return found.distance, found.normal, turn / grown * wp.outer(t, t)
     if model.surfaces.planar[s] != 0:
         return x[0], vec3(real(1.0), real(0.0), real(0.0)), mat33()

@@ -18,7 +18,8 @@ PINION = Gear(M, 16, profile_shift=0.1817, tip_diameter=82.45e-3)
 SHIFTED = Gear(M, 12, profile_shift=0.7, tip_diameter=69.4e-3, thickness_allowance=-60e-6, tip_rounding=0.1e-3)
 LARGE = Gear(M, 73, pressure_angle=np.radians(22.5), tip_rounding=0.4e-3)
 INTERNAL = Gear(M, 60, internal=True, profile_shift=0.2, root_radius=0.3, tip_rounding=0.3e-3)
-GEARS = {"pinion": PINION, "shifted": SHIFTED, "large": LARGE, "internal": INTERNAL}
+HELICAL = Gear(M, 23, profile_shift=0.3, helix_angle=np.radians(-22.0), tip_rounding=0.2e-3, thickness_allowance=-60e-6)
+GEARS = {"pinion": PINION, "shifted": SHIFTED, "large": LARGE, "internal": INTERNAL, "helical": HELICAL}
 EXACT = 1e-10  # m: flanks are made to 2e-11
 FILLET = 1e-9  # m: fillets are made to 5e-10
 
@@ -46,12 +47,14 @@ def test_flanks_are_involutes(name: str) -> None:
     assert np.abs(np.arctan2(points[:, 1], points[:, 0]) * r + sign * 0.5 * s).max() < EXACT
 
 
-@pytest.mark.parametrize("gear", [PINION, SHIFTED, LARGE], ids=["pinion", "shifted", "large"])
+@pytest.mark.parametrize("gear", [PINION, SHIFTED, LARGE, HELICAL], ids=["pinion", "shifted", "large", "helical"])
 def test_the_span_over_teeth(gear: Gear) -> None:
-    """W_k = m cos alpha (pi (k - 1/2) + z inv alpha) + 2 x m sin alpha (DIN 3960), for every inclination of the faces
-    between which k teeth fit."""
+    """W_k = m_n cos alpha_n (pi (k - 1/2) + z inv alpha_t) + 2 x m_n sin alpha_n (DIN 3960), in the transverse section
+    over cos beta_b, for every inclination of the faces between which k teeth fit."""
     a, z, k = gear.pressure_angle, gear.teeth, round(gear.teeth / 9.0 + 0.5)
-    known = M * np.cos(a) * (np.pi * (k - 0.5) + z * (np.tan(a) - a)) + 2.0 * gear.generating_shift * M * np.sin(a)
+    a_t = np.arctan(np.tan(a) / np.cos(gear.helix_angle))
+    known = M * np.cos(a) * (np.pi * (k - 0.5) + z * (np.tan(a_t) - a_t)) + 2.0 * gear.generating_shift * M * np.sin(a)
+    known /= np.sqrt(1.0 - (np.sin(gear.helix_angle) * np.cos(a)) ** 2)
     right, left = gear.flank("right"), gear.flank("left", k)
     middle = np.pi * (k - 1) / z  # between the teeth, and the normal to the faces
     for tilt in (-0.05, 0.0, 0.05):
@@ -62,9 +65,10 @@ def test_the_span_over_teeth(gear: Gear) -> None:
         assert abs(reach[0].max() - reach[1].min() - known) < 1e-9
 
 
-@pytest.mark.parametrize("gear", [PINION, SHIFTED, LARGE, Gear(M, 24, profile_shift=1.0, tip_diameter=0.122)])
+@pytest.mark.parametrize("gear", [PINION, SHIFTED, LARGE, HELICAL, Gear(M, 24, profile_shift=1.0, tip_diameter=0.122)])
 def test_the_rack_that_rolls_on_the_pitch_circle_leaves_the_root(gear: Gear) -> None:
-    """Every point of root and fillet is touched by the tooth of the rack in one position, and cut in none."""
+    """Every point of root and fillet is touched by the tooth of the rack in one position, and cut in none; that of a
+    helical gear by the rack whose normal section is stretched by 1/cos beta."""
     rho, x, a = gear.root_radius * M, gear.generating_shift * M, gear.pressure_angle
     below = gear.dedendum * M - rho  # the centre of the arc, below the datum line
     land = 0.25 * np.pi * M - below * np.tan(a) - rho / np.cos(a)
@@ -87,10 +91,29 @@ def test_the_rack_that_rolls_on_the_pitch_circle_leaves_the_root(gear: Gear) -> 
             # the gear rotates clockwise, the tool moves along +x
             c, s = np.cos(angles), np.sin(angles)
             place = np.stack([c * point[0] + s * point[1] - r * angles, c * point[1] - s * point[0] - r - x], axis=1)
+            place[:, 0] *= np.cos(gear.helix_angle)
             near = (place[:, 0] > 0.0) & (place[:, 1] < start[1])
             distance = -tool.foot(place[near])[1]  # positive outside of the tool
             middle = angles[near][np.argmin(distance)]
         assert abs(distance.min()) < 3e-9  # of the step: r (1e-5)^2/2
+
+
+def test_the_angles_of_a_helical_gear() -> None:
+    """Of ISO 21771, by other paths: m_t, alpha_t, the lead of the helix, which is one on all cylinders, and the relief,
+    which is along the normal."""
+    beta, alpha = np.radians(-22.0), HELICAL.pressure_angle
+    assert HELICAL.reference_diameter == pytest.approx(M * 23 / np.cos(beta))
+    assert np.tan(HELICAL.transverse_pressure_angle) == pytest.approx(np.tan(alpha) / np.cos(beta))
+    assert 2.0 * np.pi / HELICAL.twist == pytest.approx(np.pi * HELICAL.reference_diameter / np.tan(beta))
+    assert np.tan(HELICAL.base_helix_angle) == pytest.approx(HELICAL.twist * HELICAL.base_radius, rel=1e-14)
+    assert np.cos(HELICAL.base_helix_angle) * HELICAL.base_pitch == pytest.approx(np.pi * M * np.cos(alpha))  # p_en
+    assert HELICAL.root_diameter == pytest.approx(
+        HELICAL.reference_diameter + 2.0 * M * (HELICAL.generating_shift - 1.25)
+    )
+    relieved = replace(HELICAL, tip_rounding=0.0, tip_relief=20e-6, tip_relief_length=3e-3)
+    tip = relieved.surfaces(("right",), (1,))["flank_right_1"]
+    plain = replace(HELICAL, tip_rounding=0.0).surfaces(("right",), (1,))["flank_right_1"]
+    assert plain.chart(tip.point(tip.curve.length, 2e-3))[2] == pytest.approx(-20e-6, rel=1e-2)
 
 
 @pytest.mark.parametrize("name", list(GEARS))
@@ -109,7 +132,7 @@ def test_curves_are_exact_between_their_knots() -> None:
         flank, _, _ = tooth.involute(gear)(gear.side * np.linspace(gear.root_form_rho, gear.tip_form_rho, 5001))
         assert np.abs(curve.foot(flank)[1]).max() < EXACT
         if not gear.internal:
-            fillet, _, _ = tooth.trochoid(gear)(-np.linspace(gear.pressure_angle, 0.5 * np.pi, 5001))
+            fillet, _, _ = tooth.trochoid(gear)(-np.linspace(gear.transverse_pressure_angle, 0.5 * np.pi, 5001))
             assert np.abs(curve.foot(fillet)[1]).max() < FILLET
 
 
@@ -176,6 +199,7 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     ({"teeth": 60, "tip_diameter": 0.257}, "must lie beyond the root circle"),
     ({"teeth": 60, "tip_diameter": 0.26}, "leaves no involute above the fillet"),
     ({"teeth": 20, "pressure_angle": 20.0}, "pressure_angle must be at most 45 degrees, in rad"),
+    ({"teeth": 20, "helix_angle": 20.0}, "helix_angle must be within .*45 degrees, in rad"),
     ({"teeth": 20, "tip_relief": 1e-5}, "tip_relief and tip_relief_length belong together"),
     ({"teeth": 20, "tip_relief": 1e-5, "tip_relief_length": 0.03}, "tip_relief_length 0.03 m must be shorter"),
     ({"teeth": 20, "tip_relief_shape": "round"}, "tip_relief_shape 'round' does not exist"),

@@ -21,7 +21,18 @@ FZG = GearPair(PINION, WHEEL, A)
 RING = Gear(M, 60, internal=True, profile_shift=-0.4, root_radius=0.25, tip_diameter=265e-3, thickness_allowance=PLAY)
 STUB = Gear(M, 60, internal=True, addendum=0.8, root_radius=0.3, thickness_allowance=PLAY)
 SMALL = Gear(M, 20, profile_shift=0.4, thickness_allowance=PLAY)
+BETA = np.radians(17.0)
+HELICAL = GearPair(
+    Gear(M, 20, helix_angle=BETA, thickness_allowance=PLAY), Gear(M, 31, helix_angle=-BETA, thickness_allowance=PLAY),
+    25.55 * M / float(np.cos(BETA)),
+)  # fmt: skip
+IN_A_RING = GearPair(
+    replace(SMALL, helix_angle=BETA, tip_diameter=None), replace(RING, helix_angle=BETA, tip_diameter=0.2775),
+    89.9e-3 / float(np.cos(BETA)),
+)  # fmt: skip
 PAIRS = {
+    "helical": HELICAL,
+    "helical internal": IN_A_RING,
     "FZG": FZG,
     "with play": GearPair(replace(PINION, thickness_allowance=PLAY), replace(WHEEL, thickness_allowance=PLAY), 91.7e-3),
     "internal": GearPair(SMALL, RING, 89.9e-3),
@@ -144,7 +155,80 @@ def test_sections_do_not_overlap(name: str) -> None:
         assert -1e-9 + min(normal_play, 0.0) < distance.min() < 1e-7
 
 
+@pytest.mark.parametrize("flank, sense", [("right", 1.0), ("left", -1.0)])
+@pytest.mark.parametrize("name", ["helical", "helical internal"])
+def test_lines_of_contact(name: str, flank: str, sense: float) -> None:
+    """The line at beta_b to the axis in the plane of action lies on both flanks, with opposite normals, the same all
+    along: the force of a pressure is in the plane, torques are as the teeth, and the axial force is that of beta on the
+    pitch circle."""
+    pair, width = PAIRS[name], 6e-3
+    one, two = (gear.surfaces((flank,), (1,))[f"flank_{flank}_1"] for gear in (pair.gear_1, pair.gear_2))
+    alpha, beta_b = pair.working_pressure_angle, pair.gear_1.base_helix_angle
+    line, (rho, _) = np.array([np.sin(alpha), -sense * np.cos(alpha)]), pair.pitch_rho
+    angle = sense * (alpha - pair.gear_1.base_angle - float(pair.roll_angle(0.0)))
+    z = np.linspace(-width, width, 9)
+    g = -sense * np.tan(beta_b) * z
+    assert np.ptp(g) < pair.path["E"] - pair.path["A"] and np.all(rho + g > 0.0)
+    section = np.array([0.5 * pair.working_diameters[0], 0.0]) + g[:, None] * line
+
+    def user(points: np.ndarray, angle: float, pair_center: float = 0.0) -> np.ndarray:
+        x, y = rotated(points - [pair_center, 0.0], -angle).T
+        return np.stack([x, z, -y], axis=1)
+
+    turned = pair.mating_angle(angle, flank)
+    center = pair.side * pair.center_distance
+    teeth = pair.gear_2.teeth
+    on = {}
+    for number, at in (
+        ("one", user(section, angle)),
+        *((str(k), user(section, turned + 2.0 * np.pi * k / teeth, center)) for k in range(teeth)),
+    ):
+        shape = one if number == "one" else two
+        theta, _, distance = shape.chart(at)
+        if np.abs(distance).max() < CONTACT:
+            on[number] = shape.normal(theta, z)
+    assert set(on) > {"one"} and len(on) == 2
+    first = on.pop("one")
+    (number, second) = on.popitem()
+    x, y = rotated(first[:, [0, 2]] * [1.0, -1.0], angle).T
+    n = np.stack([x, y, first[:, 1]], axis=1)
+    known = np.array([*(np.cos(beta_b) * line), sense * np.sin(beta_b)])
+    assert n == pytest.approx(np.tile(known, (9, 1)), abs=2e-6)
+    x, y = rotated(second[:, [0, 2]] * [1.0, -1.0], turned + 2.0 * np.pi * int(number) / teeth).T
+    assert np.stack([x, y, second[:, 1]], axis=1) == pytest.approx(-n, abs=2e-6)
+    levers = section, section - [center, 0.0]
+    torques = [lever[:, 0] * n[:, 1] - lever[:, 1] * n[:, 0] for lever in levers]
+    assert np.abs(torques[1] / torques[0]) == pytest.approx(np.full(9, teeth / pair.gear_1.teeth), rel=1e-6)
+    tangential = torques[0] / (0.5 * pair.working_diameters[0])
+    lead = 2.0 * np.pi / pair.gear_1.twist
+    assert -n[:, 2] / tangential == pytest.approx(np.full(9, np.pi * pair.working_diameters[0] / lead), rel=2e-6)
+
+
+def test_ratios_and_pressure_of_helical_gears() -> None:
+    """The overlap ratio is b sin beta/(pi m_n); Hertz's pressure that of cylinders with the radii of the normal
+    section, found from the flanks, under the force on a line b/cos beta_b long."""
+    width, torque = 30e-3, 250.0
+    assert HELICAL.overlap_ratio(width) == pytest.approx(width * np.sin(BETA) / (np.pi * M))
+    assert FZG.overlap_ratio(width) == 0.0
+    bend = 0.0
+    for gear, rho in zip((HELICAL.gear_1, HELICAL.gear_2), HELICAL.curvature_radii(0.0), strict=True):
+        shape = gear.surfaces(("right",), (1,))["flank_right_1"]
+        at = shape.curve.at(np.linspace(0.0, shape.curve.length, 20001))
+        u = shape.curve.length * np.argmin(np.abs(np.hypot(*at.T) - np.hypot(gear.base_radius, rho))) / 20000
+        around, along = shape.curvatures(u, 3e-3)
+        assert abs(along) < 1e-6 * around
+        bend += float(around)
+    beta_b = HELICAL.gear_1.base_helix_angle
+    line = torque / (HELICAL.gear_1.base_radius * np.cos(beta_b)) / (width / np.cos(beta_b))
+    modulus = 206e9 / (1.0 - 0.3**2) / 2.0
+    assert HELICAL.hertz(torque, width)[0] == pytest.approx(np.sqrt(line * modulus * bend / np.pi), rel=1e-4)
+
+
 WRONG = [
+    ((HELICAL.gear_1, replace(HELICAL.gear_2, helix_angle=BETA)), A,
+     "helix angles of 17 and 17 degrees do not mesh, two external gears need opposite hands; make .* -17 degrees"),
+    ((HELICAL.gear_1, replace(RING, helix_angle=-BETA)), A, "an internal pair needs one hand; make .* 17 degrees"),
+    ((HELICAL.gear_1, WHEEL), A, "helix angles of 17 and 0 degrees do not mesh"),
     ((RING, PINION), A, "gear_1 is internal; exchange gear_1 and gear_2"),
     ((RING, RING), A, "gear_1 is internal; one gear must be external"),
     ((replace(SMALL, teeth=70, tip_diameter=None), RING), A, "needs more teeth than its pinion, got 60 and 70"),

@@ -25,6 +25,10 @@ CASES: dict[str, tuple[Gear, float]] = {  # and the radius of the rim
     "internal": (Gear(M, 80, internal=True, tip_rounding=0.2e-3), 0.195),
     "narrow root": (Gear(M, 60, internal=True, profile_shift=-0.5, root_radius=0.2), 0.150),
 }
+CASES |= {
+    "right-handed": (Gear(M, 22, helix_angle=np.radians(24.0), tip_rounding=0.3e-3), 25e-3),
+    "left-handed": (Gear(M, 60, internal=True, helix_angle=np.radians(-24.0), tip_rounding=0.2e-3), 0.162),
+}
 EXACT = 1e-10  # m
 
 
@@ -46,7 +50,7 @@ def test_cells_and_facets(name: str, order: int) -> None:
     for side in ("right", "left"):
         for tooth in (1, 3):
             facets = body.facets(f"flank_{side}_{tooth}")
-            shape = Extruded(curve=gear.flank(side, tooth), axis_point=(0.0, 0.0, 0.0))
+            shape = gear.surfaces((side,), (tooth,))[f"flank_{side}_{tooth}"]
             nodes = body.points[facets.node_set]
             theta, z, distance = shape.chart(nodes)
             assert np.abs(distance).max() < EXACT
@@ -66,14 +70,14 @@ def test_cells_and_facets(name: str, order: int) -> None:
     assert sum(body.sets.values()) == len(body.outer_facets())
 
 
-@pytest.mark.parametrize("name", ["rounded", "thin rim", "internal"])
+@pytest.mark.parametrize("name", ["rounded", "thin rim", "internal", "right-handed", "left-handed"])
 def test_volumes_converge_to_the_area_of_the_section(name: str) -> None:
     """With the square of the size of linear cells; of quadratic ones the error is below 1e-5 at once."""
     gear, rim = CASES[name]
     known = abs(area(gear.section()) - gear.side * np.pi * rim**2) * WIDTH / gear.teeth
 
     def error(order: int, fineness: int) -> float:
-        counts = {"along": 12 * fineness, "across": 4 * fineness, "layers": 2 * fineness, "axial": 1}
+        counts = {"along": 12 * fineness, "across": 4 * fineness, "layers": 2 * fineness, "axial": fineness}
         return abs(mesh.gear(gear, WIDTH, rim_radius=rim, teeth=1, order=order, **counts).volume() / known - 1.0)
 
     assert error(2, 1) < 1e-5
@@ -81,7 +85,7 @@ def test_volumes_converge_to_the_area_of_the_section(name: str) -> None:
 
 
 @pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("name", ["few teeth", "internal"])
+@pytest.mark.parametrize("name", ["few teeth", "internal", "right-handed"])
 def test_sectors_follow_by_rotation(name: str, order: int) -> None:
     """Nodes, cells and facets of a whole gear as those of the first sector, by a pitch about +y."""
     gear, rim = CASES[name]
@@ -107,7 +111,9 @@ def test_sectors_follow_by_rotation(name: str, order: int) -> None:
     low, high = (part.points[part.facets(f"side_{end}").node_set] for end in ("low", "high"))
     for nodes, angle in ((low, -0.5 * a), (high, 1.5 * a)):
         flip = np.pi if gear.internal else 0.0  # nothing but the angle matters
-        assert np.abs(np.sin(np.arctan2(-nodes[:, 2], nodes[:, 0]) - angle + flip)).max() < 1e-9
+        assert (
+            np.abs(np.sin(np.arctan2(-nodes[:, 2], nodes[:, 0]) - angle - gear.twist * nodes[:, 1] + flip)).max() < 1e-9
+        )
 
 
 OVAL = Curve.through(

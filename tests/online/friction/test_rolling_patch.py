@@ -126,7 +126,7 @@ class Held:
 
     def places(self) -> tuple[Cells, np.ndarray, np.ndarray]:
         """Cells, theta and z (n,) of their centres on the first surface."""
-        column, middle, half_width, _ = self.engine.scratch.patch_place.numpy()[0, 0]
+        column, middle, half_width = self.engine.scratch.patch_place.numpy()[0, 0, :3]
         plan = PatchPlan.of(self.engine.scene.contacts[0])
         scale = half_width if plan.follows else 1.0
         rows = scale * plan.z + (middle if plan.follows else 0.0)
@@ -332,7 +332,7 @@ def test_material_that_has_moved_is_read_by_cubics(held: Held, strips: float) ->
     state, x = held.engine.state, held.engine.scratch
     held.displaced(np.full(held.count, 1e9), np.zeros((2, held.count)))
     kept(held)
-    place = x.patch_place.numpy()[0, 0].copy()
+    place = x.patch_place.numpy()[0, 0, :4].copy()
     cells, _, _ = held.places()
     follows = held.kind == "ball"
     rings = STRIPS_AROUND if follows else 0

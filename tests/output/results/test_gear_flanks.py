@@ -143,14 +143,14 @@ def test_sliding_is_that_of_the_points_in_contact() -> None:
 def test_a_map_of_the_flank() -> None:
     gear = cycle().gear("mesh")
     found = gear.flank_map(speed=SPEED)
-    assert len(found.step) == np.count_nonzero(gear.load) and np.all(np.diff(found.place) >= 0.0)
+    assert len(found.step) == np.count_nonzero(gear.load) and np.all(np.diff(found.place, axis=0) >= 0.0)
     own = gear.peak_pressure[found.step, found.teeth]
     assert found.pressure.max(axis=1) == pytest.approx(own, rel=0.02)  # parabolas through the largest cell are higher
     assert np.abs(found.width).max() < 0.5 * WIDTH
     at = np.hypot(*np.moveaxis(gear.contact_path(nearest=True).points, -1, 0))[found.step, found.teeth, 0]
     flat = off_relief(gear)[found.step, found.teeth]
-    assert found.radius[flat, 0] == pytest.approx(at[flat], abs=1e-8)
-    assert found.wear_index == pytest.approx(found.pressure * np.abs(found.sliding)[:, None])
+    assert found.radius[flat, 0, 0] == pytest.approx(at[flat], abs=1e-8)
+    assert found.wear_index == pytest.approx(found.pressure * np.abs(found.sliding))
     assert len(gear.flank_map("right").step) == len(found.step)
     with pytest.raises(wf.InputError, match="flank 'left'"):
         gear.flank_map("left")

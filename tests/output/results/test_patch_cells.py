@@ -74,7 +74,7 @@ def made(shape: Any, *, rows: int = 41, strips: int = 61, z0: float = 0.0) -> Ce
     grid = SurfaceGrid(shape.e_0, 0.0, 0.01, 63, False, np.linspace(-4e-3, 4e-3, 9), 63)
     edges = z0 + 1e-3 * np.linspace(-1.0, 1.0, rows + 1)
     z, length = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
-    cells = CellHistory(np.array([30.0]), np.array([W]), z[None], length[None], np.array([30.0]))
+    cells = CellHistory(np.array([30.0]), np.array([W]), z[None], length[None], np.array([30.0]), np.zeros((1, len(z))))
     x = 2.0 * W / strips * (np.arange(strips) - 0.5 * (strips - 1))
     bowl = 1.0 - (x[:, None] / a) ** 2 - ((z - z0) / b) ** 2
     pressure = 1e9 * np.sqrt(np.maximum(bowl, 0.0))

@@ -255,6 +255,9 @@ def _in_itself(port: SurfacePort, length: float) -> np.ndarray:
         turns, slides = [axes[0]], axes[1:]
     elif profile.planar:
         turns, slides = [], axes[2:]
+        if profile.twist:  # a screw
+            turn = profile.twist * axes[2]
+            return np.concatenate([axes[2] - np.cross(turn, center), length * turn])[:, None]
     elif profile.spherical:
         turns = axes
     motions = [np.concatenate([-np.cross(turn, center), length * turn]) for turn in turns]

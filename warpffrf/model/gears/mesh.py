@@ -10,6 +10,9 @@ flanks and -1 for left ones,
 
 angle that of tooth 1 from the line of centres; a pair of teeth touches where A <= g <= E, up to ENTRY before and after,
 as loaded teeth bend. When gear 1 rotates in the direction of its flank, -s, g grows.
+
+Sections of helical gears at y = z are rotated by tau_1 z: there contact is at g - s tan beta_b1 z. A pair of teeth is
+in mesh while that of any section of the common width is.
 """
 
 from __future__ import annotations
@@ -99,10 +102,12 @@ def add_gear_pair(
     sides = FLANKS if flank == "both" else (flank,)
     angles, axes = _placed(hubs[0].body, hubs[1].body, pair, direction, sides[0], name)
     mesh = GearMesh(name, pair, (hubs[0], hubs[1]), axes)
-    bends = [1.0 / float(rho) for rho in pair.curvature_radii(0.0)]
-    meeting = FacingPlace((sum(bends), 0.0), (max(map(abs, bends)), 0.0), 0.0, 0.0)
+    lean = float(np.tan(pair.base_helix_angle))
+    bends = [1.0 / float(rho) / np.hypot(1.0, lean) for rho in pair.curvature_radii(0.0)]
+    meeting = FacingPlace((sum(bends), 0.0), (max(map(abs, bends)), 0.0), 0.0, abs(lean))
+    ends = _ends(hubs, name) if lean else (0.0, 0.0)
     for side in sides:
-        for k, t in teeth_in_mesh(pair, angles, side, rotation, name):
+        for k, t in teeth_in_mesh(pair, angles, side, rotation, name, ends):
             a, b = (_surface(hub.body, f"flank_{side}_{tooth}", name) for hub, tooth in zip(hubs, (k, t), strict=True))
             label = f"{name} {side} {k}-{t}"
             contact = Contact(a, b, friction=friction, cells=cells, name=label)
@@ -114,7 +119,8 @@ def add_gear_pair(
 
 
 def places(pair: GearPair, angle: Any, side: str, teeth: Any) -> Any:
-    """g [m] of `teeth` of gear 1 rotated by `angle` [rad], in the turn of gear 1 nearest to the pitch point."""
+    """g [m] of `teeth` of gear 1 rotated by `angle` [rad], in the turn of gear 1 nearest to the pitch point; of helical
+    gears in the section y = 0."""
     s, one = (1.0 if side == "right" else -1.0), pair.gear_1
     width = one.tooth_thickness(pair.working_diameters[0]) / pair.working_diameters[0]
     turned = s * (s * width - np.asarray(angle) - 2.0 * np.pi / one.teeth * (np.asarray(teeth) - 1))
@@ -122,11 +128,16 @@ def places(pair: GearPair, angle: Any, side: str, teeth: Any) -> Any:
     return one.base_radius * (middle + np.remainder(turned - middle + np.pi, 2.0 * np.pi) - np.pi)
 
 
+def advance(pair: GearPair, side: str, y: Any) -> Any:
+    """g [m] of the sections of helical gears at y [m] less that at y = 0."""
+    return (-1.0 if side == "right" else 1.0) * np.tan(pair.base_helix_angle) * np.asarray(y)
+
+
 def teeth_in_mesh(
-    pair: GearPair, angles: tuple[float, float], side: str, rotation: Any, name: str
+    pair: GearPair, angles: tuple[float, float], side: str, rotation: Any, name: str, ends: tuple[float, float]
 ) -> list[tuple[int, int]]:
     """Teeth of gears 1 and 2 that meet while gear 1 rotates by rotation[0] to rotation[1] from `angles`, those of both
-    gears [rad], at which flanks touch; None: any rotation."""
+    gears [rad], at which flanks touch; None: any rotation. ends: of the common width, y [m]."""
     z_1, z_2 = pair.gear_1.teeth, pair.gear_2.teeth
     pitch = pair.gear_1.base_pitch
     first = int(np.argmin(np.abs(places(pair, angles[0], side, np.arange(1, z_1 + 1)))))
@@ -134,7 +145,8 @@ def teeth_in_mesh(
     opposite = _opposite(pair, angles[1], side, start)
     # tooth `first` + n is at g = start - s n p, n of either sign, and meets the tooth `opposite` - sigma s n
     s = 1 if side == "right" else -1
-    low, high = pair.path["A"] - ENTRY * pitch, pair.path["E"] + ENTRY * pitch
+    early = advance(pair, side, ends)
+    low, high = pair.path["A"] - ENTRY * pitch - early.max(), pair.path["E"] + ENTRY * pitch - early.min()
     if rotation is None:
         numbers = range(int(np.lcm(z_1, z_2)))
     else:
@@ -182,6 +194,18 @@ def _hub(port: Any, label: str) -> Port:
     if not isinstance(port, Port) or not isinstance(port.body, Body):
         raise InputError(f"gear pair: {label} must be the hub of a body, body['bore'], got {port!r}")
     return port
+
+
+def _ends(hubs: tuple[Port, Port], name: str) -> tuple[float, float]:
+    """The ends [m] of the common width of helical gears, along y; rigid flanks have none."""
+    found = []
+    for body in (hub.body for hub in hubs):
+        surfaces = {} if body.reduced is None else body.reduced.contact_surfaces
+        found += [np.asarray(s.grid.z)[[0, -1]] for label, s in surfaces.items() if label.startswith("flank_")]
+    if not found:
+        raise InputError(f"gear pair {name!r}: one of two helical gears must be elastic; use wf.half_space_body")
+    low, high = np.array(found).T
+    return float(low.max()), float(high.min())
 
 
 def _surface(body: Body, surface: str, name: str) -> Any:

@@ -1,4 +1,4 @@
-r"""Two meshing spur gears: path of contact, curvature, sliding, backlash and Hertz's pressure.
+r"""Two meshing gears: path of contact, curvature, sliding, backlash, contact ratios and Hertz's pressure.
 
 sigma = 1 for two external gears, -1 where gear 2 is internal. With the working pressure angle alpha_w,
 a cos alpha_w = r_b2 + sigma r_b1, a place on the path of contact is g [m], its distance from the pitch point C,
@@ -11,6 +11,16 @@ base pitch from the ends. The roll angle of gear 1 is rho_1/r_b1. The backlash o
 j = p_w - s_w1 - s_w2. Hertz's pressure of a width b under the normal force F = T_1/r_b1 is
 
     p = sqrt(F E*/(pi b rho)),      half-width sqrt(4 F rho/(pi b E*)),      1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2.
+
+Helical gears. All this is in the transverse sections, of which each meshes as a spur gear, that at z at g - s r_b1
+tau_1 z = g - s z tan beta_b1 on the path, s = 1 on right and -1 on left flanks: lines of contact are straight, in the
+plane of action, at beta_b to the axis. Along one of them the normal of the flanks is constant and at beta_b to the
+sections, and their radii of curvature are rho/cos beta_b. With F_bn the normal force and b the width
+
+    F_bn = T_1/(r_b1 cos beta_b),      F_a = F_bn sin beta_b = F_wt tan beta_w,      F_wt = 2 T_1/d_w1,
+
+and a line over the whole width, b/cos beta_b long, has the line load T_1/(r_b1 b) of the spur gear. The overlap ratio
+is eps_beta = b sin beta/(pi m_n) = b tan beta_b/p_bt.
 
 Interference of the tips of an internal pair: Colbourne 1987, The Geometry of Involute Gears, section 8.
 """
@@ -38,11 +48,12 @@ STEEL = Material(youngs_modulus=206e9, poisson_ratio=0.3, density=7850.0)
 class GearPair:
     """Two gears at a distance of their axes; gear 2 may be internal. Lengths in metres, angles in radians.
 
-    gear_1, gear_2: `Gear`s of one base pitch; center_distance: a [m], positive for internal pairs too. The axis of
-    gear 2 lies at +x of that of gear 1, of an internal gear 2 at -x, so that the teeth meet at +x of gear 1.
+    gear_1, gear_2: `Gear`s of one base pitch and one base helix angle, of opposite hands, of an internal pair of the
+    same hand; center_distance: a [m], positive for internal pairs too. The axis of gear 2 lies at +x of that of gear 1,
+    of an internal gear 2 at -x, so that the teeth meet at +x of gear 1.
 
-    Raises `InputError` where the pair does not mesh: unequal base pitches, negative backlash, tips that touch the roots
-    or each other, tips that reach below the involute, a transverse contact ratio below 1.
+    Raises `InputError` where the pair does not mesh: unequal base pitches or helix angles, negative backlash, tips that
+    touch the roots or each other, tips that reach below the involute, a contact ratio below 1: the transverse one.
 
     >>> import numpy as np
     >>> pinion = wf.gears.Gear(4.5e-3, 16, profile_shift=0.1817, tip_diameter=82.45e-3, thickness_allowance=-50e-6)
@@ -70,8 +81,13 @@ class GearPair:
         return self.gear_2.side
 
     @property
+    def base_helix_angle(self) -> float:
+        """beta_b [rad], with the sign of gear 1."""
+        return self.gear_1.base_helix_angle
+
+    @property
     def working_pressure_angle(self) -> float:
-        """alpha_w [rad]."""
+        """alpha_wt [rad], in the transverse section."""
         return float(np.arccos(self._base_distance / self.center_distance))
 
     @property
@@ -97,9 +113,15 @@ class GearPair:
         """epsilon_alpha [-], the transverse contact ratio."""
         return (self.path["E"] - self.path["A"]) / self.gear_1.base_pitch
 
+    def overlap_ratio(self, width: float) -> float:
+        """epsilon_beta [-] of a common `width` b [m]; 0 of spur gears. The sum with `contact_ratio` is the total one,
+        epsilon_gamma."""
+        b = require_number(width, "overlap_ratio: width", positive=True)
+        return b * abs(float(np.tan(self.base_helix_angle))) / self.gear_1.base_pitch
+
     @property
     def backlash(self) -> float:
-        """j_wt [m], on the working pitch circle; along the path of contact it is j_bn = j_wt cos alpha_w."""
+        """j_wt [m], on the working pitch circle; along the normal it is j_bn = j_wt cos alpha_wt cos beta_b."""
         s_1, s_2 = (
             gear.tooth_thickness(d) for gear, d in zip((self.gear_1, self.gear_2), self.working_diameters, strict=True)
         )
@@ -119,7 +141,8 @@ class GearPair:
         return (self.pitch_rho[0] + np.asarray(g, float)) / self.gear_1.base_radius
 
     def curvature_radii(self, g: Any) -> tuple[Any, Any]:
-        """rho_1 and rho_2 [m] of the flanks, without tip relief, at g [m]; rho_2 is negative on an internal gear."""
+        """rho_1 and rho_2 [m] of the flanks, without tip relief, at g [m], in the transverse section; rho_2 is negative
+        on an internal gear."""
         rho_1, rho_2 = self.pitch_rho
         g = np.asarray(g, float)
         return rho_1 + g, self.side * rho_2 - g
@@ -131,7 +154,8 @@ class GearPair:
     def hertz(
         self, torque: float, width: float, g: Any = 0.0, *, materials: tuple[Material, Material] = (STEEL, STEEL)
     ) -> tuple[Any, Any]:
-        """Largest pressure [Pa] and half-width [m] of one pair of teeth that carries the whole torque on gear 1 [N m].
+        """Largest pressure [Pa] and half-width [m] of one pair of teeth that carries the whole torque on gear 1 [N m],
+        evenly on a line over the width.
 
         width: of the contact, b [m]; g: its place on the path of contact [m]; materials: of gears 1 and 2, steel with
         206 GPa and 0.3 where not given.
@@ -139,7 +163,7 @@ class GearPair:
         force = require_number(torque, "hertz: torque", positive=True) / self.gear_1.base_radius
         line = force / require_number(width, "hertz: width", positive=True)
         rho_1, rho_2 = self.curvature_radii(g)
-        rho = 1.0 / (1.0 / rho_1 + 1.0 / rho_2)
+        rho = 1.0 / (1.0 / rho_1 + 1.0 / rho_2) / np.cos(self.base_helix_angle)
         modulus = 1.0 / sum((1.0 - m.poisson_ratio**2) / m.youngs_modulus for m in materials)
         return np.sqrt(line * modulus / (np.pi * rho)), np.sqrt(4.0 * line * rho / (np.pi * modulus))
 
@@ -177,6 +201,13 @@ class GearPair:
         if two.internal and two.teeth <= one.teeth:
             raise InputError(
                 f"gear pair: an internal gear needs more teeth than its pinion, got {two.teeth} and {one.teeth}"
+            )
+        if abs(one.base_helix_angle + self.side * two.base_helix_angle) > SAME_PITCH:
+            beta, other = (float(np.degrees(gear.helix_angle)) for gear in (one, two))
+            hands = "two external gears need opposite hands" if self.side > 0 else "an internal pair needs one hand"
+            raise InputError(
+                f"gear pair: helix angles of {beta:.6g} and {other:.6g} degrees do not mesh, {hands}; make helix_angle "
+                f"of gear_2 {-self.side * beta:.6g} degrees, in rad"
             )
         if abs(one.base_pitch - two.base_pitch) > SAME_PITCH * one.base_pitch:
             raise InputError(

@@ -11,16 +11,22 @@ angle), and C(rho) the relief, which is removed along the normal,
 
 s the tooth thickness at the reference radius r. A point at radius R has g^2 = R^2 - r_b^2.
 
-Relief. C = C_a f(tau), tau = 1 - sigma (rho_a - rho)/L from its start to the tip circle, rho_a of the tip circle
-without relief: f = tau^2 (parabolic), or a line that begins with a parabola, so that the flank has no kink:
-f = tau^2/(2 w (1 - w/2)) up to tau = w, then (tau - w/2)/(1 - w/2).
+Relief. C = C_a f(tau)/cos beta_b in the transverse section, tau = 1 - sigma (rho_a - rho)/L from its start to the tip
+circle, rho_a of the tip circle without relief: f = tau^2 (parabolic), or a line that begins with a parabola, so that
+the flank has no kink: f = tau^2/(2 w (1 - w/2)) up to tau = w, then (tau - w/2)/(1 - w/2).
 
-Fillet of an external gear. The rack's tip arc of radius rho_f has its centre at the depth d_c below its pitch line and
-at xi_c from the middle of its tooth. The point of the arc whose normal is inclined by psi to the pitch line, alpha at
-the flank and pi/2 at the root, touches the gear where this normal meets the pitch point. The centre of the arc is then
-at u = d_c cot psi from it, the gear has rotated by w/r with w = u - xi_c, and relative to the gear
+Fillet of an external gear. The rack's tip arc has its centre at the depth d_c below its pitch line and at xi_c from the
+middle of its tooth. In the transverse section of a helical gear it is the arc of an ellipse with the half-axes A =
+rho_f/cos beta along the pitch line and B = rho_f, its point with the normal (cos psi, sin psi) at
 
-    c(psi) = Y e_r(phi) + X e_theta(phi),     X = u + rho_f cos psi,     Y = r - d_c - rho_f sin psi,
+    p = (A^2 cos psi, B^2 sin psi)/h,      h^2 = A^2 cos^2 psi + B^2 sin^2 psi,      p' = R (-sin psi, cos psi),
+    R = A^2 B^2/h^3.
+
+This point, psi from alpha_t at the flank to pi/2 at the root, touches the gear where its normal meets the pitch point.
+The centre of the arc is then at u = (d_c + p_2) cot psi - p_1 from it, the gear has rotated by w/r with w = u - xi_c,
+and relative to the gear
+
+    c(psi) = Y e_r(phi) + X e_theta(phi),     X = u + p_1,     Y = r - d_c - p_2,
     phi = -pi/z - w/r,                        tangent: cos psi e_r(phi) + sin psi e_theta(phi).
 
 (DIN 3960; Colbourne 1987, The Geometry of Involute Gears.) The fillet of an internal gear, which depends on its cutter,
@@ -71,7 +77,8 @@ def relief(gear: Gear, rho: Array) -> tuple[Array, Array]:
         rise = 1.0 / (1.0 - 0.5 * BLEND)
         f = rise * np.where(tau < BLEND, 0.5 * tau**2 / BLEND, tau - 0.5 * BLEND)
         slope = rise * np.minimum(tau / BLEND, 1.0)
-    return gear.tip_relief * f, gear.side * gear.tip_relief / gear.tip_relief_length * slope
+    C_a = gear.tip_relief / np.cos(gear.base_helix_angle)
+    return C_a * f, gear.side * C_a / gear.tip_relief_length * slope
 
 
 def involute(gear: Gear) -> Path:
@@ -116,17 +123,27 @@ def rho_of_arc(gear: Gear, offset: float, radius: float, low: float, high: float
     return float(brentq(miss, low, high, xtol=1e-15))  # pyright: ignore[reportArgumentType]
 
 
+def tool_arc(gear: Gear, psi: Array) -> tuple[Array, Array]:
+    """p (..., 2) and R (...) [m] of the rack's tip arc at inclinations psi (...) [rad] of its normal."""
+    B = gear.root_radius * gear.module
+    A, c, s = B / np.cos(gear.helix_angle), np.cos(psi), np.sin(psi)
+    h = np.hypot(A * c, B * s)
+    return np.stack([A**2 * c / h, B**2 * s / h], axis=-1), A**2 * B**2 / h**3
+
+
 def trochoid(gear: Gear) -> Path:
     """The right fillet of an external gear over -psi [rad], from root to flank."""
-    r, rho_f, d_c, xi_c = 0.5 * gear.reference_diameter, gear.root_radius * gear.module, *gear.tool_center
+    r, d_c, xi_c = 0.5 * gear.reference_diameter, *gear.tool_center
 
     def path(t: Array) -> tuple[Array, Array, Array]:
         psi = -t
-        u, du = d_c / np.tan(psi), -d_c / np.sin(psi) ** 2
-        X, Y = u + rho_f * np.cos(psi), r - d_c - rho_f * np.sin(psi)
+        p, R = tool_arc(gear, psi)
+        depth = d_c + p[..., 1]
+        X, Y = depth / np.tan(psi), r - depth
+        u, du = X - p[..., 0], R / np.sin(psi) - depth / np.sin(psi) ** 2
         phi = -np.pi / gear.teeth - (u - xi_c) / r
-        along = -rho_f * np.cos(psi) + X * du / r  # dc/dpsi
-        across = du - rho_f * np.sin(psi) - Y * du / r
+        along = -R * np.cos(psi) + X * du / r  # dc/dpsi
+        across = du - R * np.sin(psi) - Y * du / r
         speed = -(along * np.cos(psi) + across * np.sin(psi))
         return polar(phi, Y, X), polar(phi, np.cos(psi), np.sin(psi)), speed
 
@@ -222,7 +239,7 @@ def right_half(gear: Gear) -> dict[str, Pieces]:
         found["fillet"] = pieces(arc(center, -R, heading), 0.0, R * angle, angle, OTHERS)
     else:
         land("root", gear.root_diameter, middle, middle + gear.tool_center[1] / (0.5 * gear.reference_diameter))
-        alpha = gear.pressure_angle
+        alpha = gear.transverse_pressure_angle
         rolled = gear.tool_center[0] / np.tan(alpha) / (0.5 * gear.reference_diameter)
         found["fillet"] = pieces(trochoid(gear), -0.5 * np.pi, -alpha, 0.5 * np.pi - alpha + abs(rolled), OTHERS)
     breaks = np.array([start, end])  # of the curvature

@@ -125,7 +125,8 @@ def curvatures_on(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
 class FacingPlace:
     """Where two surfaces are nearest, in the directions along the circle about the axis of the first and along its
     meridian: the relative `curvatures` [1/m], those of the `sharper` surface [1/m, absolute]; z [m] and the `slope`
-    dR/dz of the first, and the angle `lean` [rad] of its normal to the plane that it is a height over."""
+    dR/dz of the first, of a helical one that of its generator to the axis, and the angle `lean` [rad] of its normal to
+    the plane that it is a height over."""
 
     curvatures: tuple[float, float]
     sharper: tuple[float, float]
@@ -144,9 +145,11 @@ def facing_place(one: SurfacePort, other: SurfacePort) -> FacingPlace:
     own = np.einsum("di,sij,dj->sd", directions, bends, directions)
     (around, along), sharper = own.sum(axis=0), np.abs(own).max(axis=0)
     lean = 0.0 if shape.profile().height is None else float(np.arccos(min(shape.normal(theta, z) @ shape.e_0, 1.0)))
-    return FacingPlace(
-        (float(around), float(along)), (float(sharper[0]), float(sharper[1])), float(z), float(shape.slope_at(z)), lean
-    )
+    slope = float(shape.slope_at(z))
+    if shape.profile().twist:
+        axial = float(shape.normal(theta, z) @ shape.e_a)
+        slope = axial / np.sqrt(1.0 - axial**2)
+    return FacingPlace((float(around), float(along)), (float(sharper[0]), float(sharper[1])), float(z), slope, lean)
 
 
 _KNOWN: WeakKeyDictionary[Any, tuple[bytes, FacingPlace]] = WeakKeyDictionary()

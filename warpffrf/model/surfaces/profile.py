@@ -41,6 +41,7 @@ FLATTEST = 0.1  # of 1 + R'^2, least derivative of F: beyond a centre of curvatu
 class SurfaceProfile:
     """A meridian by its numbers (module docstring), as the device holds them; `planar`: theta is a length, as of a
     plane, with a `curve` of an extruded surface, and with a `height` of one over a plane.
+    twist tau [rad/m]: of a helical one, whose curve is rotated by tau z about the axis.
 
     side +1 or -1; radius R_0 [m] (1.0 of a plane); tangent t [-]; crown Rc [m], signed, 0.0 for none; table: `breaks`
     (n+1,) [m] and `coefficients` (n, 4) of the drop [m] in ascending powers of z - break; empty without one.
@@ -56,6 +57,7 @@ class SurfaceProfile:
     coefficients: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
     curve: Curve | None = None
     height: Height | None = None
+    twist: float = 0.0
 
     @property
     def flat(self) -> bool:

@@ -116,7 +116,7 @@ def _extruded(shape: Extruded, form: Form) -> Extruded:
     section = Curve(knots=knots, points=points, tangents=tangents, closed=curve.closed, depth=curve.depth)
     return Extruded(
         curve=section, axis_point=shape.axis_point, axis_direction=shape.axis_direction,
-        x_direction=shape.x_direction, fit_tolerance=shape.fit_tolerance,
+        x_direction=shape.x_direction, twist=shape.twist, fit_tolerance=shape.fit_tolerance,
     )  # fmt: skip
 
 

@@ -91,7 +91,7 @@ def axial_warning(name: str, error: float) -> str | None:
 
 def _frame(shape: Any, theta: float, z: float) -> tuple[np.ndarray, np.ndarray]:
     """The loaded point (3,), and the inward normal, the tangent across and that along the line (3, 3)."""
-    normal, around = shape.normal(theta, z), shape.around(theta)
+    normal, around = shape.normal(theta, z), shape.around(theta, z)
     return shape.point(theta, z), np.stack([-normal, around, np.cross(normal, around)])
 
 

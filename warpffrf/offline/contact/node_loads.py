@@ -106,7 +106,7 @@ def surface_vectors(shape, theta: np.ndarray, z: np.ndarray, direction: Directio
         return direction(theta, z)
     if direction == "normal":
         return shape.normal(theta, z)
-    return shape.around(theta) if direction == "theta" else shape.along(theta, z)
+    return shape.around(theta, z) if direction == "theta" else shape.along(theta, z)
 
 
 def _loads(kind, nodes, theta, z, shape, plan: GridPlan, basis: str, direction: Direction) -> NodeLoads:

@@ -46,7 +46,7 @@ def fill_surfaces(collector: Collector, m: Model) -> np.ndarray:
             "modal_count": modal_count,
             "planar": int(profile.planar) + int(profile.free) + int(profile.height is not None), "side": profile.side,
             "radius": profile.radius,
-            "tangent": profile.tangent, "crown": profile.crown,
+            "tangent": profile.tangent + profile.twist, "crown": profile.crown,
             "table_start": sum(map(len, breaks)), "table_count": len(profile.coefficients),
             "rigid": int(not isinstance(surface, ContactSurface)),
             "z_start": sum(map(len, z)), "mode_start": sum(map(len, modes)),

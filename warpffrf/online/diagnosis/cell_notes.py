@@ -44,7 +44,7 @@ from warpffrf.online.compile.patches.plan import (
 )  # fmt: skip
 from warpffrf.online.diagnosis.border_notes import BORDER
 from warpffrf.online.diagnosis.patch_off_end import shares_at_ends
-from warpffrf.online.history.history import CellHistory, ContactHistory, History
+from warpffrf.online.history.history import ContactHistory, History
 from warpffrf_kernels.rolling.places import LIGHT
 
 FEWEST = 6  # strips, or rows of a point contact, under pressure: with 8 the error of forces is 0.1 %, of peaks 0.9 %
@@ -81,7 +81,7 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
             "depth in each cell of the patch, not at each material point; damping in a rolling contact "
             "wants grid='body_fixed'"
         )
-    spans = 2.0 * float(np.max(cells.half_width * _sharpest(contact, cells)))
+    spans = 2.0 * float(np.max(cells.half_width * _sharpest(contact, found)))
     if spans > WIDE * WHOLE:
         notes.append(
             f"contact {contact.name!r}: the patch spans {spans:.2g} rad of a surface, and the half-space under it is "
@@ -133,19 +133,24 @@ def _beyond_rows(contact: Contact, found: ContactHistory) -> list[str]:
     ]
 
 
-def _sharpest(contact: Contact, cells: CellHistory) -> np.ndarray:
-    """Largest curvature (T,) [1/m] of the two surfaces under the patch; a rigid free one does not count."""
+def _sharpest(contact: Contact, found: ContactHistory) -> np.ndarray:
+    """Largest curvature (T,) [1/m] of the two surfaces under the patch; a rigid free one does not count, nor a second
+    helical one. Of a helical first one in the row with the largest pressure."""
+    cells = found.cells
+    if cells is None:
+        return np.zeros(len(found.pressure))
     middle = float(np.mean(np.asarray(contact.a.surface.grid.z)[[0, -1]]))
-    found = np.zeros(len(cells.column))
-    for port, column in ((contact.a, cells.column), (contact.b, cells.column_second)):
-        surface, theta = port.surface, np.zeros(len(found))
-        free = surface.shape.profile().free
-        if free and port.rigid:
+    highest = np.argmax(found.pressure.max(axis=1), axis=1)
+    column = cells.column + cells.row_shift[np.arange(len(highest)), highest]
+    sharpest = np.zeros(len(column))
+    for port, place in ((contact.a, column), (contact.b, cells.column_second)):
+        surface, theta, profile = port.surface, np.zeros(len(column)), port.surface.shape.profile()
+        if profile.free and (port.rigid or (profile.twist and port is contact.b)):
             continue
-        if free:
-            theta = surface.grid.theta_start + surface.grid.pitch * np.asarray(column)
-        found = np.maximum(found, np.max(np.abs(surface.shape.curvatures(theta, middle)), axis=0))
-    return found
+        if profile.free:
+            theta = surface.grid.theta_start + surface.grid.pitch * np.asarray(place)
+        sharpest = np.maximum(sharpest, np.max(np.abs(surface.shape.curvatures(theta, middle)), axis=0))
+    return sharpest
 
 
 def _light(contact: Contact, found: ContactHistory, history: History) -> list[str]:
@@ -261,10 +266,10 @@ def _travelled(contact: Contact, found: ContactHistory, history: History) -> lis
 
 def _cut(contact: Contact, found: ContactHistory) -> list[str]:
     """A note for each surface on whose end across the patch has been cut: cells beyond the outermost columns carry
-    no load.
+    no load. Lines of contact on helical surfaces end there.
     """
     cells = found.cells
-    if cells is None or not len(cells.column):
+    if cells is None or not len(cells.column) or contact.a.surface.shape.profile().twist:
         return []
     strips = found.pressure.shape[1]
     offset = np.arange(strips) - 0.5 * (strips - 1)

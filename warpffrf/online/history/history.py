@@ -147,6 +147,7 @@ class CellHistory(reprs.Rows):
     z: np.ndarray  # (T, rows) m, middles of the rows
     length: np.ndarray  # (T, rows) m, along z
     column_second: np.ndarray  # (T,) opposite, of the second surface's grid, 0 where it is rigid
+    row_shift: np.ndarray  # (T, rows) columns of the middle of each row from `column`, 0 but on a helical surface
 
 
 @dataclass(repr=False)

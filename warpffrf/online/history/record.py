@@ -151,7 +151,7 @@ def _window(compiled: CompiledScene, i: int) -> tuple[int, int]:
 
 
 def _cells(plan: PatchPlan, place: np.ndarray) -> CellHistory:
-    """Position of the cells of a contact, from its `saved_patch` (T, 4)."""
+    """Position of the cells of a contact, from its `saved_patch` (T, 4 + rows)."""
     width = place[:, 2]
     scale = (width if plan.follows else np.ones(len(width)))[:, None]
     middle = (place[:, 1] if plan.follows else np.zeros(len(width)))[:, None]
@@ -161,6 +161,7 @@ def _cells(plan: PatchPlan, place: np.ndarray) -> CellHistory:
         z=middle + scale * plan.z,
         length=scale * plan.length,
         column_second=place[:, 3].copy(),
+        row_shift=place[:, 4 : 4 + len(plan.z)] - place[:, :1],
     )
 
 

@@ -121,7 +121,7 @@ class CellLoads(NormalLoads):
         if not len(j):
             return np.zeros((grid.columns, grid.rows))
         push = pressure[j, k] * self.places.areas[i, k]
-        theta, z = self.on_surface(i, self.places.theta[i, j], self.places.z[i, k])
+        theta, z = self.on_surface(i, self.places.theta[i, j] + self.places.shift[i, k], self.places.z[i, k])
         on_splines = splines.around(theta).T @ (push[:, None] * splines.along(z))
         return -splines.theta_transform.T @ on_splines @ splines.z_transform
 
@@ -145,7 +145,7 @@ class CellLoads(NormalLoads):
             points = own.to_user(other.to_world(points))
         theta, z, distance = first.shape.chart(points)
         center = float(places.center[i])
-        theta = wrapped(first, theta - grid_theta_offset(first), center)
+        theta = wrapped(first, theta - grid_theta_offset(first) - places.shift_at(i, z), center)
         column = (theta - center) / places.pitch[i] - places.offset[0] + 1.0  # with an empty strip in front
         lines = places.z_edges[i]
         row = np.interp(z, places.z[i], np.arange(len(lines) - 1.0))

@@ -152,7 +152,7 @@ def _cell_forces(pair: PairView, contact: Any, i: int) -> tuple[np.ndarray, np.n
         areas = cell_areas(surface)
     else:
         places = CellPlaces(surface, contact.cells, traction.shape[1])
-        theta, z, areas = places.theta[i, j], places.z[i, k], places.areas[i]
+        theta, z, areas = places.theta[i, j] + places.shift[i, k], places.z[i, k], places.areas[i]
     return theta + grid_theta_offset(surface), z, areas[k] * traction[:, j, k]
 
 

@@ -75,7 +75,8 @@ def _centre(contact: Any, i: int) -> tuple[float, float]:
     surface, (arc, z) = contact.view.first, contact.moments.center[i]
     theta = surface.grid.theta_start + grid_theta_offset(surface)
     theta += surface.grid.pitch * float(contact.history.center_column[i]) + arc / float(surface.shape.radius_at(z))
-    return float(theta), float(z)
+    places = getattr(contact, "places", None)
+    return float(theta if places is None else theta + places.shift_at(i, z)), float(z)
 
 
 def heaviest(contact: Any) -> int:

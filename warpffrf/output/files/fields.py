@@ -109,6 +109,7 @@ TRAVELLING = "cells that travel with the patch: equal strips across, rows along 
 CELL_FIELDS = (
     Field("contact_cell_column", "column", "1", "contact grid of the first surface, middle of the patch"),
     Field("contact_cell_column_second", "column_second", "1", "contact grid of the second surface, opposite"),
+    Field("contact_cell_row_shift", "row_shift", "1", "first surface, middles of the rows", ("row",), stacked=False),
     Field("contact_cell_half_width", "half_width", "m", "first surface, arc over which strips are to either side"),
     Field("contact_cell_z", "z", "m", f"{CELL_FRAME}, middles of the rows", ("row",), stacked=False),
     Field("contact_cell_length", "length", "m", f"{CELL_FRAME}, lengths of the rows", ("row",), stacked=False),

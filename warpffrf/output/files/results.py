@@ -104,7 +104,7 @@ from warpffrf.output.geometry.scene_view import (
 )
 
 FORMAT = "warpffrf-results"
-SCHEMA_VERSION = 7
+SCHEMA_VERSION = 8
 SUFFIXES = (".h5", ".hdf5")
 COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
 _GROUPS = (

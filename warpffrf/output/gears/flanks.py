@@ -7,7 +7,8 @@ pushed, their surfaces move along the flanks at
     u_1 = w_1 rho_1,   u_2 = w_2 rho_2,      v_g = g (w_1 + sigma w_2),      u = (u_1 + u_2)/2,
 
 v_g the sliding of flank 1 against flank 2, which is u_1 - u_2 where the ratio of the speeds is that of the teeth, and u
-the entrainment of oil. Load steps of a static run have no speeds: there the speed of gear 1 is given.
+the entrainment of oil; sections of helical gears have g of their own. Load steps of a static run have no speeds: there
+the speed of gear 1 is given.
 
 **Path of contact.** The line of action touches both base circles and contains the pitch point. Involutes touch on it;
 the centre of the pressure lies off it where the curvature varies across the patch, with tip relief, at edges, and
@@ -26,7 +27,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpffrf.model.bearings.lubrication import film_of_lines, thermal_factor
-from warpffrf.model.errors import require_number
+from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.gears.mesh import advance
 from warpffrf.model.oils import Oil
 from warpffrf.output.bearings.films import Films, combined_roughness
 from warpffrf.output.geometry.places import Pose, grid_theta_offset
@@ -42,9 +44,10 @@ class FlankMap:
     """Flank of gear 1 over a run: a row for each saved step and pair of teeth under load, in the order of their places;
     all pairs of teeth are superposed.
 
-    step (m,): saved steps; teeth (m,): indices of pairs of teeth; place (m,) [m] on the path of contact; roll_angle
-    (m,) [rad] of gear 1; radius (m, 2) [m] of gears 1 and 2; width (m, w) [m], along the axis of the first flank;
-    pressure (m, w) [Pa], the largest across the patch; sliding (m,) [m/s], v_g.
+    step (m,): saved steps; teeth (m,): indices of pairs of teeth; width (m, w) [m], along the axis of the first flank;
+    place (m, w) [m] on the path of contact, of a spur gear one over the width; roll_angle (m, w) [rad] of gear 1;
+    radius (m, w, 2) [m] of gears 1 and 2; pressure (m, w) [Pa], the largest across the patch; sliding (m, w) [m/s],
+    v_g.
     """
 
     step: Array
@@ -59,7 +62,7 @@ class FlankMap:
     @property
     def wear_index(self) -> Array:
         """(m, w) W/m2, pressure times the amount of the sliding velocity."""
-        return self.pressure * np.abs(self.sliding)[:, None]
+        return self.pressure * np.abs(self.sliding)
 
     def draw(self, ax: Any) -> None:
         """Draw the pressure over roll angle and width on matplotlib axes. Raises `InputError` for fewer than two
@@ -120,18 +123,19 @@ def flank_map(gear: GearResult, flank: str, speed: float | None) -> FlankMap:
     step, teeth = np.nonzero(load > 0.0)
     order = np.argsort(gear.place[step, teeth], kind="stable")
     step, teeth = step[order], teeth[order]
-    g, contacts = gear.place[step, teeth], [gear.result.contact(name) for name in gear.contacts]
+    contacts = [gear.result.contact(name) for name in gear.contacts]
     rows = max((contacts[i].rows.shape[1] for i in np.unique(teeth)), default=0)
     width, pressure = np.zeros((2, len(step), rows))
     for m, (t, i) in enumerate(zip(step, teeth, strict=True)):
         z, p = contacts[i].rows[t], contacts[i].mean_pressure[t].max(axis=0)
         width[m] = z if len(z) == rows else np.linspace(z[0], z[-1], rows)
         pressure[m] = np.interp(width[m], z, p)
-    rho = np.stack([pair.pitch_rho[0] + g, pair.pitch_rho[1] - pair.side * g], axis=1)
+    g = gear.place[step, teeth][:, None] + advance(pair, flank, width)
+    rho = np.stack([pair.pitch_rho[0] + g, pair.pitch_rho[1] - pair.side * g], axis=2)
     radius = np.hypot(rho, [pair.gear_1.base_radius, pair.gear_2.base_radius])
-    return FlankMap(
-        step, teeth, g, pair.roll_angle(g), radius, width, pressure, sliding(gear, speed)[step, teeth]
-    )  # fmt: skip
+    one, two = (w[step] for w in speeds(gear, speed))
+    v_g = g * (one + pair.side * two)[np.arange(len(step)), teeth, None]
+    return FlankMap(step, teeth, g, pair.roll_angle(g), radius, width, pressure, v_g)
 
 
 def contact_path(gear: GearResult, *, nearest: bool) -> ContactPath:
@@ -149,6 +153,7 @@ def contact_path(gear: GearResult, *, nearest: bool) -> ContactPath:
         z = contact.moments.center[:, 1]
         order = 1 if views[0][0] == gear.description["bodies"][0] else -1
         for t in np.flatnonzero(gear.load[:, n] > 0.0):
+            theta[t] += contact.places.shift_at(int(t), z[t])
             own, other = (Pose.of(contact.bodies, body, int(t)) for body, _ in views)
             at = own.to_world(np.reshape(first.shape.point(theta[t], z[t]), (1, 3)))
             shape = contact.view.second.shape
@@ -168,6 +173,8 @@ def film_thickness(
 ) -> FlankFilms:  # fmt: skip
     """See `GearResult.film_thickness`."""
     label, pair, g = f"gear pair {gear.name!r}: film_thickness", gear.pair, gear.place
+    if pair.base_helix_angle:
+        raise InputError(f"{label}: the load varies along lines of contact of helical gears; it is for spur gears only")
     both, (w_1, w_2) = combined_roughness(roughness, label), speeds(gear, speed)
     rho_1, rho_2 = pair.pitch_rho[0] + g, pair.pitch_rho[1] - pair.side * g
     touching = (gear.load > 0.0) & (rho_1 > 0.0) & (rho_2 > 0.0)

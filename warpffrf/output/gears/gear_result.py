@@ -1,11 +1,12 @@
 """One gear pair of a run: transmission error, and loads of its pairs of teeth.
 
-With r_b the base radii, d the direction of the path of contact in which the flank of gear 1 pushes, theta the rotations
-of the hubs in that sense, and x their displacements, the transmission error is
+With r_b the base radii, d the direction of the path of contact in which the flank of gear 1 pushes, a that of the axis,
+theta the rotations of the hubs in that sense, and x their displacements, the transmission error is
 
-    TE = r_b2 theta_2 + x_2.d - (r_b1 theta_1 + x_1.d),
+    TE = r_b2 theta_2 + x_2.(d + s tan beta_b1 a) - (r_b1 theta_1 + x_1.(d + s tan beta_b1 a)),
 
-along the path of contact, from the angles at which undeformed flanks without relief touch: negative where gear 2 lags.
+along the path of contact, in the transverse section, s = 1 on right and -1 on left flanks, from the angles at which
+undeformed flanks without relief touch: negative where gear 2 lags.
 The first flank of `teeth` is the one that drives; contacts of the other one, of a pair with `flank="both"`, touch on
 the back side.
 """
@@ -22,7 +23,7 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.bearings.lubrication import CONDUCTIVITY
 from warpffrf.model.errors import unknown_name
 from warpffrf.model.gears.gear import Gear
-from warpffrf.model.gears.mesh import Teeth, places
+from warpffrf.model.gears.mesh import Teeth, advance, places
 from warpffrf.model.gears.pair import GearPair
 from warpffrf.model.messages import reprs
 from warpffrf.model.oils import Oil
@@ -64,7 +65,8 @@ class GearResult(reprs.Shown):
 
     @property
     def line_of_action(self) -> Array:
-        """(3,): direction of the line of action, that of the force of the driving flank of gear 1; world."""
+        """(3,): direction of the line of action, that of the force of the driving flank of gear 1 in the transverse
+        section; world."""
         alpha, s = self.pair.working_pressure_angle, self._signs[0]
         return np.sin(alpha) * self.axes[0] - s * np.cos(alpha) * self.axes[1]
 
@@ -89,8 +91,18 @@ class GearResult(reprs.Shown):
     @cached_property
     def place(self) -> Array:
         """g (T, n) [m], where each pair of teeth is on the path of contact, 0 at the pitch point; outside of
-        `pair.path["A"]` to `["E"]` it cannot touch."""
+        `pair.path["A"]` to `["E"]` it cannot touch. Of helical gears in the section y = 0, others have touched before
+        and touch later (`within`)."""
         return np.stack([places(self.pair, self.angle, flank, k) for flank, k, _ in self.teeth], axis=1)
+
+    @cached_property
+    def within(self) -> Array:
+        """Whether (T, n) each pair of teeth is on the path of contact, of helical gears in any section."""
+        path, found = self.pair.path, []
+        for (flank, *_), name, g in zip(self.teeth, self.contacts, self.place.T, strict=True):
+            early = advance(self.pair, flank, np.asarray(self.result.contact(name).view.first.grid.z)[[0, -1]])
+            found.append((g + early.max() >= path["A"]) & (g + early.min() <= path["E"]))
+        return np.stack(found, axis=1)
 
     @property
     def roll_angle(self) -> Array:
@@ -111,14 +123,15 @@ class GearResult(reprs.Shown):
         lag = self._angle(1) - np.array([self.pair.mating_angle(float(angle), flank) for angle in self.angle])
         pitch = 2.0 * np.pi / self.pair.gear_2.teeth
         lag = np.remainder(lag + 0.5 * pitch, pitch) - 0.5 * pitch
-        apart = (self._moved(1)[1] - self._moved(0)[1]) @ self.line_of_action
+        lean = s * np.tan(self.pair.base_helix_angle) * self.axes[2]
+        apart = (self._moved(1)[1] - self._moved(0)[1]) @ (self.line_of_action + lean)
         return s * self.pair.side * self.pair.gear_2.base_radius * lag + apart
 
     @property
     def stiffness(self) -> Array:
-        """Load over approach (T,) [N/m] of the driving flanks, along the path of contact: secant, with the clearance of
+        """Load over approach (T,) [N/m] of the driving flanks, along their normal: secant, with the clearance of
         relieved flanks; NaN below an approach of a nanometre."""
-        error, driving = self.transmission_error, self.load[:, self._signs == self._signs[:1]].sum(axis=1)
+        error, driving = self.transmission_error * np.cos(self.pair.base_helix_angle), self._driving
         return np.divide(driving, -error, out=np.full_like(error, np.nan), where=error < -LEAST)
 
     def orders(self, count: int = 5) -> MeshOrders:
@@ -137,9 +150,8 @@ class GearResult(reprs.Shown):
             return _intervals(self.time, ~np.any(self._loaded[:, self._signs == self._signs[:1]], axis=1))
         if teeth not in self.teeth:
             raise unknown_name(f"gear pair {self.name!r}: teeth", str(teeth), [*map(str, self.teeth)])
-        i, path = self.teeth.index(teeth), self.pair.path
-        within = (self.place[:, i] >= path["A"]) & (self.place[:, i] <= path["E"])
-        return _intervals(self.time, within & ~self._loaded[:, i])
+        i = self.teeth.index(teeth)
+        return _intervals(self.time, self.within[:, i] & ~self._loaded[:, i])
 
     def back_intervals(self) -> Array:
         """Intervals (k, 2) [s], from the first to the last saved step in which a pair of teeth carries on the back
@@ -189,6 +201,11 @@ class GearResult(reprs.Shown):
     def _signs(self) -> Array:
         """s (n,) of the flank of each pair of teeth: 1 right, -1 left."""
         return np.array([1.0 if flank == "right" else -1.0 for flank, _, _ in self.teeth])
+
+    @property
+    def _driving(self) -> Array:
+        """Sum (T,) [N] of the loads of the driving flanks."""
+        return self.load[:, self._signs == self._signs[:1]].sum(axis=1)
 
     @property
     def _loaded(self) -> Array:

@@ -1,8 +1,9 @@
 """Gears as triangle meshes, for pictures: bodies of gear pairs without a mesh, rigid ones and half-spaces.
 
-The outline is that of the tooth, fillet and flanks with the lands between them, prismatic between the ends of the
-flanks, around a bore, of an internal gear within a rim; neither is known, their radii are chosen. Flanks with contacts
-have finer facets, so that patches are seen on them. Faces lie slightly beyond the flanks: they take no pressure.
+The outline is that of the tooth, fillet and flanks with the lands between them, straight or helical between the ends of
+the flanks, around a bore, of an internal gear within a rim; neither is known, their radii are chosen. Flanks with
+contacts have finer facets, so that patches are seen on them. Faces lie slightly beyond the flanks: they take no
+pressure.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ BORE, RIM = 0.4, 2.5  # of the root radius; modules beyond the root circle of an
 POINTS, FEWEST, OUTLINE = 12, 5, 800  # of a flank, most and fewest, and of an outline
 FINE, ROWS, FACETS = 96, 17, 8000  # of a flank with contact, along and across; of all of these
 LAND = 3  # points of an arc between flanks
+ANGLE = 0.02  # rad: rotation of a helical gear from one row of points to the next
 BEYOND = 1e-3  # of the width
 
 
@@ -61,6 +63,8 @@ def gear_mesh(gear: Gear, low: float, high: float, touching: Iterable[tuple[str,
         curve = gear.flank(side)
         along[side] = {n: curve.at(np.linspace(curve.knots[0], curve.knots[-1], n)) for n in (coarse, dense)}
     pitch = 2.0 * np.pi / gear.teeth
+    rows = 2 + int(abs(gear.twist) * (high - low) / ANGLE)
+    width = np.linspace(low, high, rows)
     parts, outline = [], []
     for k in range(gear.teeth):
         tooth = gear.side * k
@@ -68,10 +72,10 @@ def gear_mesh(gear: Gear, low: float, high: float, touching: Iterable[tuple[str,
         for side in FLANKS:
             loaded = (side, tooth % gear.teeth + 1) in fine
             flank[side] = _turned(along[side][dense if loaded else coarse], pitch * tooth)
-            parts.append(_strip(flank[side], np.linspace(low, high, ROWS if loaded else 2)))
+            parts.append(_strip(flank[side], np.linspace(low, high, max(ROWS, rows)) if loaded else width))
         begin = _turned(along["right"][coarse][0], pitch * gear.side * (k + 1))
         lands = _arc(flank["right"][-1], flank["left"][0]), _arc(flank["left"][-1], begin)
-        parts += [_strip(land, np.array([low, high])) for land in lands]
+        parts += [_strip(land, width) for land in lands]
         outline += [flank["right"], lands[0][1:-1], flank["left"], lands[1][1:-1]]
     line = np.concatenate(outline)
     root = 0.5 * gear.root_diameter
@@ -80,7 +84,13 @@ def gear_mesh(gear: Gear, low: float, high: float, touching: Iterable[tuple[str,
     beyond = BEYOND * (high - low)
     parts.append(_strip(np.concatenate([ring, ring[:1]])[::-1], np.array([low, high])))
     parts += [_face(line, ring, low - beyond, -1), _face(line, ring, high + beyond, 1)]
-    return TriangleMesh.of(parts)
+    mesh = TriangleMesh.of(parts)
+    if not gear.twist:
+        return mesh
+    x, y, z = mesh.points.T
+    angle = gear.twist * np.clip(y, low, high)
+    c, s = np.cos(angle), np.sin(angle)
+    return TriangleMesh(np.stack([c * x + s * z, y, c * z - s * x], axis=1), mesh.triangles)
 
 
 def _turned(points: Array, angle: float) -> Array:

@@ -6,6 +6,8 @@ R_c) of theta, on every row, and
 
     theta_j = theta_start + pitch column + (j - (columns - 1)/2) h.
 
+On a helical surface, whose line of contact is inclined, each row is counted from a column of its own: `shift`.
+
 Integrals over the rows are those of the true surface, by a rule that is exact to round-off.
 
 Grid places. Positions on a surface's contact grid, windows inserted into the whole grid, and rotation of vectors.
@@ -85,8 +87,17 @@ class CellPlaces:
 
     @cached_property
     def theta(self) -> np.ndarray:
-        """(T, columns) rad (m on a plane), centres of the strips on the surface's grid."""
+        """(T, columns) rad (m on a plane), centres of the strips on the surface's grid, less the `shift` of the row."""
         return self.center[:, None] + self.pitch[:, None] * self.offset
+
+    @cached_property
+    def shift(self) -> np.ndarray:
+        """(T, rows) rad (m on a plane), theta of the middle of each row from that of the patch."""
+        return self.surface.grid.pitch * np.asarray(self.cells.row_shift, dtype=float)
+
+    def shift_at(self, i: int, z: np.ndarray) -> np.ndarray:
+        """`shift` at places z (n,) [m] at saved step `i`."""
+        return np.interp(z, self.z[i], self.shift[i])
 
     @cached_property
     def theta_edges(self) -> np.ndarray:
@@ -97,7 +108,7 @@ class CellPlaces:
     def cells_at(self, i: int, theta: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Indices of the strip and the row (n,) that contain the positions (theta on the surface's grid, z) (n,) at
         saved step `i`; -1, both, for positions outside of the cells."""
-        theta = wrapped(self.surface, theta, float(self.center[i]))
+        theta = wrapped(self.surface, theta - self.shift_at(i, z), float(self.center[i]))
         found, inside = [], np.ones(np.shape(theta), dtype=bool)
         for lines, at in ((self.theta_edges[i], theta), (self.z_edges[i], z)):
             slack = ON_LINE * (lines[-1] - lines[0])
@@ -272,7 +283,7 @@ def tangents(shape: Any, theta: Any, z: Any) -> np.ndarray:
     """Unit vectors (2, n, 3) e_theta and t_z at chart coordinates theta [rad, m on a plane], z [m], each (n,); user
     axes."""
     theta, z = np.atleast_1d(theta), np.atleast_1d(z)
-    return np.stack([np.broadcast_to(shape.around(theta), (*theta.shape, 3)), shape.along(theta, z)])
+    return np.stack([np.broadcast_to(shape.around(theta, z), (*theta.shape, 3)), shape.along(theta, z)])
 
 
 def relative_curvature(first: Any, second: Any, poses: tuple[Pose, Pose], theta: float, z: float) -> np.ndarray:

@@ -20,9 +20,10 @@ def flank_field(found: Any, ax: Any, field: str) -> None:
         raise InputError("plot: a map of a flank requires two saved steps under load at least")
     label, factor, colors = FIELDS[field]
     values, angle = factor * getattr(found, field), np.degrees(found.roll_angle)
-    grid = np.broadcast_to(angle[:, None], values.shape), MM * found.width
-    image = ax.pcolormesh(*grid, values, shading="gouraud", cmap=colors, vmin=0.0)
+    image = ax.pcolormesh(angle, MM * found.width, values, shading="gouraud", cmap=colors, vmin=0.0)
     side_bar(ax, image, label=label)
+    loaded = angle[found.pressure > 0.0]  # sections of helical gears enter later and leave earlier than others
+    ax.set_xlim(loaded.min(initial=np.inf), loaded.max(initial=-np.inf))
     ax.set(xlabel="roll angle of gear 1 [degrees]", ylabel="along the axis [mm]")
     ax.set_title("Flank of gear 1: " + label.split(" [")[0], fontsize=10)
 

@@ -154,8 +154,7 @@ def the_gear(result: Any, name: str | None) -> GearResult:
 
 def _on_path(gear: GearResult) -> np.ndarray:
     """Where (T, n) a pair of teeth is within the path of contact, or carries beyond it."""
-    path = gear.pair.path
-    return ((gear.place >= path["A"]) & (gear.place <= path["E"])) | (gear.load > 0.0)
+    return gear.within | (gear.load > 0.0)
 
 
 def _line(gear: GearResult, ax: Any, values: np.ndarray) -> None:

@@ -130,6 +130,8 @@ def relief(contact: Any, i: int, top: float, height: float) -> np.ndarray:
     theta, z = np.meshgrid(
         np.clip(around, around[first], around[last]), np.clip(along, along[low], along[high]), indexing="ij"
     )
+    if isinstance(contact, CellContactResult):
+        theta += contact.places.shift_at(i, z)
     lift = np.maximum(pressure, 0.0) / top * height if top > 0.0 else np.zeros_like(pressure)
     points = shape.point(theta, z) + lift[..., None] * shape.normal(theta, z)
     origin, axes = _local_frame(contact, i)

@@ -1,7 +1,8 @@
-r"""An involute spur gear in hexahedra, sector by sector.
+r"""An involute gear in hexahedra, spur or helical, sector by sector.
 
-Axis and frame as in `revolved`: the section's x runs along e_0 = +x, its y along e_1 = -z. Half of a tooth, right of
-its axis of symmetry, with nodes exactly on the curve of the flank:
+Axis and frame as in `revolved`: the section's x runs along e_0 = +x, its y along e_1 = -z. Sections of a helical gear
+are rotated by tau y about the axis, bore and rim with them. Half of a tooth, right of its axis of symmetry, with nodes
+exactly on the curve of the flank:
 
         tip land
      T-----------.        skin:  N to T along the fillet and the flank, and on the tip land, `layers` cells deep
@@ -72,7 +73,8 @@ def gear(
     Parameters (lengths in m)
     -------------------------
     gear: `gears.Gear`; tooth 1 lies about +x, the others follow counter-clockwise about the axis, as the gear's curves
-        in `surfaces.Extruded(curve=gear.flank("right", 3), axis_point=(0, 0, 0))`.
+        in `surfaces.Extruded(curve=gear.flank("right", 3), axis_point=(0, 0, 0))`. Teeth of a helical gear are there
+        in the middle of the width.
     width: along the axis; rim_radius: of the bore of an external gear, of the outside of an internal one.
     teeth: of a segment, from tooth 1 on; None: all teeth, rotationally periodic.
     along: cells along the involute, those on fillet and root are as long; or their boundaries (n + 1,) as shares of its
@@ -80,7 +82,7 @@ def gear(
     across: cells across the tooth behind `layers` thin ones at each flank; rim_layers: below the teeth, None: growing
         by 1.4 from those at the flank.
     axial: cells along the axis, or their boundaries (n + 1,), rising from -width/2 to width/2.
-    order: 1 for hex8, 2 for curved hex27, nodes on the true curves.
+    order: 1 for hex8, 2 for curved hex27, nodes on the true flanks.
 
     Facet sets, k from 1 on: `flank_right_k` and `flank_left_k`, the involute with its tip rounding; `roots`, fillets
     and root lands; `tips`; `bore`, or `outside` of an internal gear; `ends`; of a segment `side_low` and `side_high`.
@@ -115,10 +117,10 @@ def gear(
     y = refined(axial_lines(-half, half, cells_along, None, "gear"), order)
     flat, sets = _sector(gear, rim, shares, n, rim_layers, order)
     lattices = []
+    c, s = np.cos(gear.twist * y), np.sin(gear.twist * y)
     for lattice in flat:
-        place = np.empty((*lattice.shape[:2], len(y), 3))
-        place[..., 0], place[..., 1], place[..., 2] = lattice[..., :1], y, -lattice[..., 1:]
-        lattices.append(place)
+        u, v = lattice[..., :1], lattice[..., 1:]
+        lattices.append(np.stack(np.broadcast_arrays(c * u - s * v, y, -s * u - c * v), axis=-1))
     sector = assembled(lattices, order, sets, "gear")
     try:
         sector.check()

@@ -334,14 +334,15 @@ def stretch_at_start(contact: Contact) -> float:
 
 
 def _along_meridian(contact: Contact, edges: Array, *, follows: bool) -> Along:
-    """The rows between `edges` [m; in W where they follow] by arc length: of rows that follow by the slope at the
-    start, of given ones along the whole meridian; that of others is nearly straight."""
+    """The rows between `edges` [m; in W where they follow] by arc length: of rows that follow, and along a helical
+    surface, by the slope at the start, of given ones along the whole meridian; that of others is nearly straight."""
+    stretch = stretch_at_start(contact) if follows or contact.a.surface.shape.profile().twist else 1.0
     if follows or not rows_given(contact):
-        stretch = stretch_at_start(contact) if follows else 1.0
-        return Along(0.5 * stretch * (edges[1:] + edges[:-1]), stretch * np.diff(edges), lambda z: z)
+        place = 1.0 if follows else stretch
+        return Along(0.5 * stretch * (edges[1:] + edges[:-1]), stretch * np.diff(edges), lambda z: place * z)
     shape, grid = contact.a.surface.shape, np.asarray(contact.a.surface.grid.z)
     z = np.linspace(grid[0], grid[-1], SAMPLES)
-    steep = np.hypot(1.0, shape.slope_at(z))
+    steep = stretch * np.hypot(1.0, shape.slope_at(z))
     length = np.append(0.0, np.cumsum(0.5 * (steep[1:] + steep[:-1]) * np.diff(z)))
     s, radial, axial = np.interp(edges, z, length), *shape.profile().normal_at(0.5 * (edges[1:] + edges[:-1]))
     weight = cutoff(np.outer(radial, radial) + np.outer(axial, axial))
