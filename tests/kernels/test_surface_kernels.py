@@ -19,7 +19,7 @@ from warpffrf.model.surfaces.height import Height, unit_normal
 from warpffrf.online.compile.surfaces import Curves
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
-from warpffrf_kernels.surfaces import surface
+from warpffrf_kernels.surfaces import smooth, surface
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -107,16 +107,19 @@ def place(models: wp.array(dtype=Model), at: wp.array2d(dtype=real), out: wp.arr
     out[i, 0] = surface.local_point(model, 0, at[i, 0], at[i, 1])
     out[i, 1] = surface.local_normal(model, 0, at[i, 0], at[i, 1])
     out[i, 2] = surface.around_of(out[i, 1])
-    out[i, 3] = vec3(surface.radius_of(model, 0, at[i, 1]), surface.slope_of(model, 0, at[i, 1]), real(0.0))
+    out[i, 3] = vec3(smooth.radius_of(model, 0, at[i, 1]), smooth.slope_of(model, 0, at[i, 1]), real(0.0))
 
 
 @wp.kernel
 def measure(models: wp.array(dtype=Model), x: wp.array(dtype=vec3), out: wp.array2d(dtype=vec3)):
     i = wp.tid()
     model = models[0]
-    out[i, 0] = surface.chart_of(model, 0, x[i])
-    out[i, 1] = surface.gradient_of(model, 0, x[i])
-    out[i, 2] = vec3(surface.distance_of(model, 0, x[i]), real(0.0), real(0.0))
+    foot = surface.foot_of(model, 0, x[i])
+    out[i, 0] = vec3(foot.theta, foot.z, foot.distance)
+    out[i, 1] = foot.normal
+    out[i, 2] = vec3(foot.distance, real(0.0), real(0.0))
+    if model.surfaces.planar[0] < surface.EXTRUDED:
+        out[i, 2] = vec3(smooth.smooth_distance(model, 0, x[i]), real(0.0), real(0.0))
 
 
 def run(kernel: Any, s: Numbers, given: wp.array, count: int, width: int) -> np.ndarray:

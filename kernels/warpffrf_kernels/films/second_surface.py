@@ -24,7 +24,7 @@ from warpffrf_kernels.core.state import FilmState
 from warpffrf_kernels.films.sampling import HALF
 from warpffrf_kernels.films.seats import seat_node, seat_on, seat_part
 from warpffrf_kernels.films.sides import sides_of
-from warpffrf_kernels.surfaces.surface import chart_of
+from warpffrf_kernels.surfaces.smooth import smooth_foot
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -58,8 +58,8 @@ def load_second(run_of_run: Run, trial: Trial, films: FilmState, oil: FilmScratc
     i = lane
     while i < model.elements[0].films[0].seat_start[film + 1] - start:
         y = sides.turn * place_of_seat(model, film, i) + sides.shift
-        at = chart_of(model, s, y)
-        seat = seat_on(model, film, at[0], at[1])
+        at = smooth_foot(model, s, y)
+        seat = seat_on(model, film, at.theta, at.z)
         oil.film_seat[w, start + i, 0] = seat.low
         oil.film_seat[w, start + i, 1] = seat.right
         oil.film_seat_at[w, start + i, 0] = seat.u

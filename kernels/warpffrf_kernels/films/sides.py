@@ -13,7 +13,8 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.core.state import MotionState
 from warpffrf_kernels.films.seats import opened_at_seat
-from warpffrf_kernels.surfaces.surface import axes_of, chart_of, distance_and_gradient, origin_of, slope_of
+from warpffrf_kernels.surfaces.smooth import slope_of, smooth_foot
+from warpffrf_kernels.surfaces.surface import axes_of, origin_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -148,12 +149,11 @@ def opened_by_motion(model: Model, film: int, sides: Sides, x: vec3) -> wp.vec4d
     """d_B with the form of B [m] at a point of A, and its gradient."""
     s = model.elements[0].films[0].second[film]
     y = sides.turn * x + sides.shift
-    seen = distance_and_gradient(model, s, y)
-    n = wp.transpose(sides.turn) * vec3(seen[1], seen[2], seen[3])
-    gap = seen[0]
+    seen = smooth_foot(model, s, y)
+    n = wp.transpose(sides.turn) * seen.normal
+    gap = seen.distance
     if model.elements[0].films[0].second_start[film] >= 0:
-        at = chart_of(model, s, y)
-        form = second_form_at(model, film, at[0], at[1])
+        form = second_form_at(model, film, seen.theta, seen.z)
         gap += form[0]
         n += tilted(model, film, sides, y, form[1], form[2])
     return wp.vec4d(gap, n[0], n[1], n[2])

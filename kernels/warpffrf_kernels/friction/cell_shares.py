@@ -20,7 +20,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.friction.cells import rubs_on_grid
 from warpffrf_kernels.kinematics.line_of_centres import wrap
 from warpffrf_kernels.normal.contact_compliance import node_of
-from warpffrf_kernels.surfaces.surface import radius_of
+from warpffrf_kernels.surfaces.smooth import radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -37,19 +37,8 @@ from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.core.state import FrictionState, MotionState
 from warpffrf_kernels.kinematics.line_of_centres import wrap
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
-from warpffrf_kernels.surfaces.surface import (
-    HEIGHT,
-    around_of,
-    axes_of,
-    chart_of,
-    foot_of,
-    local_normal,
-    local_point,
-    origin_of,
-    period_of,
-    radius_of,
-    slope_of,
-)
+from warpffrf_kernels.surfaces.smooth import period_of, radius_of, slope_of
+from warpffrf_kernels.surfaces.surface import HEIGHT, around_of, axes_of, foot_of, local_normal, local_point, origin_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -85,8 +74,7 @@ def opposite(model: Model, B: int, origin: vec3, frame: mat33, x: vec3, c: vec3,
     steep = -wp.dot(wp.transpose(frame) * c, near.normal)
     gap = near.distance / wp.max(steep, STEEPEST)
     if along_c != 0:
-        place = chart_of(model, B, local + gap * (wp.transpose(frame) * c))
-        return vec3(place[0], place[1], gap)
+        near = foot_of(model, B, local + gap * (wp.transpose(frame) * c))
     return vec3(near.theta, near.z, gap)
 
 

@@ -17,7 +17,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.core.state import FrictionState
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
-from warpffrf_kernels.surfaces.surface import radius_of
+from warpffrf_kernels.surfaces.smooth import radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -33,7 +33,8 @@ from warpffrf_kernels.kinematics.closest_point import view_of, wrap_column
 from warpffrf_kernels.kinematics.contact_wrench import Held, point_wrench
 from warpffrf_kernels.kinematics.line_of_centres import row_below
 from warpffrf_kernels.kinematics.line_of_centres_points import keep_node
-from warpffrf_kernels.surfaces.surface import CENTRE, EXTRUDED, axes_of, curved_foot, meridian_of, section_at
+from warpffrf_kernels.surfaces.smooth import CENTRE, meridian_of
+from warpffrf_kernels.surfaces.surface import EXTRUDED, axes_of, curved_foot, section_at
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -32,22 +32,17 @@ from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.kinematics.line_of_centres import DRIFT, FARTHEST, PHASE_TOLERANCE, row_below, wrap
 from warpffrf_kernels.surfaces.height import height_at
 from warpffrf_kernels.surfaces.helical import rotated, twist_of
+from warpffrf_kernels.surfaces.smooth import DIAGONAL, period_of, profile_of, radius_of, smooth_distance
 from warpffrf_kernels.surfaces.surface import (
-    DIAGONAL,
     EXTRUDED,
     HEIGHT,
     axes_of,
-    chart_of,
     curved_foot,
-    gradient_of,
+    foot_of,
     local_point,
     origin_of,
     past_end,
-    period_of,
-    profile_of,
-    radius_of,
     section_at,
-    smooth_distance,
 )
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -151,7 +146,7 @@ def slopes(model: Model, A: int, B: int, view: View, column: real, z: real) -> w
         x = vec3(profile[0] * wp.cos(theta), profile[0] * wp.sin(theta), z)
         around = vec3(-x[1], x[0], real(0.0))
         along = vec3(profile[1] * wp.cos(theta), profile[1] * wp.sin(theta), real(1.0))
-    gradient = wp.transpose(view.turn) * gradient_of(model, B, view.at + view.turn * x)
+    gradient = wp.transpose(view.turn) * foot_of(model, B, view.at + view.turn * x).normal
     return wp.vec2d(wp.dot(gradient, around), wp.dot(gradient, along))
 
 
@@ -453,21 +448,21 @@ def locate_points(run: Run, trial: Trial, geometry: ContactGeometry):
     row_b = real(0.0)
     turned = real(0.0)
     if model.surfaces.rigid[B] == 0:
-        foot = chart_of(model, B, view.at + view.turn * local_point(model, A, theta, z))
-        x_b = (foot[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+        foot = foot_of(model, B, view.at + view.turn * local_point(model, A, theta, z))
+        x_b = (foot.theta - model.surfaces.theta[B]) / model.surfaces.pitch[B]
         end = model.surfaces.z[model.surfaces.z_start[A] + model.surfaces.rows[A] - 1]
         if z > real(0.5) * (end + model.surfaces.z[model.surfaces.z_start[A]]):
             end = model.surfaces.z[model.surfaces.z_start[A]]
-        other = chart_of(model, B, view.at + view.turn * local_point(model, A, theta, end))
-        turned = (other[0] - foot[0]) / model.surfaces.pitch[B]
+        other = foot_of(model, B, view.at + view.turn * local_point(model, A, theta, end))
+        turned = (other.theta - foot.theta) / model.surfaces.pitch[B]
         middle = real(0.5) * real(model.surfaces.columns[B] - 1)
         if run.ctl[w].iteration > 0:  # stay on the branch of the window
             middle = real(geometry.center[w, pair, 1])
         x_b = wrap_column(model, B, x_b, middle)
         turned = wrap_column(model, B, turned, real(0.0))
-        row = row_below(model, B, foot[1])
+        row = row_below(model, B, foot.z)
         z0 = model.surfaces.z_start[B] + row
-        row_b = real(row) + (foot[1] - model.surfaces.z[z0]) / (model.surfaces.z[z0 + 1] - model.surfaces.z[z0])
+        row_b = real(row) + (foot.z - model.surfaces.z[z0]) / (model.surfaces.z[z0 + 1] - model.surfaces.z[z0])
     if not (wp.abs(x_a) < FARTHEST and wp.abs(x_b) < FARTHEST):  # also if they are NaN
         run.ctl[w].failure = run.ctl[w].failure | k.NOT_FINITE
         run.ctl[w].run = 0

@@ -64,7 +64,7 @@ from warpffrf_kernels.surfaces.surface import (
     EXTRUDED,
     HEIGHT,
     PLANE,
-    gradient_of,
+    foot_of,
     gradient_slope_of,
     local_point,
     section_at,
@@ -111,7 +111,7 @@ def held_section(model: Model, A: int, B: int, at: vec3, turn: mat33, column: re
         least = COAXIAL / model.length
     y = at + turn * x
     back = wp.transpose(turn)
-    n = back * gradient_of(model, B, y)
+    n = back * foot_of(model, B, y).normal
     bent = back * (gradient_slope_of(model, B, y) * (turn * way))
     N = wp.dot(way, bent) + wp.dot(n, bend)
     own = wp.length(bend)
@@ -131,7 +131,7 @@ def held_section(model: Model, A: int, B: int, at: vec3, turn: mat33, column: re
 def held_sphere(model: Model, B: int, at: vec3, turn: mat33) -> mat33:
     """Matrix that maps q to the force in addition to n, for a sphere A whose centre is `at` in B's frame."""
     back = wp.transpose(turn)
-    e = -(back * gradient_of(model, B, at))
+    e = -(back * foot_of(model, B, at).normal)
     force = back * gradient_slope_of(model, B, at) * turn * wp.skew(e)
     rho = wp.sqrt(at[0] * at[0] + at[1] * at[1])
     if model.surfaces.planar[B] == 0 and rho > real(0.0):

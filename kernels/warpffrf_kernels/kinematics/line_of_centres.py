@@ -38,7 +38,7 @@ from warpffrf_kernels.core.model import LINE_OF_CENTRES, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.core.scratch import Trial
-from warpffrf_kernels.surfaces.surface import TWO_PI
+from warpffrf_kernels.surfaces.smooth import TWO_PI
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -36,7 +36,8 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.lumped.form import depth_at, form_bend, formed_normal
-from warpffrf_kernels.surfaces.surface import axes_of, distance_of, expansion_of, gradient_of, origin_of, profile_of
+from warpffrf_kernels.surfaces.smooth import profile_of, smooth_distance, smooth_expansion, smooth_foot
+from warpffrf_kernels.surfaces.surface import axes_of, origin_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -95,7 +96,7 @@ def side_in_world(model: Model, w: int, s: int, trial: Trial) -> Side:
 @wp.func
 def distance_at(model: Model, side: Side, x: vec3) -> real:
     y = wp.transpose(side.Q) * (x - side.o)
-    d = distance_of(model, side.surface, y)
+    d = smooth_distance(model, side.surface, y)
     if model.elements[0].lumped.form_count[side.surface] != 0:
         d += depth_at(model, side.surface, y)[0]
     return d
@@ -104,7 +105,7 @@ def distance_at(model: Model, side: Side, x: vec3) -> real:
 @wp.func
 def normal_at(model: Model, side: Side, x: vec3) -> vec3:
     y = wp.transpose(side.Q) * (x - side.o)
-    n = gradient_of(model, side.surface, y)
+    n = smooth_foot(model, side.surface, y).normal
     if model.elements[0].lumped.form_count[side.surface] != 0:
         n = formed_normal(model, side.surface, y, n)
     return side.Q * n
@@ -125,7 +126,7 @@ def expansion_at(model: Model, side: Side, x: vec3):
     singular."""
     y = wp.transpose(side.Q) * (x - side.o)
     s = side.surface
-    d, n, H = expansion_of(model, s, y)
+    d, n, H = smooth_expansion(model, s, y)
     if is_ball(model, s) != 0:
         h = wp.length(y)
         if h > real(0.0):

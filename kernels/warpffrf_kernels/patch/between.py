@@ -22,7 +22,7 @@ from warpffrf_kernels.patch.cells import row_place
 from warpffrf_kernels.patch.far_splines import beside_block, turned_column
 from warpffrf_kernels.patch.near import cubic_shares
 from warpffrf_kernels.patch.spline_tables import real_side
-from warpffrf_kernels.surfaces.surface import radius_of
+from warpffrf_kernels.surfaces.smooth import radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -30,17 +30,8 @@ from warpffrf_kernels.kinematics.contact_wrench import Held, held_section, held_
 from warpffrf_kernels.patch.far_splines import TAPS, Taps, column_taps, row_taps
 from warpffrf_kernels.surfaces.height import height_at
 from warpffrf_kernels.surfaces.helical import rotated, twist_of
-from warpffrf_kernels.surfaces.surface import (
-    EXTRUDED,
-    HEIGHT,
-    PLANE,
-    Section,
-    axes_of,
-    foot_of,
-    radius_of,
-    section_at,
-    slope_of,
-)
+from warpffrf_kernels.surfaces.smooth import radius_of, slope_of
+from warpffrf_kernels.surfaces.surface import EXTRUDED, HEIGHT, PLANE, Section, axes_of, foot_of, section_at
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -40,7 +40,8 @@ from warpffrf_kernels.kinematics.line_of_centres import FARTHEST, PHASE_TOLERANC
 from warpffrf_kernels.normal.compliance_reuse import BEGUN, OLDER, are_near
 from warpffrf_kernels.patch.cells import row_column
 from warpffrf_kernels.surfaces.helical import twist_of
-from warpffrf_kernels.surfaces.surface import EXTRUDED, chart_of, local_point, radius_of
+from warpffrf_kernels.surfaces.smooth import radius_of
+from warpffrf_kernels.surfaces.surface import EXTRUDED, foot_of, local_point
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -339,10 +340,10 @@ def locate_patches(
     x = settle(model, A, B, view, geometry.nearest[w, pair, 0], z)
     geometry.nearest[w, pair, 0] = x
     theta = model.surfaces.theta[A] + x * model.surfaces.pitch[A]
-    foot = chart_of(model, B, view.at + view.turn * local_point(model, A, theta, z))
+    foot = foot_of(model, B, view.at + view.turn * local_point(model, A, theta, z))
     x_b = real(0.0)
     if model.surfaces.rigid[B] == 0:
-        x_b = (foot[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+        x_b = (foot.theta - model.surfaces.theta[B]) / model.surfaces.pitch[B]
         middle = real(0.5) * real(model.surfaces.columns[B] - 1)
         if run.ctl[w].iteration > 0:  # stay on the branch of the first iteration
             middle = real(geometry.center[w, pair, 1])
@@ -410,7 +411,7 @@ def locate_patches(
     geometry.phase[w, pair, 6] = x
     geometry.phase[w, pair, 7] = x_b
     geometry.phase[w, pair, 10] = z / radius_of(model, A, z)
-    geometry.phase[w, pair, 11] = foot[1] / radius_of(model, A, z)
+    geometry.phase[w, pair, 11] = foot.z / radius_of(model, A, z)
     largest = real(0.0)
     for i in range(2):
         largest = wp.max(largest, wp.abs(geometry.phase[w, pair, 4 + i] - geometry.phase[w, pair, i]))

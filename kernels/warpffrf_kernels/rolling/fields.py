@@ -36,7 +36,8 @@ from warpffrf_kernels.rolling.spline_tables import half_along, load_side, read_s
 from warpffrf_kernels.rolling.strips import multiply_half_spaces
 from warpffrf_kernels.surfaces.fields import clear_field
 from warpffrf_kernels.surfaces.height import height_curvature
-from warpffrf_kernels.surfaces.surface import EXTRUDED, HEIGHT, curve_curvature, radius_of
+from warpffrf_kernels.surfaces.smooth import radius_of
+from warpffrf_kernels.surfaces.surface import EXTRUDED, HEIGHT, curve_curvature
 
 wp.set_module_options(MODULE_OPTIONS)
 

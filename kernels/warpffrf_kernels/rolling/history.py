@@ -39,7 +39,7 @@ from warpffrf_kernels.patch.place import ALIKE, goes_on
 from warpffrf_kernels.rolling.entering import advance_of
 from warpffrf_kernels.rolling.places import strip_columns
 from warpffrf_kernels.rolling.shear import STRIPS_AROUND, near_along, shear_line
-from warpffrf_kernels.surfaces.surface import radius_of, slope_of
+from warpffrf_kernels.surfaces.smooth import radius_of, slope_of
 
 wp.set_module_options(MODULE_OPTIONS)
 

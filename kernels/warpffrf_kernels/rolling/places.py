@@ -32,7 +32,7 @@ from warpffrf_kernels.friction.cells import cell_at, find_cell, keep_cell, look,
 from warpffrf_kernels.normal.pair_forces import load_share
 from warpffrf_kernels.patch.cells import row_place
 from warpffrf_kernels.rolling.shear import shear_line
-from warpffrf_kernels.surfaces.surface import radius_of
+from warpffrf_kernels.surfaces.smooth import radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
