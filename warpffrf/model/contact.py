@@ -180,11 +180,6 @@ class Contact(reprs.Item):
         friction = as_pair_friction(value, self.label)
         if friction.acts:
             self._require_tangential(self.label)
-            for port in self.ports:
-                if port.surface.shape.profile().twist:
-                    raise InputError(
-                        f"{self.label}: friction on {port.label}, which is helical, is not supported; set friction=0"
-                    )
         self._friction = friction
         self._check_patch()
 

@@ -133,7 +133,7 @@ class FrictionState:
         "world", "rolling_pair", "2*ring_cell", unit="m", note="elastic_before of cells of a patch, and around them"
     )
     ring_place: DeviceArray = reals(
-        "world", "rolling_pair", 4, unit="", note="where they were: as patch_place; 0 before the first step"
+        "world", "rolling_pair", "rolling_number", unit="", note="where they were, as patch_place; [2] 0 without"
     )
     friction_force: DeviceArray = reals("world", "friction_pair", 2, 12, unit="N, N m", note="as pair_force")
     friction_modal: DeviceArray = reals("world", "friction_pair", 2, "pair_mode", unit="N/kg^1/2")

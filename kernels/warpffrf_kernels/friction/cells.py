@@ -36,9 +36,19 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.core.state import FrictionState, MotionState
 from warpffrf_kernels.kinematics.line_of_centres import wrap
+from warpffrf_kernels.surfaces.helical import twist_of
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 from warpffrf_kernels.surfaces.smooth import period_of, radius_of, slope_of
-from warpffrf_kernels.surfaces.surface import HEIGHT, around_of, axes_of, foot_of, local_normal, local_point, origin_of
+from warpffrf_kernels.surfaces.surface import (
+    EXTRUDED,
+    HEIGHT,
+    around_of,
+    axes_of,
+    foot_of,
+    local_normal,
+    local_point,
+    origin_of,
+)
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -212,6 +222,9 @@ def find_cell(model: Model, A: int, B: int, s: Sight, theta: real, z: real) -> P
         R = radius_of(model, B, now[1])
         slope = slope_of(model, B, now[1])
         along = vec3(slope * wp.cos(now[0]), slope * wp.sin(now[0]), real(1.0))
+    if model.surfaces.planar[B] == EXTRUDED:
+        own = local_point(model, B, now[0], now[1])
+        along = vec3(-twist_of(model, B) * own[1], twist_of(model, B) * own[0], real(1.0))
     if model.surfaces.planar[B] == HEIGHT:
         R = wp.sqrt(n_b[0] * n_b[0] + n_b[1] * n_b[1]) / n_b[0]
         along[0] = -n_b[2] / n_b[0]

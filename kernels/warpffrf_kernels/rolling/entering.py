@@ -41,7 +41,7 @@ from warpffrf_kernels.core.state import ContactState, FrictionState
 from warpffrf_kernels.friction.cells import rubs_on_patch
 from warpffrf_kernels.kinematics.line_of_centres import wrap
 from warpffrf_kernels.normal.pair_forces import load_share
-from warpffrf_kernels.patch.cells import row_place
+from warpffrf_kernels.patch.cells import ROW_COLUMNS, row_place
 from warpffrf_kernels.rolling.places import strip_columns
 from warpffrf_kernels.rolling.shear import STRIPS_AROUND, shear_line
 
@@ -60,20 +60,37 @@ BOTH = wp.constant(wp.float64(2.0))  # what a cell gains, its neighbour loses
 
 @wp.func
 def advance_of(
-    model: Model, elements: Elements, w: int, pair: int, patch: PatchScratch, friction: FrictionState
+    model: Model, elements: Elements, w: int, pair: int, row: int, patch: PatchScratch, friction: FrictionState
 ) -> wp.vec2d:
-    """Columns of the first grid, and z [m], by which the patch has advanced over the first body since the end of the
-    last step; zero without one."""
+    """Columns of the first grid, and z [m], by which a row of the patch has advanced over the first body since the end
+    of the last step; zero without one. Rows of helical surfaces advance by different arcs."""
     if friction.ring_place[w, pair, 2] == real(0.0):
         return wp.vec2d(real(0.0), real(0.0))
     A = elements.patches.first[pair]
-    way = patch.patch_place[w, pair, 0] - friction.ring_place[w, pair, 0]
+    way = patch.patch_place[w, pair, ROW_COLUMNS + row] - friction.ring_place[w, pair, ROW_COLUMNS + row]
     if model.surfaces.turn[A] > 0:
         way = wrap(way, real(model.surfaces.turn[A]), real(0.0))
     along = real(0.0)
     if elements.patches.follows[pair] != 0:
         along = patch.patch_place[w, pair, 1] - friction.ring_place[w, pair, 1]
     return wp.vec2d(way, along)
+
+
+@wp.func
+def cells_advanced(
+    model: Model, elements: Elements, w: int, pair: int, row: int, patch: PatchScratch, friction: FrictionState
+) -> wp.vec2d:
+    """Cells by which a row of the patch has advanced, in columns or in rows, whichever is more, and 1 if it is in rows;
+    zero if the last step ended without contact."""
+    if wp.length(friction.contact_normal[w, pair]) == real(0.0):
+        return wp.vec2d(real(0.0), real(0.0))
+    advanced = advance_of(model, elements, w, pair, row, patch, friction)
+    cells = advanced[0] / strip_columns(model, elements, w, pair, patch.patch_place)
+    if elements.patches.follows[pair] != 0:
+        up = advanced[1] / row_place(elements, pair, 0, patch.patch_place, w)[1]
+        if wp.abs(up) > wp.abs(cells):
+            return wp.vec2d(up, real(1.0))
+    return wp.vec2d(cells, real(0.0))
 
 
 @wp.func
@@ -137,41 +154,39 @@ def soften_entering(
     rings = elements.rolling.ring_rows[pair]
     line = shear_line(rows, rings)
     kind = (columns + STRIPS_AROUND) * rows * line
-    advanced = advance_of(model, elements, w, pair, patch, friction)
-    cells = advanced[0] / strip_columns(model, elements, w, pair, patch.patch_place)
-    across = int(0)
-    if elements.patches.follows[pair] != 0:
-        up = advanced[1] / row_place(elements, pair, 0, patch.patch_place, w)[1]
-        if wp.abs(up) > wp.abs(cells):
-            across = int(1)
-            cells = up
-    if wp.length(friction.contact_normal[w, pair]) == real(0.0):
-        cells = real(0.0)
-    ahead = int(1)
-    if cells < real(0.0):
-        ahead = int(-1)
-    c = wp.abs(cells)
-    long = real(columns)
-    if across != 0:
-        long = real(rows)
-    passed = of_state != 0 and lane == 0 and is_whole(run.ctl, w) and c * elements.patches.span[pair] > long
-    if passed and load_share(model, w, pair, contact.pair_force) > MAY_PASS:
-        run.ctl[w].failure = run.ctl[w].failure | k.PASSED  # none of its material was there before
-    part = wp.min(c, real(1.0))
+    if of_state != 0 and lane == 0 and is_whole(run.ctl, w):
+        lengths = real(0.0)  # of the patch, by which it has advanced
+        row = int(0)
+        while row < rows:
+            moved = cells_advanced(model, elements, w, pair, row, patch, friction)
+            long = real(columns)
+            if moved[1] != real(0.0):
+                long = real(rows)
+            lengths = wp.max(lengths, wp.abs(moved[0]) * elements.patches.span[pair] / long)
+            row += 1
+        if lengths > real(1.0) and load_share(model, w, pair, contact.pair_force) > MAY_PASS:
+            run.ctl[w].failure = run.ctl[w].failure | k.PASSED  # none of its material was there before
     m = lane
     while m < columns * rows:
         soft = real(0.0)
+        moved = cells_advanced(model, elements, w, pair, m % rows, patch, friction)
+        across = int(moved[1])
+        ahead = int(1)
+        if moved[0] < real(0.0):
+            ahead = int(-1)
+        c = wp.abs(moved[0])
+        part = wp.min(c, real(1.0))
         if c > real(0.0) and rubbing.bound[w, pair, m] > real(0.0):
             d = cells_to_edge(w, pair, m / rows, m % rows, ahead, across, columns, rows, rubbing.bound)
             d = wp.max(d + OFFSET[0] + OFFSET[1] * part, LEAST)
             lag = part * wp.max(wp.max(c, real(1.0)) / d - real(1.0), real(0.0))
             if lag > real(0.0):
-                row = m % rows
-                own = across * kind + row * line + rings
-                beside = own + rows * line + row
+                r = m % rows
+                own = across * kind + r * line + rings
+                beside = own + rows * line + r
                 if across != 0:
-                    beside = own + row - ahead
-                gained = shear_near[w, pair, own + row] - shear_near[w, pair, beside]
+                    beside = own + r - ahead
+                gained = shear_near[w, pair, own + r] - shear_near[w, pair, beside]
                 soft = BOTH * wp.max(gained, real(0.0)) * lag / rubbing.cell_area[w, pair, m]
         rubbing.late[w, pair, m] = soft
         m += wp.block_dim()

@@ -25,7 +25,7 @@ trailing edge, where material slips.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.contact_scratch import ContactSolve, PatchScratch, RollingScratch
+from warpffrf_kernels.core.contact_scratch import ContactGeometry, ContactSolve, PatchScratch, RollingScratch
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.friction_scratch import FrictionCells
 from warpffrf_kernels.core.integration import is_whole
@@ -34,6 +34,7 @@ from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
 from warpffrf_kernels.core.state import ContactState, FrictionState
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_patch
+from warpffrf_kernels.kinematics.closest_point import has_cells
 from warpffrf_kernels.patch.cells import row_place
 from warpffrf_kernels.patch.place import ALIKE, goes_on
 from warpffrf_kernels.rolling.entering import advance_of
@@ -94,8 +95,6 @@ def slide_patch_cells(
     rings = elements.rolling.ring_rows[pair]
     wide = columns + 2 * STRIPS_AROUND
     high = rows + 2 * rings
-    advanced = advance_of(model, elements, w, pair, patch, friction)
-    way = way_of(model, elements, pair, patch.patch_place[w, pair, 1], advanced)
     strip = strip_columns(model, elements, w, pair, patch.patch_place)
     known = friction.ring_place[w, pair, 2] > real(0.0)
     before = strip
@@ -108,6 +107,8 @@ def slide_patch_cells(
         s_1 = cells.rigid_slip[w, pair, i_1]
         s_2 = cells.rigid_slip[w, pair, i_2]
         if known:
+            advanced = advance_of(model, elements, w, pair, m % rows, patch, friction)
+            way = way_of(model, elements, pair, patch.patch_place[w, pair, 1], advanced)
             x = advanced[0] + (real(m / rows) - real(0.5) * real(columns - 1)) * strip
             across = read_at(x / before + real(0.5) * real(wide - 1), wide)
             row = m % rows
@@ -156,10 +157,8 @@ def mean_work(
     elements = model.elements[0]
     rows = model.surfaces.rows[model.pairs.first[pair]]
     columns = elements.patches.columns[pair]
-    advanced = advance_of(model, elements, w, pair, patch, friction)
     strip = strip_columns(model, elements, w, pair, patch.patch_place)
     before = strip_columns(model, elements, w, pair, friction.ring_place)
-    way = way_of(model, elements, pair, patch.patch_place[w, pair, 1], advanced)
     rings = elements.rolling.ring_rows[pair]
     high = rows + 2 * rings
     wide = columns + 2 * STRIPS_AROUND
@@ -174,6 +173,8 @@ def mean_work(
         t_2 = traction_before[w, pair, cell_at(rows, m, 1)]
         area = cells.cell_area[w, pair, m]
         if area > real(0.0) and (t_1 != real(0.0) or t_2 != real(0.0)):
+            advanced = advance_of(model, elements, w, pair, m % rows, patch, friction)
+            way = way_of(model, elements, pair, patch.patch_place[w, pair, 1], advanced)
             x = (real(m / rows) - real(0.5) * real(columns - 1)) * before - advanced[0]
             across = read_at(x / strip + real(0.5) * real(columns - 1), columns)
             along = Reading()
@@ -215,8 +216,8 @@ def smooth_at(
 
 @kernel
 def keep_rings(
-    run: Run, patch: PatchScratch, rubbing: FrictionCells, rolling: RollingScratch, friction: FrictionState,
-    patch_pressure: wp.array(dtype=real), ring_slip: wp.array(dtype=real),
+    run: Run, geometry: ContactGeometry, patch: PatchScratch, rubbing: FrictionCells, rolling: RollingScratch,
+    friction: FrictionState, patch_pressure: wp.array(dtype=real), ring_slip: wp.array(dtype=real),
 ):  # fmt: skip
     """Per (world, pair), lanes over cells: the history of an accepted step. friction_record: power, creep (2), rolling
     velocity."""
@@ -269,7 +270,7 @@ def keep_rings(
     sync()
     if lane == 0:
         h = run.clk[w].done_step
-        advanced = advance_of(model, elements, w, pair, patch, friction)
+        advanced = advance_of(model, elements, w, pair, rows / 2, patch, friction)
         way = way_of(model, elements, pair, patch.patch_place[w, pair, 1], advanced)
         cells = wp.abs(advanced[0]) / strip_columns(model, elements, w, pair, patch.patch_place)
         if elements.patches.follows[pair] != 0:
@@ -280,8 +281,12 @@ def keep_rings(
         else:
             friction.most_advanced[w, pair] = real(0.0)
         friction.history_phase[w, pair] = patch.patch_place[w, pair, 0]
-        for i in range(4):
-            friction.ring_place[w, pair, i] = patch.patch_place[w, pair, i]
+        entry = int(0)
+        while entry < friction.ring_place.shape[2]:
+            friction.ring_place[w, pair, entry] = patch.patch_place[w, pair, entry]
+            entry += 1
+        if not has_cells(model, w, pair, geometry):
+            friction.ring_place[w, pair, 2] = real(0.0)
         force = vec3(
             rubbing.normal_wrench[w, pair, 0], rubbing.normal_wrench[w, pair, 1], rubbing.normal_wrench[w, pair, 2]
         )

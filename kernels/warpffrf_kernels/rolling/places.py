@@ -29,8 +29,9 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.core.state import ContactState, FrictionState, MotionState
 from warpffrf_kernels.friction.cells import cell_at, find_cell, keep_cell, look, rubs_on_patch
+from warpffrf_kernels.kinematics.closest_point import has_cells
 from warpffrf_kernels.normal.pair_forces import load_share
-from warpffrf_kernels.patch.cells import row_place
+from warpffrf_kernels.patch.cells import ROW_COLUMNS, row_place
 from warpffrf_kernels.rolling.shear import shear_line
 from warpffrf_kernels.surfaces.smooth import radius_of
 
@@ -88,6 +89,8 @@ def place_patch_cells(
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
+    if not has_cells(model, w, pair, geometry):
+        return
     elements = model.elements[0]
     A = elements.patches.first[pair]
     B = elements.patches.second[pair]
@@ -101,7 +104,8 @@ def place_patch_cells(
     way = real(2.0) * patch.patch_place[w, pair, 2] / real(columns)
     m = lane
     while m < columns * rows:
-        x = patch.patch_place[w, pair, 0] + (real(m / rows) - real(0.5) * real(columns - 1)) * strip
+        x = patch.patch_place[w, pair, ROW_COLUMNS + m % rows]
+        x += (real(m / rows) - real(0.5) * real(columns - 1)) * strip
         z = row_place(elements, pair, m % rows, patch.patch_place, w)[0]
         found = find_cell(model, A, B, s, model.surfaces.theta[A] + x * model.surfaces.pitch[A], z)
         size = geometry.area[w, pair, m]

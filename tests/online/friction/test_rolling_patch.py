@@ -332,13 +332,14 @@ def test_material_that_has_moved_is_read_by_cubics(held: Held, strips: float) ->
     state, x = held.engine.state, held.engine.scratch
     held.displaced(np.full(held.count, 1e9), np.zeros((2, held.count)))
     kept(held)
-    place = x.patch_place.numpy()[0, 0, :4].copy()
+    place = x.patch_place.numpy()[0, 0].copy()
     cells, _, _ = held.places()
     follows = held.kind == "ball"
     rings = STRIPS_AROUND if follows else 0
     wider = 1.03 if follows else 1.0
     old = place.copy()
-    old[0] -= strips * cells.width / (RADIUS * held.bodies["steel"].contact_surfaces["rim"].grid.pitch)
+    moved = strips * cells.width / (RADIUS * held.bodies["steel"].contact_surfaces["rim"].grid.pitch)
+    old[[0, *range(4, len(old))]] -= moved  # the patch and its rows
     old[1] -= 0.4 * cells.length[0] if follows else 0.0
     old[2] *= wider
     z = cells.z[:ROWS]
@@ -357,7 +358,7 @@ def test_material_that_has_moved_is_read_by_cubics(held: Held, strips: float) ->
     filled = np.zeros(state.ring_slip.shape[-1])
     filled[: len(ring)] = ring
     state.ring_slip.assign(filled.reshape(state.ring_slip.shape))
-    state.ring_place.assign(old.reshape(1, 1, 4))
+    state.ring_place.assign(old[None, None])
     held.engine.graph.program.run(("slide",))
     kept(held)
     grown = held.read("weak_grown")[0] / held.read("cell_area")[0]
@@ -407,7 +408,7 @@ def test_a_locked_in_traction_keeps_its_energy(bodies, advance: float) -> None:
         energy.append(0.5 * float(np.sum(area * traction * elastic)))
         kept(held)
         place = engine.state.ring_place.numpy()
-        place[0, 0, 0] -= advance * cells.width / pitch
+        place[0, 0, [0, *range(4, place.shape[2])]] -= advance * cells.width / pitch  # the patch and its rows
         engine.state.ring_place.assign(place)
     assert abs(np.sum(work)) < LOST * max(energy)
     if abs(advance) < 1.0:  # the control, of many steps: read in straight lines

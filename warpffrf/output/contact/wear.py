@@ -59,6 +59,8 @@ def wear(contact: Any, time: Array, coefficient: Any, repetitions: float) -> For
         raise InputError(f"{label}: two saved rows or more are needed, there are {len(time)}; save more of the run")
     first, second = contact.view.first, contact.view.second
     names = (contact.view.first_body.name, contact.view.second_body.name)
+    if first.shape.profile().twist or second.shape.profile().twist:
+        raise InputError(f"{label}: wear of helical surfaces is not supported, it differs over the width")
     labels = [f"{label}: {body}[{one.name!r}]" for body, one in zip(names, (first, second), strict=True)]
     along = [
         profile_coordinate(one.shape, name) if coefficient else None
