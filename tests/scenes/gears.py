@@ -1,4 +1,5 @@
-"""Gear pairs on shafts, half-spaces under their flanks: gear 1 pushes, the wheel stands or is moved."""
+"""Gear pairs on shafts, half-spaces under their flanks: gear 1 pushes, the wheel stands or is moved; segments of
+flexible teeth on rigid hubs."""
 
 from __future__ import annotations
 
@@ -21,6 +22,7 @@ TIPS = {"tip_rounding": 0.2e-3, "tip_relief": 25e-6, "tip_relief_length": 3e-3}
 RELIEVED = wf.gears.GearPair(replace(FZG.gear_1, **TIPS), replace(FZG.gear_2, **TIPS), 91.5e-3)
 _SAME = wf.gears.Gear(4.5e-3, 20, thickness_allowance=PLAY)
 EQUAL = wf.gears.GearPair(_SAME, _SAME, 90e-3)
+CYCLE_TORQUE, CYCLE_STEPS = 100.0, 16  # N m
 
 
 def helical(degrees: float, *, teeth: tuple[int, int] = (20, 30), **options: Any) -> wf.gears.GearPair:
@@ -62,6 +64,44 @@ def on_shafts(
         shaft = scene.add(wf.joints.Revolute(scene.ground, two["center"], axis=(0, 1, 0), name="shaft_2"))
         scene.add(wf.joints.Drive(shaft, wf.signals.Table([0.0, 1.0], [0.0, moved]), quantity="position"))
     return scene
+
+
+@cache
+def cycle() -> wf.Result:
+    """A pitch of the relieved pair under load, in load steps."""
+    pitch = 2.0 * np.pi / RELIEVED.gear_1.teeth
+    moved = pitch * RELIEVED.gear_1.teeth / RELIEVED.gear_2.teeth
+    scene = on_shafts(RELIEVED, 0.05, CYCLE_TORQUE, moved=moved, rotation=(-1.1 * pitch, 0.0))
+    result = wf.static(scene, 1.0, step=1.0 / CYCLE_STEPS, progress=False)
+    assert result.status == "completed", result.message
+    return result
+
+
+def on_hubs(
+    pair: wf.gears.GearPair, body: wf.ReducedBody, tooth: int, g: float, load: float, *, alone: bool = False
+) -> wf.Result:
+    """Segments of two equal gears at rest, gear 1 under a torque of `load` [N] times its base radius: its `tooth` k
+    touches tooth k + 1 of gear 2 at g [m], and, unless the first pair is `alone`, tooth k + 1 tooth k a pitch earlier.
+    Gear pair `mesh`; both bores are on rigid hubs."""
+    scene, pitch = wf.Scene(gravity=(0, 0, 0)), 2.0 * np.pi / pair.gear_1.teeth
+    facing = np.pi - (tooth - 0.25) * pitch + g / pair.gear_2.base_radius  # within the backlash
+    turn = about_y(angle_at(pair, g) - (tooth - 1) * pitch), about_y(facing)
+    one, two = (scene.add_body(body, name=name, rotation=how) for name, how in zip(("one", "two"), turn, strict=True))
+    place: Any = {"name": "mesh", "direction": (1, 0, 0), "rotation": (0.0, 0.0)}
+    mesh = scene.add_gear_pair(one["bore"], two["bore"], pair, **place)
+    for teeth in [other for other in mesh.contacts if alone and other[1] != tooth]:
+        scene.contacts.remove(mesh.contacts.pop(teeth))
+    hubs = []
+    for segment in (one, two):
+        hub = scene.add_rigid_body(1.0, (1e-3,) * 3, name=f"hub of {segment.name}", position=segment.position)
+        scene.add(wf.joints.Fixed(hub.at(segment["bore"].world_point() - segment.position), segment["bore"]))
+        hubs.append(hub)
+    scene.add(wf.joints.Revolute(scene.ground, hubs[0], axis=(0, 1, 0)))
+    scene.add(wf.joints.Fixed(scene.ground, hubs[1]))
+    scene.add(wf.forces.PointTorque(hubs[0], (0.0, -load * pair.gear_1.base_radius, 0.0)))
+    result = wf.equilibrium(scene, progress=False)
+    assert result.status == "completed", result.message
+    return result
 
 
 def rolling(pair: wf.gears.GearPair, g: float, torque: float, speed: float) -> wf.Scene:

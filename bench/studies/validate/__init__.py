@@ -11,6 +11,7 @@ from studies.validate import bodies as bodies
 from studies.validate import contact as contact
 from studies.validate import films as films
 from studies.validate import friction as friction
+from studies.validate import gears as gears
 from studies.validate import impact as impact
 from studies.validate import joints as joints
 from studies.validate import mechanisms as mechanisms

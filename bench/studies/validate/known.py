@@ -41,11 +41,6 @@ NOT_COMPARED = (  # case, source, reason
         "the grooves' places are not among the published numbers",
     ),
     (
-        "Contact ratio, normal force and pressure of FZG gears of type C",
-        "ISO 14635-1, closed form; G1",
-        "there are no involute surfaces",
-    ),
-    (
         "A wheel in a groove, conforming in one direction",
         "Vollebregt (2018); G2",
         "no body has the published finite-element influence coefficients, and a rail is rigid so far",

@@ -116,6 +116,24 @@ def test_sectors_follow_by_rotation(name: str, order: int) -> None:
         )
 
 
+def test_cells_on_a_rounding_are_as_long_as_the_last_one() -> None:
+    rounded = Gear(3e-3, 62, tip_rounding=0.3e-3)
+    radius = 0.5 * rounded.tip_form_diameter
+    involute = float(rounded.half["involute"][0].sum())
+
+    def on_rounding(last: float) -> int:
+        """Facets beyond the involute."""
+        body = mesh.gear(
+            rounded, WIDTH, rim_radius=80e-3, teeth=1, along=[0.0, 0.5, 1.0 - last / involute, 1.0], axial=1
+        )
+        r = np.hypot(*body.points[body.facets("flank_right_1").single[1]].mean(axis=1)[:, ::2].T)
+        return int(np.sum(r > radius))
+
+    length = float(rounded.half["rounding"][0].sum())
+    for last in (0.3e-3, 0.05e-3):
+        assert on_rounding(last) == np.ceil(length / last)
+
+
 OVAL = Curve.through(
     [[0.05 * np.cos(a) + 0.004, 0.035 * np.sin(a)] for a in np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)],
     closed=True,

@@ -3,36 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 
 import warpffrf as wf
-from scenes.gears import FZG, RELIEVED, WIDTH, about_y, angle_at, half_space, on_shafts, rolling
+from scenes.gears import CYCLE_TORQUE, FZG, RELIEVED, WIDTH, about_y, angle_at, cycle, half_space, on_shafts, rolling
 from warpffrf.model.bearings.lubrication import film_of_lines
 from warpffrf.model.gears.tooth import relief
 from warpffrf.output.gears.gear_result import GearResult
 from warpffrf.output.gears.orders import mesh_orders
 
 PITCH = 2.0 * np.pi / 16  # rad of the pinion
-STEPS, LOADED = 16, 100.0  # of a pitch; N m
 SPEED = 150.0  # rad/s
 # m: flanks as curves are exact to 2e-11, their normals over pieces of some 0.2 mm to 6e-7 rad, at a radius of 10 mm
 ON_LINE = 6e-9
 SLIGHT = {"tip_relief": 10e-6, "tip_relief_length": 4.5e-3, "tip_relief_shape": "parabolic"}
 # m: slopes C' of a relief incline the normal, which shortens it by C'^2 rho/2; and the approach under 0.2 N m
 SECOND_ORDER = 0.06e-6
-
-
-@cache
-def cycle() -> wf.Result:
-    """A pitch of the relieved pair under load, in load steps."""
-    scene = on_shafts(RELIEVED, 0.05, LOADED, moved=PITCH * 16 / 24, rotation=(-1.1 * PITCH, 0.0))
-    result = wf.static(scene, 1.0, step=1.0 / STEPS, progress=False)
-    assert result.status == "completed", result.message
-    return result
 
 
 def off_relief(gear: GearResult) -> np.ndarray:
@@ -161,13 +150,13 @@ OIL = wf.oils.Roelands(0.015, coefficient=2e-8)
 
 def test_films_at_the_pitch_point() -> None:
     """Both flanks move at w d_w/2 sin alpha_w; Dowson's line with the load over the width."""
-    gear = wf.equilibrium(on_shafts(FZG, angle_at(FZG, 0.0), LOADED), progress=False).gear("mesh")
+    gear = wf.equilibrium(on_shafts(FZG, angle_at(FZG, 0.0), CYCLE_TORQUE), progress=False).gear("mesh")
     (i,) = np.flatnonzero(gear.load[0])
     found = gear.film_thickness(OIL, speed=SPEED, roughness=(0.3e-6, 0.4e-6))
     alpha, (d_1, d_2) = FZG.working_pressure_angle, FZG.working_diameters
     u, R = 0.5 * SPEED * d_1 * np.sin(alpha), 0.5 * np.sin(alpha) / (1.0 / d_1 + 1.0 / d_2)
     modulus = 0.5 * 206e9 / (1.0 - 0.3**2)
-    line = LOADED / FZG.gear_1.base_radius / WIDTH
+    line = CYCLE_TORQUE / FZG.gear_1.base_radius / WIDTH
     film = film_of_lines(OIL, speed=u, line_load=line, radius=R, modulus=modulus)
     assert found.minimum[0, i] == pytest.approx(film.minimum, rel=3e-3)  # cells end 0.4 % before the faces
     assert found.central[0, i] == pytest.approx(film.central, rel=3e-3)
@@ -223,7 +212,7 @@ def test_intervals_without_contact() -> None:
 
 def test_speeds_of_a_run() -> None:
     """Slip of a contact with friction, the mean over a step and the patch, is the sliding in the middle of the step."""
-    scene = rolling(RELIEVED, -2e-3, LOADED, SPEED)
+    scene = rolling(RELIEVED, -2e-3, CYCLE_TORQUE, SPEED)
     result = wf.simulate(scene, 8e-5, step=1e-5, start="equilibrium", progress=False)
     gear = result.gear("mesh")
     (i,) = np.flatnonzero(gear.load[-1])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -12,29 +11,19 @@ import pytest
 from scipy.optimize import brentq
 
 import warpffrf as wf
-from scenes.gears import EQUAL, FZG, RELIEVED, WIDTH, angle_at, on_shafts
+from scenes.gears import CYCLE_STEPS, CYCLE_TORQUE, EQUAL, FZG, RELIEVED, WIDTH, angle_at, cycle, on_shafts
 from warpffrf.online.stages import last_rows
 from warpffrf.output.gears.gear_result import GearResult
 
 PITCH = 2.0 * np.pi / 16  # rad of the pinion
 LIGHT = 5.0  # N m
 RIGID = 1e-6  # the deviation of the ratio is proportional to the load, 1.4e-5 at 200 N m
-LOADED, STEPS = 100.0, 16
 STEEL = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
 ALONG_RELIEF = 1e-4  # where the wheel is relieved, the normal is off the line of action by 6e-6/1e-3, with a cosine
 
 
 def settled(scene: wf.Scene) -> wf.Result:
     result = wf.equilibrium(scene, progress=False)
-    assert result.status == "completed", result.message
-    return result
-
-
-@cache
-def cycle() -> wf.Result:
-    """A pitch of the relieved pair under load."""
-    scene = on_shafts(RELIEVED, 0.05, LOADED, moved=PITCH * 16 / 24, rotation=(-1.1 * PITCH, 0.0))
-    result = wf.static(scene, 1.0, step=1.0 / STEPS, progress=False)
     assert result.status == "completed", result.message
     return result
 
@@ -123,8 +112,10 @@ def test_a_cycle() -> None:
     """Loads sum up to the torque over the base radius, shares to 1; one pitch later everything is as before; orders
     are those of a discrete Fourier transform."""
     gear = cycle().gear("mesh")
-    assert len(gear.time) == STEPS + 1
-    assert gear.load.sum(axis=1) == pytest.approx(LOADED / RELIEVED.gear_1.base_radius, rel=2e-3)  # relief inclines it
+    assert len(gear.time) == CYCLE_STEPS + 1
+    assert gear.load.sum(axis=1) == pytest.approx(
+        CYCLE_TORQUE / RELIEVED.gear_1.base_radius, rel=2e-3
+    )  # relief inclines it
     assert gear.load_share.sum(axis=1) == pytest.approx(1.0)
     error = gear.transmission_error
     assert error[-1] == pytest.approx(error[0], abs=1e-8)
@@ -132,7 +123,7 @@ def test_a_cycle() -> None:
     carried = gear.load > 0.0
     assert np.all(gear.place[carried] > RELIEVED.path["A"] - 0.15 * RELIEVED.gear_1.base_pitch)
     assert np.all(gear.place[carried] < RELIEVED.path["E"] + 0.15 * RELIEVED.gear_1.base_pitch)
-    spectrum = 2.0 * np.abs(np.fft.rfft(error[:-1])) / STEPS
+    spectrum = 2.0 * np.abs(np.fft.rfft(error[:-1])) / CYCLE_STEPS
     assert gear.orders(3).amplitude == pytest.approx(spectrum[1:4], rel=1e-3)
     assert (gear.orders(3).cycles, gear.orders().peak_to_peak) == (1, pytest.approx(np.ptp(error[1:])))
     assert np.nanmax(gear.stiffness) < 2e9

@@ -78,7 +78,7 @@ def gear(
     width: along the axis; rim_radius: of the bore of an external gear, of the outside of an internal one.
     teeth: of a segment, from tooth 1 on; None: all teeth, rotationally periodic.
     along: cells along the involute, those on fillet and root are as long; or their boundaries (n + 1,) as shares of its
-        length, rising from 0 at the fillet to 1.
+        length, rising from 0 at the fillet to 1: the last cell is as long as those on the rounding of the tip.
     across: cells across the tooth behind `layers` thin ones at each flank; rim_layers: below the teeth, None: growing
         by 1.4 from those at the flank.
     axial: cells along the axis, or their boundaries (n + 1,), rising from -width/2 to width/2.
@@ -155,7 +155,7 @@ def _sector(
     b_N = ROOT_SHARE * inclination(s_fillet)
     s_N = float(brentq(lambda s: inclination(s) - b_N, s_fillet, s_form))  # pyright: ignore[reportArgumentType]
 
-    def places(start: float, end: float, least: int) -> Array:
+    def places(start: float, end: float, least: int, size: float = size) -> Array:
         return refined(np.linspace(start, end, max(int(np.ceil((end - start) / size - SAME)), least) + 1), order)
 
     def arcs(s: Array, q: Array) -> Array:
@@ -168,7 +168,7 @@ def _sector(
     fillet = places(s_N, s_form, LEAST)
     outer = np.concatenate([fillet, refined(s_form + lengths["involute"] * shares, order)[1:]])
     if rounding:
-        outer = np.concatenate([outer, places(s_end, s_tip, 1)[1:]])
+        outer = np.concatenate([outer, places(s_end, s_tip, 1, lengths["involute"] * (shares[-1] - shares[-2]))[1:]])
     corner = contour.at(s_tip)
     lean = SKIN * abs(corner[1]) + rounding
     inner = outer - lean * ((outer - s_N) / (s_tip - s_N)) ** LEAN
