@@ -15,6 +15,7 @@ from typing import Any
 from warpffrf.model.files.paths import checked_output_path
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.reduced.craig_bampton import CraigBampton, craig_bampton
 from warpffrf.model.reduced.data import ReducedBodyData
 from warpffrf.model.reduced.file import content_hash, read_reduced_body, write_reduced_body
 from warpffrf.model.reduced.summary import summary
@@ -68,6 +69,12 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
         reduced body...
         """
         return summary(self)
+
+    def craig_bampton(self) -> CraigBampton:
+        """Stiffness and mass over the motions of the interfaces and fixed-interface modes, for other programs: exact
+        for the global modes of this body (`warpffrf.model.reduced.craig_bampton`). Raises `InputError` for a body
+        without interfaces, or with fewer modes than their motions need."""
+        return craig_bampton(self)
 
     def mesh_error(
         self, finer: ReducedBody, *, half_width: float | None = None, interface: str | None = None
