@@ -110,7 +110,7 @@ def test_nodes_and_descriptions() -> None:
 def test_what_is_refused() -> None:
     shape = GEAR.surfaces(("left",), (1,))
     with pytest.raises(InputError, match="twist must be a"):
-        Extruded(curve=shape["flank_left_1"].curve, twist="right")
+        Extruded(curve=shape["flank_left_1"].curve, twist="right")  # pyright: ignore[reportArgumentType]
     body = wf.mesh.gear(GEAR, 10e-3, rim_radius=25e-3, teeth=1, along=4, axial=2, order=1)
     with pytest.raises(
         InputError, match="helical surfaces of finite elements carry no contact; use wf.half_space_body"

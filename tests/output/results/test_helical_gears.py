@@ -59,10 +59,7 @@ def test_forces_of_gears_that_hardly_deform(name: str) -> None:
         contacts = [result.contact(name) for name in gear.contacts]
         assert np.count_nonzero(gear.load) > 1
         assert gear.load.sum() == pytest.approx(LIGHT / (one.base_radius * np.cos(one.base_helix_angle)), rel=1e-6)
-        force, torque, other = (
-            sum(values) for values in zip(*((c.force[0], c.torque[0], c.history.torque_second[0]) for c in contacts),
-                                          strict=True)
-        )  # fmt: skip
+        force, torque, other = np.sum([(c.force[0], c.torque[0], c.history.torque_second[0]) for c in contacts], axis=0)
         assert torque[1] == pytest.approx(s * LIGHT, rel=1e-9)
         assert other[1] == pytest.approx(pair.side * torque[1] * pair.gear_2.teeth / one.teeth, rel=1e-6)
         tangential = 2.0 * LIGHT / pair.working_diameters[0]
@@ -226,7 +223,7 @@ def test_friction_of_gears_that_rotate() -> None:
         options: Any = {"rotation": about_y(angle), "angular_velocity": (0, w, 0)}
         bodies.append(scene.add_body(half_space(gear, ("right",), 20e-3), name=name, **options)["center"])
     place: Any = {"direction": (1, 0, 0), "rotation": (-turn, 0.0), "cells": FEW, "friction": mu}
-    scene.add_gear_pair(*bodies, pair, name="mesh", **place)
+    scene.add_gear_pair(bodies[0], bodies[1], pair, name="mesh", **place)
     shafts = [scene.add(wf.joints.Revolute(scene.ground, body, axis=(0, 1, 0))) for body in bodies]
     scene.add(wf.joints.Drive(shafts[1], speed * 20 / 30, quantity="velocity"))
     scene.add(wf.forces.PointTorque(bodies[0], (0.0, -0.5 * LOADED, 0.0)))
@@ -234,7 +231,8 @@ def test_friction_of_gears_that_rotate() -> None:
     assert result.status == "completed", result.message
     gear = result.gear("mesh")
     contacts = [result.contact(name) for name in gear.contacts]
-    power, known = sum(contact.friction.power for contact in contacts), np.zeros(len(result.time))
+    power = np.sum([contact.friction.power for contact in contacts], axis=0)
+    known = np.zeros(len(result.time))
     found = gear.flank_map()
     for row, teeth, sliding in zip(found.step, found.teeth, found.sliding, strict=True):
         forces = contacts[teeth].mean_pressure[row].sum(axis=0) * contacts[teeth].cell_areas[row]

@@ -105,7 +105,7 @@ def add_gear_pair(
     lean = float(np.tan(pair.base_helix_angle))
     bends = [1.0 / float(rho) / np.hypot(1.0, lean) for rho in pair.curvature_radii(0.0)]
     meeting = FacingPlace((sum(bends), 0.0), (max(map(abs, bends)), 0.0), 0.0, abs(lean))
-    ends = _ends(hubs, name) if lean else (0.0, 0.0)
+    ends = _ends(mesh.hubs, name) if lean else (0.0, 0.0)
     for side in sides:
         for k, t in teeth_in_mesh(pair, angles, side, rotation, name, ends):
             a, b = (_surface(hub.body, f"flank_{side}_{tooth}", name) for hub, tooth in zip(hubs, (k, t), strict=True))
