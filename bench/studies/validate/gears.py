@@ -44,7 +44,8 @@ def flexible_teeth() -> Iterator[Row]:
     4 mm"""
     for g in ONE_PAIR:
         ours, theirs = -loaded(g, along=ALONG, alone=True).transmission_error[0], known(g, alone=True).approach
-        yield Row(f"one pair of teeth, {MM * g:.1f} mm: approach", UM * ours, UM * theirs, 0.02, "µm")
+        where = f"one pair of teeth, {MM * g:.1f} mm from the pitch point: approach"
+        yield Row(where, UM * ours, UM * theirs, 0.02, "µm")
     g = ONE_PAIR[3]
     for body, forces in zip(("one", "two"), known(g, alone=True).forces, strict=True):
         ours = loaded(g, along=ALONG, alone=True).result.stress(body, "roots").principal.max()

@@ -70,8 +70,9 @@ class Flanks:
         dofs = (2 * free[:, None] + [0, 1]).ravel()
         K = _stiffness(x, cells, material)[dofs][:, dofs].tocsc()
         factor = splu(K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        self.x, self.cells, self.material, self.dofs, self.factor = x, cells, material, dofs, factor
-        self.roots = np.intersect1d(mesh.facet_sets["roots"].node_set, cells)
+        self.x, self.dofs, self.factor, self.material = x, dofs, factor, material
+        self.cells: Array = cells
+        self.roots: Array = np.intersect1d(mesh.facet_sets["roots"].node_set, cells)
         order = {}
         for tooth in carrying:
             nodes = np.intersect1d(mesh.facet_sets[f"flank_right_{tooth}"].node_set, cells)
@@ -79,7 +80,8 @@ class Flanks:
         self.gear = gear
         self.points = {tooth: x[nodes] for tooth, nodes in order.items()}
         nodes = np.concatenate(list(order.values()))
-        self.rows = rows = np.searchsorted(dofs, (2 * nodes[:, None] + [0, 1]).ravel())
+        rows: Array = np.searchsorted(dofs, (2 * nodes[:, None] + [0, 1]).ravel())
+        self.rows = rows
         C = np.empty((len(rows), len(rows)))
         for start in range(0, len(rows), BLOCK):
             unit = np.zeros((len(dofs), len(rows[start : start + BLOCK])))
@@ -116,7 +118,7 @@ def meshed(
 ) -> Meshed:  # fmt: skip
     """Gears rotated by `angles` [rad], counter-clockwise from where tooth 1 lies on +x, the axis of gear 2 at +x; pairs
     of `teeth` may meet under the `load` [N], the torque on gear 1 over its base radius."""
-    loads = [[], []]  # of each gear, (functions, nodes, 2)
+    loads: list[list[Array]] = [[], []]  # of each gear, (functions, nodes, 2)
     gaps, levers, pair_of = [], [], []
     for number, (k, t) in enumerate(teeth):
         own = _rotated(flanks[0].points[k], angles[0])
@@ -135,11 +137,10 @@ def meshed(
             part[:, start : start + force.shape[1]] = force
             loads[i].append(part)
     whole = [np.concatenate(part) for part in loads]
-    A = 0.0
-    for gear, f in zip(flanks, whole, strict=True):
-        f = f.reshape(len(f), -1)
-        A = A + f @ gear.compliance.reshape(f.shape[1], -1) @ f.T
     gap, lever, number = (np.concatenate(part) for part in (gaps, levers, pair_of))
+    A = np.zeros((len(gap), len(gap)))
+    for gear, f in zip(flanks, (part.reshape(len(gap), -1) for part in whole), strict=True):
+        A += f @ gear.compliance.reshape(f.shape[1], -1) @ f.T
     pressure, _, approach, _ = active_set(A, gap, lever, np.eye(len(gap)), load / width, ())
     torque = np.bincount(number, lever * pressure, minlength=len(teeth))
     return Meshed(approach, torque / torque.sum(), tuple(np.tensordot(pressure, part, 1) for part in whole))
