@@ -21,6 +21,9 @@ MODULE, TEETH, WIDTH, LINE_LOAD = 3e-3, 62, 1e-3, 150e3  # m, -, m, N/m
 RIM, CARRYING = 80e-3, (1, 2)  # m: radius of the bore
 PLAIN, RELIEVED = (0.0, 0.0), (15e-6, 4e-3)  # m: tip relief and its length
 LOAD = LINE_LOAD * WIDTH  # N
+Cells = tuple[float, float, int]  # of the finite elements along the involute, at its ends [m], layers
+COARSE: Cells = (0.1e-3, 0.1e-3, 6)
+FINE: Cells = (0.1e-3, 0.03e-3, 6)
 
 
 @cache
@@ -37,18 +40,17 @@ def pair(relief: tuple[float, float] = PLAIN) -> wf.gears.GearPair:
 def segment(relief: tuple[float, float], along: int) -> wf.ReducedBody:
     """Two teeth, `along` cells along their flanks."""
     gear = pair(relief).gear_1
-    mesh = wf.mesh.gear(
-        gear, WIDTH, rim_radius=RIM, teeth=2, along=along, across=2, layers=4, axial=1, rim_layers=4
-    )  # fmt: skip
+    mesh = wf.mesh.gear(gear, WIDTH, rim_radius=RIM, teeth=2, along=along, across=2, layers=4, axial=1, rim_layers=4)
     return wf.reduce(
         mesh, MATERIAL, interfaces={"bore": "rigid"}, contact=gear.surfaces(("right",), CARRYING),
-        grid=wf.ContactGrid(contact_fixed=True), progress=False,
+        grid=wf.ContactGrid(contact_fixed=True), stress={"roots": "roots"}, progress=False,
     )  # fmt: skip
 
 
 @cache
-def flanks(relief: tuple[float, float], cell: float, fine: float, layers: int) -> Flanks:
+def flanks(relief: tuple[float, float], cells: Cells) -> Flanks:
     """Finite elements of the same two teeth."""
+    cell, fine, layers = cells
     return Flanks(pair(relief).gear_1, MATERIAL, RIM, 2, CARRYING, cell=cell, fine=fine, layers=layers)
 
 
@@ -57,14 +59,11 @@ def loaded(g: float, *, along: int, relief: tuple[float, float] = PLAIN, alone: 
     return on_hubs(pair(relief), segment(relief, along), 1, g, LOAD, alone=alone).gear("mesh")
 
 
-def known(
-    g: float, *, relief: tuple[float, float] = PLAIN, alone: bool = False, cell: float = 0.1e-3, fine: float = 0.03e-3,
-    layers: int = 6,
-) -> Meshed:  # fmt: skip
+def known(g: float, *, relief: tuple[float, float] = PLAIN, alone: bool = False, cells: Cells = FINE) -> Meshed:
     """The same by full finite elements."""
     both, pitch = pair(relief), 2.0 * np.pi / TEETH
     one, facing = angle_at(both, g), np.pi - 0.75 * pitch + g / both.gear_2.base_radius
     other = both.mating_angle(one)
     other += pitch * round((facing - other) / pitch)
-    half = flanks(relief, cell, fine, layers)
-    return meshed(both, (half, half), WIDTH, (one, other), [(1, 2), (2, 1)][: 1 if alone else 2], LOAD)
+    half, teeth = flanks(relief, cells), [(1, 2), (2, 1)][: 1 if alone else 2]
+    return meshed(both, (half, half), WIDTH, (one, other), teeth, LOAD)

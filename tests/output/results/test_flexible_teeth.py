@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from functools import cache
 
+import numpy as np
 import pytest
 
 import warpffrf as wf
@@ -26,29 +27,43 @@ DEFLECTION, SHARE, RATIO = 0.01, 0.01, 0.01  # observed with finer teeth: 0.002,
 ALONG = 12  # cells along the flanks: lines of the contact grid are 0.5 mm apart
 REACHING = 4e-3  # m on the path of contact: from here on the other tooth touches within two lines of its tip
 BENDING, AT_TIPS, PARTS = 0.005, 0.02, 0.01  # observed: 0.003, 0.016, 0.004
+TENSION, WHERE = 0.05, 0.2e-3  # m; observed: 0.04, 0.1e-3, on cells of 0.5 mm in fillets with a radius of 1.1 mm
 CONVERGED = 0.004  # of smaller cells, observed: 0.0017
 
 
 @pytest.mark.parametrize("g", [0.0, 1.5e-3, 3e-3, 4.5e-3, 6e-3])
 def test_one_pair_of_teeth(g: float) -> None:
     ours = -float(plane_gears.loaded(g, along=ALONG, alone=True).transmission_error[0])
-    theirs = plane_gears.known(g, alone=True, fine=0.1e-3).approach
+    theirs = plane_gears.known(g, alone=True, cells=plane_gears.COARSE).approach
     assert ours == pytest.approx(theirs, rel=BENDING if g < REACHING else AT_TIPS)
 
 
 @pytest.mark.parametrize("share", [0.4, 0.5, 0.6])
 def test_two_pairs_of_teeth(share: float) -> None:
     g = share * plane_gears.pair().gear_1.base_pitch
-    ours, theirs = plane_gears.loaded(g, along=ALONG), plane_gears.known(g, fine=0.1e-3)
+    ours, theirs = plane_gears.loaded(g, along=ALONG), plane_gears.known(g, cells=plane_gears.COARSE)
     assert -ours.transmission_error[0] == pytest.approx(theirs.approach, rel=BENDING)
     assert ours.load_share[0] == pytest.approx(theirs.shares, rel=PARTS)
 
 
+@pytest.mark.parametrize("g", [1.5e-3, 4.5e-3])
+def test_stress_at_the_roots(g: float) -> None:
+    """The largest tension, of both gears, and its place."""
+    gear, known = (
+        plane_gears.loaded(g, along=ALONG, alone=True),
+        plane_gears.known(g, alone=True, cells=plane_gears.COARSE),
+    )
+    for body, forces in zip(("one", "two"), known.forces, strict=True):
+        roots = gear.result.stress(body, "roots")
+        tension, x = plane_gears.flanks(plane_gears.PLAIN, plane_gears.COARSE).root_stress(forces)
+        worst = int(np.argmax(roots.principal[0, :, 0]))
+        assert roots.principal[0, worst, 0] == pytest.approx(tension, rel=TENSION)
+        assert roots.points[worst, ::2] == pytest.approx(x * [1.0, -1.0], abs=WHERE)
+
+
 def test_the_plane_reference_converges() -> None:
     g = 0.4 * plane_gears.pair().gear_1.base_pitch
-    coarse, fine = (
-        plane_gears.known(g, cell=cell, fine=cell, layers=layers) for cell, layers in ((1e-4, 6), (6e-5, 7))
-    )
+    coarse, fine = (plane_gears.known(g, cells=cells) for cells in (plane_gears.COARSE, (0.06e-3, 0.06e-3, 7)))
     assert coarse.approach == pytest.approx(fine.approach, rel=CONVERGED)
     assert coarse.shares == pytest.approx(fine.shares, rel=CONVERGED)
 

@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, csr_array
 from scipy.sparse.linalg import splu
 
 from references.finite_elements.contact import active_set
@@ -28,7 +28,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import gear as gear_mesh
 
 Array = np.ndarray
-CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (0, -1), (1, 0), (0, 1), (-1, 0), (0, 0)], dtype=float)
+NODES = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (0, -1), (1, 0), (0, 1), (-1, 0), (0, 0)], dtype=float)
 ENDS, GROWTH = 0.5e-3, 1.3  # m: of a flank, where tips touch
 SLICE = 1e-3  # m: width of the mesh, of which one end face is used
 NEAR = 60e-6  # m: flanks farther apart do not meet
@@ -38,10 +38,12 @@ BLOCK = 64  # right-hand sides solved at once
 
 @dataclass(frozen=True, eq=False)
 class Meshed:
-    """Rotation of gear 1 under load times its base radius [m], and shares (n,) of the pairs of teeth in the torque."""
+    """Rotation of gear 1 under load times its base radius [m], shares (n,) of the pairs of teeth in the torque, and the
+    forces (nodes, 2) [N/m] on the flanks of each gear."""
 
     approach: float
     shares: Array
+    forces: tuple[Array, ...]
 
 
 class Flanks:
@@ -68,6 +70,9 @@ class Flanks:
         dofs = (2 * free[:, None] + [0, 1]).ravel()
         K = _stiffness(x, cells, material)[dofs][:, dofs].tocsc()
         factor = splu(K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        self.x, self.dofs, self.factor, self.material = x, dofs, factor, material
+        self.cells: Array = cells
+        self.roots: Array = np.intersect1d(mesh.facet_sets["roots"].node_set, cells)
         order = {}
         for tooth in carrying:
             nodes = np.intersect1d(mesh.facet_sets[f"flank_right_{tooth}"].node_set, cells)
@@ -75,7 +80,8 @@ class Flanks:
         self.gear = gear
         self.points = {tooth: x[nodes] for tooth, nodes in order.items()}
         nodes = np.concatenate(list(order.values()))
-        rows = np.searchsorted(dofs, (2 * nodes[:, None] + [0, 1]).ravel())
+        rows: Array = np.searchsorted(dofs, (2 * nodes[:, None] + [0, 1]).ravel())
+        self.rows = rows
         C = np.empty((len(rows), len(rows)))
         for start in range(0, len(rows), BLOCK):
             unit = np.zeros((len(dofs), len(rows[start : start + BLOCK])))
@@ -88,6 +94,23 @@ class Flanks:
         numbers = list(self.points)
         return sum(len(self.points[k]) for k in numbers[: numbers.index(tooth)])
 
+    def root_stress(self, forces: Array) -> tuple[float, Array]:
+        """Largest tension [Pa] in fillets and root lands under the `forces` (nodes, 2) [N/m], and where (2,) [m]; the
+        mean of the cells at a node."""
+        load, u = np.zeros(len(self.dofs)), np.zeros(2 * len(self.x))
+        load[self.rows] = forces.ravel()
+        u[self.dofs] = self.factor.solve(load)
+        total, count = np.zeros((len(self.x), 3)), np.zeros(len(self.x))
+        for node, place in enumerate(NODES):
+            B, _ = _strains(self.x, self.cells, place)
+            dof = (2 * self.cells[:, :, None] + [0, 1]).reshape(len(self.cells), 18)
+            stress = np.einsum("es,st->et", np.einsum("esd,ed->es", B, u[dof]), _elasticity(self.material))
+            np.add.at(total, self.cells[:, node], stress)
+            np.add.at(count, self.cells[:, node], 1.0)
+        xx, yy, xy = (total[self.roots] / count[self.roots, None]).T
+        tension = 0.5 * (xx + yy) + np.hypot(0.5 * (xx - yy), xy)
+        return float(tension.max()), self.x[self.roots[np.argmax(tension)]]
+
 
 def meshed(
     pair: GearPair, flanks: tuple[Flanks, Flanks], width: float, angles: tuple[float, float],
@@ -95,7 +118,7 @@ def meshed(
 ) -> Meshed:  # fmt: skip
     """Gears rotated by `angles` [rad], counter-clockwise from where tooth 1 lies on +x, the axis of gear 2 at +x; pairs
     of `teeth` may meet under the `load` [N], the torque on gear 1 over its base radius."""
-    loads = [[], []]  # of each gear, (functions, nodes, 2)
+    loads: list[list[Array]] = [[], []]  # of each gear, (functions, nodes, 2)
     gaps, levers, pair_of = [], [], []
     for number, (k, t) in enumerate(teeth):
         own = _rotated(flanks[0].points[k], angles[0])
@@ -110,18 +133,17 @@ def meshed(
         pair_of.append(np.full(psi.shape[1], number))
         for i, (tooth, shape) in enumerate(((k, N), (t, N_other))):
             force = np.einsum("qj,qn,qc->jnc", psi, shape, (-1.0, 1.0)[i] * _rotated(normal, -angles[i]))
-            whole = np.zeros((len(force), flanks[i].compliance.shape[0], 2))
-            start = flanks[i].first(tooth)
-            whole[:, start : start + force.shape[1]] = force
-            loads[i].append(whole)
-    A = 0.0
-    for i, gear in enumerate(flanks):
-        f = np.concatenate(loads[i]).reshape(-1, gear.compliance.shape[0] * 2)
-        A = A + f @ gear.compliance.reshape(f.shape[1], -1) @ f.T
+            start, part = flanks[i].first(tooth), np.zeros((len(force), flanks[i].compliance.shape[0], 2))
+            part[:, start : start + force.shape[1]] = force
+            loads[i].append(part)
+    whole = [np.concatenate(part) for part in loads]
     gap, lever, number = (np.concatenate(part) for part in (gaps, levers, pair_of))
+    A = np.zeros((len(gap), len(gap)))
+    for gear, f in zip(flanks, (part.reshape(len(gap), -1) for part in whole), strict=True):
+        A += f @ gear.compliance.reshape(f.shape[1], -1) @ f.T
     pressure, _, approach, _ = active_set(A, gap, lever, np.eye(len(gap)), load / width, ())
     torque = np.bincount(number, lever * pressure, minlength=len(teeth))
-    return Meshed(approach, torque / torque.sum())
+    return Meshed(approach, torque / torque.sum(), tuple(np.tensordot(pressure, part, 1) for part in whole))
 
 
 def _graded(length: float, cell: float, fine: float) -> Array:
@@ -183,23 +205,33 @@ def _facing(place: Array, normal: Array, other: Array) -> tuple[Array, Array]:
     return gap, N
 
 
-def _stiffness(x: Array, cells: Array, material: Material) -> coo_array:
-    """K of plane strain, one metre wide; cells (m, 9): corners, middles of edges, middle."""
-    g, w = np.polynomial.legendre.leggauss(3)
+def _elasticity(material: Material) -> Array:
+    """Plane strain: stresses xx, yy, xy by strains xx, yy and twice xy."""
     lam, mu = material.lame
-    D = np.array([[lam + 2 * mu, lam, 0.0], [lam, lam + 2 * mu, 0.0], [0.0, 0.0, mu]])
-    ke = np.zeros((len(cells), 18, 18))
-    one_d = [_quadratic(g_i) for g_i in g]
-    index = (CORNERS + 1).astype(int)
-    for (N_r, d_r), w_r in zip(one_d, w, strict=True):
-        for (N_s, d_s), w_s in zip(one_d, w, strict=True):
-            slopes = np.stack([d_r[index[:, 0]] * N_s[index[:, 1]], N_r[index[:, 0]] * d_s[index[:, 1]]])
-            J = np.einsum("ra,eac->erc", slopes, x[cells])
-            grad = np.linalg.solve(J, np.broadcast_to(slopes, (len(cells), *slopes.shape)))
-            B = np.zeros((len(cells), 3, 18))
-            B[:, 0, 0::2], B[:, 1, 1::2] = grad[:, 0], grad[:, 1]
-            B[:, 2, 0::2], B[:, 2, 1::2] = grad[:, 1], grad[:, 0]
-            ke += (w_r * w_s * np.abs(np.linalg.det(J)))[:, None, None] * (B.transpose(0, 2, 1) @ D @ B)
+    return np.array([[lam + 2 * mu, lam, 0.0], [lam, lam + 2 * mu, 0.0], [0.0, 0.0, mu]])
+
+
+def _strains(x: Array, cells: Array, place: Array) -> tuple[Array, Array]:
+    """Strains (m, 3, 18) by the displacements of cells (m, 9), nodes as `NODES`, at a `place` (2,) in them, and the
+    determinants (m,) [m2] of their maps."""
+    (N_r, d_r), (N_s, d_s) = (_quadratic(t) for t in place)
+    r, s = (NODES + 1).astype(int).T
+    slopes = np.stack([d_r[r] * N_s[s], N_r[r] * d_s[s]])
+    J = np.einsum("ra,eac->erc", slopes, x[cells])
+    grad = np.linalg.solve(J, np.broadcast_to(slopes, (len(cells), *slopes.shape)))
+    B = np.zeros((len(cells), 3, 18))
+    B[:, 0, 0::2], B[:, 1, 1::2] = grad[:, 0], grad[:, 1]
+    B[:, 2, 0::2], B[:, 2, 1::2] = grad[:, 1], grad[:, 0]
+    return B, np.abs(np.linalg.det(J))
+
+
+def _stiffness(x: Array, cells: Array, material: Material) -> csr_array:
+    """K of a metre of width."""
+    g, w = np.polynomial.legendre.leggauss(3)
+    D, ke = _elasticity(material), np.zeros((len(cells), 18, 18))
+    for i, j in np.ndindex(3, 3):
+        B, area = _strains(x, cells, g[[i, j]])
+        ke += (w[i] * w[j] * area)[:, None, None] * (B.transpose(0, 2, 1) @ D @ B)
     dof = (2 * cells[:, :, None] + [0, 1]).reshape(len(cells), 18)
     rows, columns = np.repeat(dof, 18, axis=1).ravel(), np.tile(dof, (1, 18)).ravel()
     return coo_array((ke.ravel(), (rows, columns)), shape=(2 * len(x),) * 2).tocsr()
