@@ -5,7 +5,9 @@ y that satisfy the rigid rows in a basis N, y = N z, and with F = f e^(i omega t
 
     H_r(omega) = P_r N (-omega^2 m + i omega d + k)^-1 (P_e N)^T,      m, d, k = N^T (M, D, K) N.
 
-P are the displacements of the ports along their directions per y: of interfaces at the deformation of the state.
+P are the displacements of the ports along their directions per y: of interfaces at the deformation of the state. Small
+motions hold the patches of closed contacts, which in an equilibrium follow the load: the compliance of a line contact
+between rollers differs by 0.5 % with the cells that are chosen by default, by 0.02 % with 31 strips.
 """
 
 from __future__ import annotations

@@ -189,7 +189,8 @@ class _Database:
     def _solid_rows(self, rows: Array, whole: Array) -> tuple[Array, Array, Array]:
         """Material, type, ..., count of nodes (9th), -, number (11th), 8 nodes; the other nodes in a second line."""
         begin = _begins(whole[:, 8])
-        count = whole[begin, 8]
+        head = whole if len(begin) == len(whole) else whole[begin]
+        count = head[:, 8]
         cut = (count < 1) | (count > 20) | ((count > 8) & (begin == len(rows) - 1))
         if cut.any():
             k = int(np.argmax(cut))
@@ -197,14 +198,14 @@ class _Database:
                 int(rows[begin[k]]),
                 f"EBLOCK: an element of {count[k]} nodes, or without its second line; write it again",
             )
-        nodes, long = whole[begin, 11:19], count > 8
+        nodes, long = head[:, 11:19], count > 8
         if long.any():
             nodes = np.pad(nodes, ((0, 0), (0, 12)))
             nodes[long, 8:] = whole[begin[long] + 1, :12]
-        beyond = np.array([nodes[count == n, n:].any() for n in range(nodes.shape[1])])
-        if beyond.any() or whole[begin[long] + 1, 12:].any():
+        fewer = [n for n in np.unique(count).tolist() if n < nodes.shape[1]]
+        if any(nodes[count == n, n:].any() for n in fewer) or whole[begin[long] + 1, 12:].any():
             raise self.lines.fault(int(rows[0]), "EBLOCK: elements have more nodes than they declare; write it again")
-        return whole[begin][:, [10, 1, 0, 8]], nodes, rows[begin]
+        return np.stack([head[:, k] for k in (10, 1, 0, 8)], axis=1), nodes, rows[begin]
 
     def _other_rows(self, rows: Array, whole: Array) -> tuple[Array, Array, Array]:
         """Number, section, constants, material, system, nodes, of the type that TYPE names."""
