@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 Array = np.ndarray
 TURN = 2.0 * np.pi
 SLACK = 1e-6  # of an angle or a width: round-off at the edges of pads, where nodes lie
+WALL = 0.25  # of the radius: the wall of a bore in pictures
 LIGHT = 1e-3  # kg: a bore that its support carries
 PIVOTS = ("line", "point")
 SOFT = 1e-3  # of the stiffness of a film against tilting
@@ -202,7 +203,8 @@ def add_journal_bearing(
             form = part if form is None else form + part
     hole = Bore(radius=at.radius, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
     reduced = at.rigid_film_body(
-        LIGHT, (LIGHT * at.radius**2,) * 3, contact={"bore": hole}, extent=at.ends, nodes=nodes
+        LIGHT, (LIGHT * at.radius**2,) * 3, contact={"bore": hole}, extent=at.ends, nodes=nodes,
+        thickness=WALL * at.radius,
     )  # fmt: skip
     body = scene.add_body(reduced, name=name, position=at.place.center, rotation=at.rotation)
     held: Any = scene.ground if support is None else support
@@ -280,7 +282,7 @@ def add_tilting_pad_bearing(
         edges = (pad.middle - 0.5 * pad.arc, pad.middle + 0.5 * pad.arc)
         reduced = at.rigid_film_body(
             mass, inertia, contact={"pad": shape}, extent=(edges, at.ends), nodes=nodes, points={"pivot": back},
-            center_of_mass=center,
+            center_of_mass=center, thickness=t,
         )  # fmt: skip
         body = scene.add_body(reduced, name=called, position=at.place.center, rotation=at.rotation)
         behind = held.at(held.to_user(at.place.center + at.world(back)))
