@@ -184,7 +184,12 @@ def skin_of(patches: Mapping[str, Patch]) -> DisplaySurface:
         index = first + np.arange(len(theta) * len(z)).reshape(len(theta), len(z))
         if patch.across is None:
             index = np.concatenate([index, index[:1]])
-        a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
-        triangles += [np.stack(corners, axis=-1).reshape(-1, 3) for corners in ((a, b, c), (a, c, d))]
+        triangles.append(triangles_of(index))
     count = sum(map(len, points))
     return DisplaySurface(np.concatenate(points), np.concatenate(triangles), np.zeros((0, count, 3)))
+
+
+def triangles_of(index: Array) -> Array:
+    """Triangles (t, 3) of the cells between points numbered by `index` (n, m)."""
+    a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
+    return np.concatenate([np.stack(corners, axis=-1).reshape(-1, 3) for corners in ((a, b, c), (a, c, d))])

@@ -17,9 +17,9 @@ from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery
-from warpffrf.model.reduced.data import Interface
+from warpffrf.model.reduced.data import DisplaySurface, Interface
 from warpffrf.model.surfaces import Shape
-from warpffrf.offline.half_space_body import Patch, skin_of
+from warpffrf.offline.half_space_body import SKIN_COLUMNS, SKIN_ROWS, Patch, skin_of, triangles_of
 
 FEWEST = 3  # nodes each way of a grid
 
@@ -32,6 +32,7 @@ def rigid_film_body(
     contact: Mapping[str, Shape],
     extent: Mapping[str, Vector | Matrix] | Vector | Matrix,
     nodes: tuple[int, int] = (64, 9),
+    thickness: float | None = None,
     points: Mapping[str, Vector] | None = None,
     center_of_mass: Vector = (0.0, 0.0, 0.0),
 ) -> ReducedBody:
@@ -41,6 +42,7 @@ def rigid_film_body(
     contact: {name: shape} of `warpffrf.surfaces` with all parameters given. extent: {name: limits}, without names: of
     all surfaces; (low, high) [m] along the axis from `axis_point`, all around, or ((low, high), (low, high)), first
     angles [rad] of an arc, of a plane lengths [m], then along. nodes: (columns, rows) of the grids, around and along.
+    thickness [m]: of the walls behind the surfaces in pictures, None for surfaces alone.
     points: {name: (3,) [m]}, ports for joints and forces, by default {"center": center_of_mass}. User frame.
 
     Returns a `ReducedBody` without modes, for `Scene.add_body`. Raises `InputError` for a shape with parameters left to
@@ -62,7 +64,7 @@ def rigid_film_body(
         raise InputError(f"{label}: extent names {unknown[0]!r}, which is no surface of contact")
     columns, rows = (require_count(n, f"{label}: nodes", FEWEST) for n in nodes)
     patches = {name: Patch.of(name, shape, extent.get(name), label, arcs=True) for name, shape in contact.items()}
-    skin = skin_of(patches)
+    skin = skin_of(patches) if thickness is None else _walls(patches, require_number(thickness, f"{label}: thickness"))
     center = require_array(center_of_mass, f"{label}: center_of_mass", (3,))
     return ReducedBody(
         mass=require_number(mass, f"{label}: mass", positive=True),
@@ -91,3 +93,23 @@ def _surface(name: str, patch: Patch, columns: int, rows: int, skin_points: int)
     recovery = Recovery(np.zeros((1, 3 * skin_points, functions), np.float32), 1, np.eye(3))
     compliance = np.zeros((columns // per_sector, block, block))
     return ContactSurface(name, patch.shape, grid, compliance, np.zeros((functions, 0)), recovery)
+
+
+def _walls(patches: Mapping[str, Patch], thickness: float) -> DisplaySurface:
+    """Walls behind the surfaces, closed."""
+    points: list[np.ndarray] = []
+    triangles: list[np.ndarray] = []
+    for patch in patches.values():
+        theta, z = patch.chart(SKIN_COLUMNS, SKIN_ROWS)
+        at = np.broadcast_arrays(theta[:, None], z[None, :])
+        front = patch.shape.point(*at)
+        index = sum(map(len, points)) + np.arange(2 * at[0].size).reshape(2, *at[0].shape)
+        points += [face.reshape(-1, 3) for face in (front, front - thickness * patch.shape.normal(*at))]
+        if patch.across is None:
+            index = np.concatenate([index, index[:, :1]], axis=1)
+        faces = [index[0], index[1, :, ::-1], index[::-1, :, 0].T, index[:, :, -1].T]
+        if patch.across is not None:
+            faces += [index[:, 0], index[::-1, -1]]
+        triangles += [triangles_of(face) for face in faces]
+    count = sum(map(len, points))
+    return DisplaySurface(np.concatenate(points), np.concatenate(triangles), np.zeros((0, count, 3)))

@@ -315,7 +315,7 @@ def value_kinds() -> dict[str, Form]:
     friction laws, rolling resistance, characteristics of springs, oils, feeds and forms of films, matched faces,
     contacts, integrators, treatments of local modes, stress points, parts of bearings."""
     from warpffrf.model.damping import DAMPINGS
-    from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES
+    from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES, Dam, Pad, pads
     from warpffrf.model.forces import CHARACTERISTICS
     from warpffrf.model.friction import FRICTION_LAWS
     from warpffrf.model.gears import Gear, GearPair
@@ -328,7 +328,7 @@ def value_kinds() -> dict[str, Form]:
     from warpffrf.offline.bases import BASES
 
     online = importlib.import_module("warpffrf.online")
-    others = [StressPoints, Matched, SmallSliding, DowsonHigginson, iso_vg]
+    others = [StressPoints, Matched, SmallSliding, DowsonHigginson, iso_vg, Pad, Dam, pads]
     others += [online.LocalModes, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
     registered = {
@@ -409,7 +409,7 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
     of_films = {"asperities": LAWS, "oil": (*OILS, "iso_vg")}
     of_films |= dict.fromkeys(("form_a", "form_b"), FORMS)
     of_films |= dict.fromkeys(("roughness_a", "roughness_b"), ROUGHNESSES)
-    taken = {("films", name): kinds for name, kinds in of_films.items()}
+    taken = {(section, name): kinds for section in ("films", "journal_bearings") for name, kinds in of_films.items()}
     for section, laws in contacts.items():
         taken |= {(section, "law"): laws, (section, "friction"): FRICTION_LAWS}
     taken |= {(section, "rolling_resistance"): ROLLING_LAWS for section in ("lumped_contacts", "bearings")}
@@ -424,6 +424,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     """Section -> kind -> form of the tables that are not items; kind "" where a section has one form only."""
     from warpffrf.model import mesh
     from warpffrf.model.bearings import BallGeometry, Materials, RollerGeometry, RollingContact
+    from warpffrf.model.films import MixedLubrication
     from warpffrf.model.material import Material
     from warpffrf.model.mesh.cut import cut
     from warpffrf.model.reduced.body import ReducedBody
@@ -437,6 +438,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     of_program = ("scene", "progress", "overwrite", "resume", "check")
     rings: dict[str, str] = {"inner": "port", "outer": "port", "element_body": "reduced_bodies"}
     options: dict[str, type] = {"contact": RollingContact, "materials": Materials}
+    of_journals: dict[str, str] = {"journal": "port", "support": "port", "pads": "value", "oil": "value"}
     balls = flat(Scene.add_bearing, geometry=listed(BallGeometry), **options)
     rollers = flat(Scene.add_bearing, geometry=listed(RollerGeometry), **options)
     found = {
@@ -494,6 +496,13 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
                 Scene.add_wheelset,
                 {"wheel": "value", "rail": "value", "material": "materials"},
                 ("scene", "name"),
+            )
+        },
+        "journal_bearings": {
+            kind: form_of(title, flat(call, mixed=MixedLubrication), of_journals, ("scene", "name"))
+            for kind, title, call in (
+                ("fixed_pads", "journal bearing", Scene.add_journal_bearing),
+                ("tilting_pads", "tilting-pad bearing", Scene.add_tilting_pad_bearing),
             )
         },
         "arrange": {

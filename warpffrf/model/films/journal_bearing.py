@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 Array = np.ndarray
 TURN = 2.0 * np.pi
 SLACK = 1e-6  # of an angle or a width: round-off at the edges of pads, where nodes lie
+WALL = 0.25  # of the radius: the wall of a bore in pictures
 LIGHT = 1e-3  # kg: a bore that its support carries
 PIVOTS = ("line", "point")
 SOFT = 1e-3  # of the stiffness of a film against tilting
@@ -100,11 +101,11 @@ class Pad:
         return self.middle - half, self.middle + half
 
     def narrowest(self, sense: int) -> float:
-        """theta_p [rad]."""
+        """theta_p [rad]; sense: as of a bearing."""
         return self.middle + sense * (self.offset - 0.5) * self.arc
 
     def pocket(self, sense: int) -> tuple[float, float]:
-        """Angles [rad] of its dam."""
+        """Angles [rad] of its dam; sense: as of a bearing."""
         assert self.dam is not None
         edge = self.middle - 0.5 * sense * self.arc
         low, high = sorted((edge, edge + sense * self.dam.arc))
@@ -129,9 +130,9 @@ def pads(
 
 @dataclass(eq=False, repr=False)
 class JournalBearing(reprs.Shown):
-    """A journal bearing, as made by `scene.add_journal_bearing` and `scene.add_tilting_pad_bearing`: its `pads`, the
-    `bodies` that carry the `films`, of one bore or by pad, and the `pivots` of tilting pads with their
-    `tilt_stiffness`."""
+    """A journal bearing, as made by `scene.add_journal_bearing` and `scene.add_tilting_pad_bearing`: its `place`, its
+    `pads`, the `bodies` that carry the `films`, of one bore or by pad, and the `pivots` of tilting pads with their
+    tilt_stiffness [N m/rad]."""
 
     name: str
     pads: list[Pad]
@@ -202,7 +203,8 @@ def add_journal_bearing(
             form = part if form is None else form + part
     hole = Bore(radius=at.radius, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
     reduced = at.rigid_film_body(
-        LIGHT, (LIGHT * at.radius**2,) * 3, contact={"bore": hole}, extent=at.ends, nodes=nodes
+        LIGHT, (LIGHT * at.radius**2,) * 3, contact={"bore": hole}, extent=at.ends, nodes=nodes,
+        thickness=WALL * at.radius,
     )  # fmt: skip
     body = scene.add_body(reduced, name=name, position=at.place.center, rotation=at.rotation)
     held: Any = scene.ground if support is None else support
@@ -250,8 +252,9 @@ def add_tilting_pad_bearing(
     m/rad] of the pivots holds pads that carry no load, which would otherwise tilt until they touch (spragging); None: a
     thousandth of mu w R^5 L/c^3, the size of that of a film, w the speed of the shaft at the start. clearance [m]: of
     the pads, before assembly, (1 - preload) of it remains at the pivots. nodes: (columns, rows) of each film.
-    feed_pressure [Pa]: at the leading edges. Other arguments are those of `scene.add_journal_bearing`. Raises
-    `InputError`.
+    feed_pressure [Pa]: at the leading edges; ambient_pressure [Pa]: at the other ones. name of the bearing, its length
+    [m], position (3,) [m], axis (3,), first (3,), sense, oil, cavitation, mixed: as of `scene.add_journal_bearing`.
+    Raises `InputError`.
     """
     at = _Frame.of(f"tilting-pad bearing {name!r}", journal, pads, clearance, length, (position, axis, first), sense)
     _refuse_overlap(at.pads, at.label)
@@ -279,7 +282,7 @@ def add_tilting_pad_bearing(
         edges = (pad.middle - 0.5 * pad.arc, pad.middle + 0.5 * pad.arc)
         reduced = at.rigid_film_body(
             mass, inertia, contact={"pad": shape}, extent=(edges, at.ends), nodes=nodes, points={"pivot": back},
-            center_of_mass=center,
+            center_of_mass=center, thickness=t,
         )  # fmt: skip
         body = scene.add_body(reduced, name=called, position=at.place.center, rotation=at.rotation)
         behind = held.at(held.to_user(at.place.center + at.world(back)))

@@ -42,6 +42,7 @@ from warpffrf.online.vibrations.film_system import FilmSystem
 from warpffrf.online.vibrations.quadratic import quadratic_modes
 
 Array = np.ndarray
+SPARSE = 0.05  # part of the entries: fewer are those of films between rigid bodies, where no pressure opens other gaps
 MOST_PLACES = 20  # iterations of Newton's method per motion
 CLOSE = 1e-5  # of |lambda|, a step of it: the next would be its square
 ROUND_OFF = 1e-13  # of the highest frequency: resolution of all motions
@@ -57,6 +58,8 @@ class FilmResponse:
         self.thin, self.order = int(np.count_nonzero(system.thin)), order
         line = 1.0 / np.maximum(np.abs(system.J_0).max(axis=1), np.abs(system.J_1).max(axis=1))[order]
         self.J = [line[:, None] * J[np.ix_(order, order)] for J in (system.J_0, system.J_1)]
+        few = sum(int(np.count_nonzero(J)) for J in self.J) < SPARSE * len(order) ** 2
+        self.sparse = [sparse.csc_array(J) for J in self.J] if few else None
         self.to_thin = [sparse.csc_array(J[:, : self.thin]) for J in self.J]
         self.by_place = line[:, None] * (system.B_0 @ Q + system.B_1 @ QU)[order]
         self.by_rate = line[:, None] * (system.B_1 @ Q)[order]
@@ -70,6 +73,12 @@ class FilmResponse:
     def unknowns(self, value: complex) -> tuple[Array, Array]:
         """(J_0 + lambda J_1)^-1 (B_0 + lambda B_1) (x, n), minus the film's unknowns by motions, and its derivative by
         lambda."""
+        right = self.by_place + value * self.by_rate
+        if self.sparse is not None:
+            solved = splu(self.sparse[0] + value * self.sparse[1])
+            x = solved.solve(right.astype(solved.L.dtype))
+            rate = solved.solve((self.by_rate - self.sparse[1] @ x).astype(solved.L.dtype))
+            return self._in_order(x, rate)
         t = self.thin
         J = self.J[0][:, t:] + value * self.J[1][:, t:]
         to_thin = sparse.csc_array(self.to_thin[0] + value * self.to_thin[1])
@@ -87,9 +96,12 @@ class FilmResponse:
             last = scipy.linalg.lu_solve(full, right[t:] - over @ first)
             return np.concatenate([first - within @ last, last])
 
-        x = solve(self.by_place + value * self.by_rate)
+        x = solve(right)
+        return self._in_order(x, solve(self.by_rate - self.J[1] @ x))
+
+    def _in_order(self, x: Array, x_rate: Array) -> tuple[Array, Array]:
         found = np.zeros((2, *x.shape), x.dtype)
-        found[:, self.order] = x, solve(self.by_rate - self.J[1] @ x)
+        found[:, self.order] = x, x_rate
         return found[0], found[1]
 
 

@@ -131,12 +131,13 @@ class FilmState:
         )  # fmt: skip
         return _gathered(node, part, self.second_nodes)
 
-    def _openings(self) -> tuple[Array, Array]:
-        """Opening at the points, then at the nodes, by the unknowns (x) and by the columns."""
+    def _openings(self) -> tuple[Array | None, Array]:
+        """Opening at the points, then at the nodes, by the unknowns (x), None of rigid bodies, and by the columns."""
         films, trial, m = self.engine.compiled.films, self.engine.scratch, self.engine.compiled.model
         lines = len(self.full)
         to = sp.vstack([self.between, sp.identity(self.grid_nodes)]).tocsr()
-        E = to @ self._table("compliance", lines, self.grid_nodes).T
+        compliance = self._table("compliance", lines, self.grid_nodes)
+        E = to @ compliance.T if compliance.any() or self.seats is not None else None
         normal = np.concatenate([self._column(sampling.NORMAL, 3),
                                  self.node_line[:, int(sampling.NODE_NORMAL) :][:, :3]])  # fmt: skip
         place = np.concatenate([films.point_place.numpy()[self.spans["point"]],
@@ -148,14 +149,14 @@ class FilmState:
         arm = origin[0] - origin[1] + place @ axes[0].T
         rigid = np.hstack([world, np.cross(place, normal), -world, -np.cross(arm, world) @ axes[1]])
         rows = len(rigid)
-        E, to = E[:rows], to[:rows]
+        E, to = None if E is None else E[:rows], to[:rows]
         L = np.hstack([rigid, -(to @ self._table("shape", self.grid_nodes, self.modes))])
         if self.seats is not None:
             shape = self._table("second_shape", self.second_nodes, self.second_modes)
             D = self._table("second_compliance", self.second_nodes, self.second_nodes)
             E = E + self.seats[:rows] @ (D @ self._pressed().T)
             L = np.hstack([L, -(self.seats[:rows] @ shape)])
-        return E * self.acts, L
+        return None if E is None else E * self.acts, L
 
     def _pressed(self) -> Array:
         """Loads (x, nodes) [m2] on the nodes of the compliant second surface."""
@@ -187,11 +188,13 @@ class FilmState:
         A = A + self.z.T @ sp.diags(wide * self.line[:, int(sampling.EVENNESS)]) @ self.z
         J = np.zeros((n + self.rough, n + self.rough))
         J[:n, :n] = A.toarray() * ~self.is_void
-        J[:n] += H @ E[:points]
+        if E is not None:
+            J[:n] += H @ E[:points]
         J[:n, :n] -= self._cavities()[:, self.free][self.free].toarray() * self.is_void
         stiff = self.node_line[:, int(sampling.STIFFNESS), None]
         touches = self.full[n:, None]
-        J[n:] = touches * stiff * E[points:]
+        if E is not None:
+            J[n:] = touches * stiff * E[points:]
         J[n + np.arange(self.rough), n + np.arange(self.rough)] += 1.0
         return J, np.vstack([H @ L[:points], touches * stiff * L[points:]])
 

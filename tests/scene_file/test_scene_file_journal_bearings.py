@@ -1,0 +1,88 @@
+"""Journal bearings in scene files: the same scene as from Python, and refusals with their line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import warpffrf as wf
+from warpffrf.model.errors import InputError
+from warpffrf.scene_file import load_scene
+
+FILE = """
+[bodies.shaft]
+kind = "rigid"
+mass = 20.0
+inertia_tensor = [0.1, 0.1, 0.1]
+angular_velocity = [0, 300, 0]
+surfaces = { front = { kind = "cylinder", radius = 0.05, axis_point = [0, -0.2, 0], axis_direction = [0, 1, 0] }, back = { kind = "cylinder", radius = 0.05, axis_point = [0, 0.2, 0], axis_direction = [0, 1, 0] } }
+
+[journal_bearings.front]
+kind = "fixed_pads"
+journal = "shaft.front"
+pads = [
+  { kind = "pad", middle = 0.0, arc = 2.8 },
+  { kind = "pad", middle = 3.14, arc = 2.8, preload = 0.3, dam = { kind = "dam", depth = 5e-5, arc = 2.0 } },
+]
+clearance = 1e-4
+length = 0.05
+position = [0, -0.2, 0]
+oil = { kind = "newtonian", viscosity = 0.02 }
+
+[journal_bearings.back]
+kind = "tilting_pads"
+journal = "shaft.back"
+pads = { kind = "pads", count = 4, arc = 1.3, first = 0.785, preload = 0.4 }
+clearance = 1e-4
+length = 0.05
+thickness = 0.015
+pivot = "point"
+position = [0, 0.2, 0]
+oil = { kind = "iso_vg", grade = 32, temperature = 50 }
+support = "ground"
+nodes = [24, 9]
+
+[sensors.pad]
+kind = "position"
+port = "back pad 2.pivot"
+"""  # noqa: E501
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "scene.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_file_has_the_bodies_and_films_of_the_calls(tmp_path: Path) -> None:
+    scene, y = wf.Scene(), (0, 1, 0)
+    journals = {
+        name: wf.surfaces.Cylinder(radius=0.05, axis_point=(0, at, 0), axis_direction=y)
+        for name, at in (("front", -0.2), ("back", 0.2))
+    }
+    shaft = scene.add_rigid_body(20.0, (0.1,) * 3, name="shaft", angular_velocity=(0, 300, 0), surfaces=journals)
+    dam = wf.films.Dam(5e-5, 2.0)
+    scene.add_journal_bearing(
+        "front", shaft["front"], [wf.films.Pad(0.0, 2.8), wf.films.Pad(3.14, 2.8, preload=0.3, dam=dam)],
+        clearance=1e-4, length=0.05, position=(0, -0.2, 0), oil=wf.oils.Newtonian(0.02),
+    )  # fmt: skip
+    bearing = scene.add_tilting_pad_bearing(
+        "back", shaft["back"], wf.films.pads(4, 1.3, first=0.785, preload=0.4), clearance=1e-4, length=0.05,
+        thickness=0.015, pivot="point", position=(0, 0.2, 0), oil=wf.oils.iso_vg(32, temperature=50), nodes=(24, 9),
+    )  # fmt: skip
+    scene.add(wf.sensors.Position(bearing.bodies[1]["pivot"], name="pad"))
+    loaded = load_scene(written(tmp_path, FILE)).scene
+    assert loaded.content_hash() == scene.content_hash()
+    assert np.allclose([film.clearance() for film in loaded.films], 1e-4)
+
+
+def test_what_is_wrong_is_refused_with_its_line(tmp_path: Path) -> None:
+    for right, wrong, message in (
+        ('kind = "fixed_pads"', 'kind = "fixed"', "there is no kind 'fixed'"),
+        ("arc = 1.3", "arc = 1.9", "pads overlap"),
+        ("thickness = 0.015", "thickness = -0.015", "thickness"),
+    ):
+        with pytest.raises(InputError, match=message):
+            load_scene(written(tmp_path, FILE.replace(right, wrong)))
