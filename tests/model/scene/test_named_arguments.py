@@ -21,6 +21,7 @@ STRUCTURES = {
     "Coefficients", "Marker", "Row", "Signal", "basis_options", "ONE_TEN_HUNDRED", "damping_ratios", "default_damping",
     "roots_at_infinity", "coincident_within", "as_signal", "Bearing", "Cage", "Example", "AxialPreload", "RunError",
     "Status", "BasisProblem", "RawBasis", "Force", "Pieces", "scalar_law", "Approach", "RevolutionShape",
+    "JournalBearing",
 }  # fmt: skip
 WRONG = "no_argument_of_this_name"
 

@@ -112,9 +112,8 @@ class Pad:
         return low, high
 
 
-def pads(
-    count: int, arc: float, *, first: float = 0.0, preload: float = 0.0, offset: float = 0.5
-) -> list[Pad]:  # fmt: skip
+@named_arguments
+def pads(count: int, arc: float, *, first: float = 0.0, preload: float = 0.0, offset: float = 0.5) -> list[Pad]:
     """`count` equal pads of `arc` [rad] evenly around, the middle of one at the angle `first` [rad]; preload, offset as
     of `films.Pad`. Raises `InputError` for pads that overlap.
 
