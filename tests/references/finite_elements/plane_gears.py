@@ -67,12 +67,12 @@ class Flanks:
         x = mesh.points[:, [0, 2]] * [1.0, -1.0]
         held = np.intersect1d(mesh.facet_sets["bore"].node_set, cells)
         free = np.setdiff1d(np.unique(cells), held)
-        dofs = (2 * free[:, None] + [0, 1]).ravel()
+        dofs = _dofs(free)
         K = _stiffness(x, cells, material)[dofs][:, dofs].tocsc()
         factor = splu(K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         self.x, self.dofs, self.factor, self.material = x, dofs, factor, material
-        self.cells: Array = cells
-        self.roots: Array = np.intersect1d(mesh.facet_sets["roots"].node_set, cells)
+        self.cells = cells
+        self.roots = np.intersect1d(mesh.facet_sets["roots"].node_set, cells)
         order = {}
         for tooth in carrying:
             nodes = np.intersect1d(mesh.facet_sets[f"flank_right_{tooth}"].node_set, cells)
@@ -80,8 +80,7 @@ class Flanks:
         self.gear = gear
         self.points = {tooth: x[nodes] for tooth, nodes in order.items()}
         nodes = np.concatenate(list(order.values()))
-        rows: Array = np.searchsorted(dofs, (2 * nodes[:, None] + [0, 1]).ravel())
-        self.rows = rows
+        self.rows = rows = np.searchsorted(dofs, _dofs(nodes))
         C = np.empty((len(rows), len(rows)))
         for start in range(0, len(rows), BLOCK):
             unit = np.zeros((len(dofs), len(rows[start : start + BLOCK])))
@@ -103,8 +102,7 @@ class Flanks:
         total, count = np.zeros((len(self.x), 3)), np.zeros(len(self.x))
         for node, place in enumerate(NODES):
             B, _ = _strains(self.x, self.cells, place)
-            dof = (2 * self.cells[:, :, None] + [0, 1]).reshape(len(self.cells), 18)
-            stress = np.einsum("es,st->et", np.einsum("esd,ed->es", B, u[dof]), _elasticity(self.material))
+            stress = np.einsum("esd,ed->es", B, u[_dofs(self.cells)]) @ _elasticity(self.material)
             np.add.at(total, self.cells[:, node], stress)
             np.add.at(count, self.cells[:, node], 1.0)
         xx, yy, xy = (total[self.roots] / count[self.roots, None]).T
@@ -205,6 +203,11 @@ def _facing(place: Array, normal: Array, other: Array) -> tuple[Array, Array]:
     return gap, N
 
 
+def _dofs(nodes: Array) -> Array:
+    """Numbers (..., 2 n) of the displacements of nodes (..., n)."""
+    return (2 * nodes[..., None] + np.arange(2)).reshape(*nodes.shape[:-1], -1)
+
+
 def _elasticity(material: Material) -> Array:
     """Plane strain: stresses xx, yy, xy by strains xx, yy and twice xy."""
     lam, mu = material.lame
@@ -232,6 +235,6 @@ def _stiffness(x: Array, cells: Array, material: Material) -> csr_array:
     for i, j in np.ndindex(3, 3):
         B, area = _strains(x, cells, g[[i, j]])
         ke += (w[i] * w[j] * area)[:, None, None] * (B.transpose(0, 2, 1) @ D @ B)
-    dof = (2 * cells[:, :, None] + [0, 1]).reshape(len(cells), 18)
+    dof = _dofs(cells)
     rows, columns = np.repeat(dof, 18, axis=1).ravel(), np.tile(dof, (1, 18)).ravel()
     return coo_array((ke.ravel(), (rows, columns)), shape=(2 * len(x),) * 2).tocsr()
