@@ -153,8 +153,8 @@ def run(size: Size, progress: bool) -> wf.Result:
 
 
 def main(out: str | Path = "out/gearbox", *, quick: bool = False, progress: bool = True) -> list[wf.Result]:
-    """Write gearbox.h5 (at rest), gearbox.at_speed.h5, .rrd and .png into the folder `out` and print the figures;
-    quick: fewer cells, a shorter run."""
+    """Write gearbox.h5, .rrd and .png, and gearbox.at_speed.h5, into the folder `out` and print the figures; the
+    recording is that at speed; quick: fewer cells, a shorter run."""
     stem, size = Path(out) / "gearbox", QUICK if quick else FULL
     result = wf.equilibrium(build(size), progress=progress)
     torque = torque_of(result, "load")
