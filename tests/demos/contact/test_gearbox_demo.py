@@ -13,7 +13,7 @@ RATIO = 1e-4
 BEARING = 1e-3  # of the largest load of its shaft: the moments of tilted bearings are left out; observed 1e-4
 TORQUE = 240.0  # N m
 ENERGY = 1e-4  # of the largest energy; observed 8e-6
-EVEN = 1e-3  # of the speed of the output shaft in the mean: teeth yield by 5 um in 20 revolutions of 90 mm a second
+EVEN = 1e-3  # of the mean speed of the output shaft: transmission errors change by 2.3 um while flanks move on by 9 mm
 
 
 @both_sizes
