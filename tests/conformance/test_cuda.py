@@ -155,6 +155,40 @@ np.savez(sys.argv[2], lanes=lanes.numpy()[0], **made)
 """
 
 
+# a bearing of rollers by laminae with friction and rolling resistance, in which the cage slips and rollers are unloaded
+LUMPED = """
+import sys
+import numpy as np
+import warp as wp
+
+wp.config.enable_cpu_blocks = sys.argv[1] == "blocks"
+import warpffrf as wf
+from warpffrf.online import run
+
+scene = wf.Scene(gravity=(0, 0, 0))
+rollers = wf.bearings.RollerGeometry(
+    elements=12, roller_diameter=0.01, roller_length=0.012, pitch_diameter=0.07, clearance=20e-6
+)
+rolling = wf.bearings.RollingContact(
+    law=wf.laws.PalmgrenLine(0.012, 5), friction=wf.laws.RegularisedCoulomb(0.05, 1.0),
+    rolling_resistance=wf.laws.RollingResistanceArm(1e-5, 1.0),
+)
+bearing = scene.add_bearing(
+    "b", rollers, first=(0, 0, 1), outer=scene.ground, contact=rolling, cage=wf.bearings.PocketCage(1e-4)
+)
+ring = bearing.inner
+bearing.roll(100.0)
+ring.position = at = np.array([5e-6, 0.0, 20e-6])
+axle = scene.add(wf.joints.Revolute(scene.ground.at(at), ring.at((0, 0, 0)), axis=(0, 1, 0)))
+scene.add(wf.joints.Drive(axle, 100.0))
+history = run(scene, 40 * 5e-5, step=5e-5, start="initial", progress=False)
+assert history.status == "completed", history.message
+made = {f"{name} force": c.force for name, c in history.lumped_contacts.items()}
+made |= {f"{name} motion": b.position for name, b in history.bodies.items()}
+np.savez(sys.argv[2], friction=history.energy["friction"], **made)
+"""
+
+
 # an oil film, and one with asperities that touch
 FILMS = """
 import sys
@@ -185,6 +219,13 @@ np.savez(sys.argv[2], **made)
 def test_one_lane_and_64_lanes_agree_on_films(tmp_path: Path) -> None:
     one, blocks = both(FILMS, tmp_path)
     assert np.any(one["asperities"] > 0.0) and np.any(one["smooth pressure"] > 1e6)
+    compare(one, blocks)
+
+
+@pytest.mark.slow
+def test_one_lane_and_64_lanes_agree_on_lumped_contacts(tmp_path: Path) -> None:
+    one, blocks = both(LUMPED, tmp_path)
+    assert np.abs(one["friction"]).max() > 1e-6
     compare(one, blocks)
 
 
