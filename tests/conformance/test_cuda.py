@@ -16,6 +16,7 @@ import warp as wp
 from warpffrf_kernels.core.scalars import BLOCK
 
 LANES = 1e-12  # relative: the lanes add in another order
+SOLVED = 1e-9  # of the largest traction: tractions are iterated until their residual is 1e-10 of the largest bound
 
 
 def test_kernel_modules_are_found() -> None:
@@ -70,8 +71,8 @@ first, second = roller_body(90, **made), roller_body(84, outer_radius=0.0497, **
 scene = guided_pair(first, second, load=200e3, speed=50.0, ramp=0.002, friction=FRICTION)
 history = run(scene, 0.004, step=1e-4, start="equilibrium", progress=False)
 c = history.contacts[PAIR]
-made = {"traction": c.friction.traction, "state": c.friction.state} if FRICTION else {}
-np.savez(sys.argv[2], force=c.force, pressure=c.pressure, torque_second=c.torque_second,
+made = {"traction": c.friction.traction, "state": c.friction.state, "torque": c.torque_second} if FRICTION else {}
+np.savez(sys.argv[2], force=c.force, pressure=c.pressure,
          modal=history.bodies["upper"].modal, rotation=history.bodies["lower"].rotation,
          kinetic=history.energy["kinetic"], status=history.status, lanes=lanes.numpy()[0], **made)
 """
@@ -282,4 +283,4 @@ def compare(one: Any, blocks: Any) -> None:
             scale = np.abs(one[name]).max()
             worst = np.abs(one[name] - blocks[name]).max() / scale
             print(f"{name}: {worst:.1e}")
-            assert worst < LANES, name
+            assert worst < (SOLVED if name.endswith("traction") else LANES), name
