@@ -38,7 +38,6 @@ class FilmScratch:
     film_off_before: DeviceArray = reals("world", "film", note="of the iteration before", carried=True)
     film_modal: DeviceArray = reals("world", "film_column", unit=MODAL, note="load on modes", zero_without=True)
     film_changed: DeviceArray = integers("world", "film", note="functions that changed sides", zero_without=True)
-    film_switch: DeviceArray = integers("world", "film_unknown", note="1 where the last iteration changed sides")
     film_node_line: DeviceArray = reals("world", "film_node", NODE_LINE, note="where there are asperities")
     film_energy_now: DeviceArray = reals("world", "film_node", unit="J/m2", note="of asperities")
     film_rough: DeviceArray = integers("world", "film_node", note="1 where asperities touch", carried=True)
