@@ -321,19 +321,19 @@ def value_kinds() -> dict[str, Form]:
     from warpffrf.model.gears import Gear, GearPair
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
     from warpffrf.model.moments import ROLLING_LAWS
-    from warpffrf.model.oils import OILS, DowsonHigginson, iso_vg
+    from warpffrf.model.oils import OILS, THERMAL_LAWS, DowsonHigginson, Thermal, iso_vg
     from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.small_sliding import SmallSliding
     from warpffrf.model.surfaces import SHAPES, Curve, Matched, cam, rail_uic60, wheel_s1002
     from warpffrf.offline.bases import BASES
 
     online = importlib.import_module("warpffrf.online")
-    others = [StressPoints, Matched, SmallSliding, DowsonHigginson, iso_vg, Pad, Dam, pads]
+    others = [StressPoints, Matched, SmallSliding, DowsonHigginson, Thermal, iso_vg, Pad, Dam, pads]
     others += [online.LocalModes, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
     registered = {
         **SHAPES, **BASES, **DAMPINGS, **LAWS, **LUMPED_LAWS, **FRICTION_LAWS, **CHARACTERISTICS, **OILS, **FEEDS,
-        **FORMS, **ROUGHNESSES, **ROLLING_LAWS,
+        **FORMS, **ROUGHNESSES, **ROLLING_LAWS, **THERMAL_LAWS,
     }  # fmt: skip
     found.update({kind: form_of(kind, cls, {}) for kind, cls in registered.items()})
     found["extruded"] = form_of("extruded", SHAPES["extruded"], {"curve": "value"})
