@@ -226,6 +226,11 @@ class Oil(ABC):
     def viscosity_slope(self, pressure: Any) -> Array:
         """mu' [s] at pressures [Pa], any shape."""
 
+    def thinned(self, pressure: Any, thinning: Any) -> Array:
+        """mu [Pa s] at pressures [Pa] at another temperature; thinning: ln of the viscosity without pressure there over
+        that of this oil, arguments broadcast."""
+        return self.viscosity_at(pressure) * np.exp(thinning)
+
     def density_at(self, pressure: Any) -> Array:
         """rho/rho_0 [-] at pressures [Pa], any shape."""
         p = np.asarray(pressure, dtype=float)
@@ -337,6 +342,10 @@ class Roelands(Oil):
     def viscosity_at(self, pressure: Any) -> Array:
         relative = 1.0 + np.asarray(pressure, dtype=float) / POLE_PRESSURE
         return self.viscosity * np.exp(self.rise * (relative**self.exponent - 1.0))
+
+    def thinned(self, pressure: Any, thinning: Any) -> Array:
+        relative = 1.0 + np.asarray(pressure, dtype=float) / POLE_PRESSURE
+        return self.viscosity_at(pressure) * np.exp(thinning * relative**self.exponent)
 
     def viscosity_slope(self, pressure: Any) -> Array:
         relative = 1.0 + np.asarray(pressure, dtype=float) / POLE_PRESSURE
