@@ -1,8 +1,8 @@
 """Scratch arrays of oil films."""
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, reals, topic
+from warpffrf_kernels.core.films import HEAT_LINE, NODE_LINE, PULL, SUMS
 from warpffrf_kernels.core.films import LINE as FILM_LINE
-from warpffrf_kernels.core.films import NODE_LINE, PULL, SUMS
 from warpffrf_kernels.core.scratch import MODAL
 
 
@@ -92,4 +92,5 @@ class FilmScratch:
     film_opening: DeviceArray = reals("world", "film_station", unit="m", note="change of the gap")
     film_ahead: DeviceArray = reals("world", "film_point", unit="m", note="change of the gap")
     film_part: DeviceArray = reals("world", note="of the increments that is taken")
+    film_heat_line: DeviceArray = reals("world", "film_heat_node", HEAT_LINE, note="see `films.heat`")
     film_taken: DeviceArray = reals("world", "film", 2, unit="J", note="by flow, by sliding", zero_without=True)

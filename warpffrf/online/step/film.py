@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from warpffrf.online.step.launches import blocks
 from warpffrf.online.step.phases import Participant
-from warpffrf_kernels.films import flow, history, increments, sampling, second_surface, system
+from warpffrf_kernels.films import flow, heat, history, increments, sampling, second_surface, system
+
+WARM = Participant("temperatures of films", when="film_heat_node", keep=[blocks(heat.warm_film, "film")])
 
 SECOND = Participant(
     "second surfaces of films that yield",
