@@ -38,6 +38,6 @@ def slider(
     runner = scene.add_rigid_body(1.0, (0.1,) * 3, name="runner", velocity=(speed, 0, 0), surfaces={"top": top})
     scene.add(wf.joints.Prismatic(scene.ground, runner, axis=(1, 0, 0), name="guide"))
     scene.add(wf.joints.Drive(scene.joint("guide"), speed, quantity="velocity"))
-    given = {"cavitation": "full_sommerfeld", "ambient_pressure": 1e5, "name": "film"} | film
+    given: dict[str, Any] = {"cavitation": "full_sommerfeld", "ambient_pressure": 1e5, "name": "film"} | film
     scene.add(wf.Film(held["face"], runner["top"], **given))
     return scene

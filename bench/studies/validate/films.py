@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from scipy.optimize import root
@@ -136,7 +137,7 @@ def adiabatic_slider() -> Iterator[Row]:
         gaps, speed=speed, breadth=breadth, oil=warm_slider.oil(0.0),
         temperature=films.FilmTemperature(warm_slider.SUPPLY),
     )  # fmt: skip
-    film = made.at_rest(scene).films["film"]
+    film: Any = made.at_rest(scene).films["film"]
     capacity = warm_slider.DENSITY * warm_slider.CAPACITY
     rise = film.temperature[-1][-1, 4] - warm_slider.SUPPLY
     yield Row("rise", rise, adiabatic_rise(warm_slider.VISCOSITY, speed, breadth, *gaps, capacity), 5e-3, "K")

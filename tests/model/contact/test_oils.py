@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -73,18 +74,18 @@ def test_vogel() -> None:
     assert oils.vogel(40.0, a=1e-4, b=800.0, c=95.0) == pytest.approx(1e-4 * np.exp(800.0 / 135.0), rel=ROUND_OFF)
 
 
-WARM = dict(heat_capacity=2000.0, conductivity=0.13, density=870.0, expansion=7e-4)
+WARM: dict[str, Any] = dict(heat_capacity=2000.0, conductivity=0.13, density=870.0, expansion=7e-4)
 POINTS = [(40.0, 46e-6), (100.0, 6.8e-6)]
 LAWS = [oils.VogelLaw(870.0, 95.0), oils.WaltherLaw(POINTS), oils.RoelandsLaw(1.2), oils.ExponentialLaw(0.03)]
 
 
-def warm(law: oils.ThermalLaw, oil: oils.Oil) -> oils.Oil:
+def warm(law: oils.ThermalLaw, oil: oils.Oil) -> Any:
     return replace(oil, thermal=oils.Thermal(law, 40.0, **WARM))
 
 
 @pytest.mark.parametrize("oil", EXAMPLES, ids=lambda oil: oil.kind)
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.kind)
-def test_an_oil_at_another_temperature_is_the_same_oil(law: oils.ThermalLaw, oil: oils.Oil) -> None:
+def test_an_oil_at_another_temperature_is_the_same_oil(law: oils.ThermalLaw, oil: Any) -> None:
     """Over a third temperature it comes to where the direct way leads, and back again; viscosity and density fall."""
     oil = warm(law, oil)
     there = oil.at(80.0)

@@ -37,7 +37,7 @@ def unbalanced(film: Any) -> float:
 
 def journal(**film: Any) -> wf.Scene:
     """A shaft in a rigid sleeve, that begins off its equilibrium."""
-    given = {"oil": oil(0.03, film_bearing.VISCOSITY), "feeds": [film_bearing.GROOVE]} | film
+    given: dict[str, Any] = {"oil": oil(0.03, film_bearing.VISCOSITY), "feeds": [film_bearing.GROOVE]} | film
     body = film_bearing.bore(BORE, stiffer=film_bearing.RIGID)
     return film_bearing.bearing(body, (2e3, 0.0), **given)
 
@@ -54,7 +54,7 @@ def test_oil_heats_up_along_an_adiabatic_slider_as_in_closed_form() -> None:
 
 
 @pytest.mark.parametrize("walls", [{"wall_a": SUPPLY, "wall_b": SUPPLY}, {"wall_a": SUPPLY}, {"wall_b": SUPPLY}])
-def test_couette_flow_with_conduction_is_that_of_nahme(walls: dict[str, float]) -> None:
+def test_couette_flow_with_conduction_is_that_of_nahme(walls: dict[str, Any]) -> None:
     """Two lengths of plates, whose difference has no ends; from cold walls to viscosities that halve."""
     gap, slope, width, cells = 10e-6, 0.03, 0.02, 16
     temperature = wf.films.FilmTemperature(SUPPLY, **walls)
@@ -185,11 +185,12 @@ def test_what_has_no_temperature_is_refused(given: dict[str, Any], said: str) ->
 
 
 def test_impossible_temperatures_are_refused() -> None:
-    for given, said in (
+    wrong: tuple[tuple[dict[str, Any], str], ...] = (
         ({"supply": 313.15}, "from kelvins subtract 273.15"),
         ({"supply": 40.0, "wall_a": -100.0}, "wall_a"),
         ({"supply": 40.0, "carry_over": 1.1}, "at most 1"),
-    ):
+    )
+    for given, said in wrong:
         with pytest.raises(InputError, match=said):
             wf.films.FilmTemperature(**given)
     scene = journal(temperature=wf.films.FilmTemperature(SUPPLY, upstream="pad"))

@@ -110,8 +110,8 @@ class FilmTemperature:
         return np.column_stack([-np.log(fluidity @ w), (g * w) @ parts.T / (g @ rise.T @ w)[:, None]])
 
     def numbers(self, oil: Oil) -> list[float]:
-        """For the device: rho c [J/(m3 K)], k [W/(m K)], supply, walls [degrees Celsius], carry-over, and 1 for each
-        wall with a temperature."""
+        """Of `oil`, for the device: rho c [J/(m3 K)], k [W/(m K)], supply, walls [degrees Celsius], carry-over, and 1
+        for each wall with a temperature."""
         assert oil.thermal is not None
         walls = (self.wall_a, self.wall_b)
         return [

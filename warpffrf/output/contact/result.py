@@ -241,13 +241,13 @@ class FilmResult(reprs.Shown):
         # (T, columns2, rows2) N, nodal forces on a flexible second surface, inwards; None for a rigid one
         self.load_second = history.load_second
         # of films with a temperature, None of isothermal ones
-        self.temperature = history.temperature  # (T, columns, rows) degC, mean across the gap
-        self.inlet_temperature = history.inlet_temperature  # (T,) degC, of oil entering at feeds and leading edges
-        self.heat_generated = history.heat_generated  # (T,) W, by sliding, flow, closing cavities and asperities
-        self.heat_carried = history.heat_carried  # (T,) W, by oil that leaves, less that of oil entering
-        self.heat_to_a = history.heat_to_a  # (T,) W, conducted into the first surface
-        self.heat_to_b = history.heat_to_b  # (T,) W, into the second surface
-        self.heat_stored = history.heat_stored  # (T,) W, by the oil in the film
+        self.temperature: Any = history.temperature  # (T, columns, rows) degC, mean across the gap
+        self.inlet_temperature: Any = history.inlet_temperature  # (T,) degC, of oil entering at feeds and leading edges
+        self.heat_generated: Any = history.heat_generated  # (T,) W, by sliding, flow, closing cavities and asperities
+        self.heat_carried: Any = history.heat_carried  # (T,) W, by oil that leaves, less that of oil entering
+        self.heat_to_a: Any = history.heat_to_a  # (T,) W, conducted into the first surface
+        self.heat_to_b: Any = history.heat_to_b  # (T,) W, into the second surface
+        self.heat_stored: Any = history.heat_stored  # (T,) W, by the oil in the film
 
     def _facts(self) -> dict[str, Any]:
         rows, *grid = self.pressure.shape
