@@ -275,7 +275,7 @@ def constraint(
     for interface in rigid:
         R = sp.coo_matrix(rigid_modes(points[interface.nodes], interface.point))
         blocks.append(sp.csr_matrix((R.data, (interface.dofs[R.row], R.col)), shape=(3 * n, 6)))
-    T = sp.csr_matrix(sp.hstack(blocks, format="csr"))
+    T: Sparse = sp.csr_matrix(sp.hstack(blocks, format="csr"))
     if rotating is not None and len(rotating):
         T = sp.csr_matrix(sp.vstack([T, sp.csr_matrix((3 * len(rotating), T.shape[1]))], format="csr"))
         own = np.flatnonzero(~slaved[rotating])

@@ -9,6 +9,7 @@ import pytest
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Beam, Mesh, PointMass, RigidLink, Shell, Spring, read
+from warpffrf.offline import reduce
 
 MATERIAL = "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.3\n*DENSITY\n7.85E-9\n"
 NODES = """*NODE
@@ -114,7 +115,9 @@ def test_both_decks_give_the_same_structure_in_si(tmp_path: Path, text: str, nam
     if name == "PLATE":
         assert mesh.node_sets["TIP"].tolist() == [6]
     assert not any("left out" in note for note in mesh.notes)
-    mesh.check()
+    body = reduce(mesh.check(), modes=2, interfaces={link.name: "rigid"}, cache=False, progress=False)
+    plate, arm = 0.004 * (0.2 * 0.05) * 7850.0, 0.01 * 0.02 * 0.1 * 7850.0
+    assert body.mass == pytest.approx(plate + arm + 2.0)
 
 
 HEX = """*NODE

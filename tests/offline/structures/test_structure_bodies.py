@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import warpffrf as wf
-from scenes.shells import closed_box, matrices, patch
+from scenes.shells import closed_box, housing, matrices, patch
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Beam, BeamSection, Mesh, PointMass, RigidLink, Shell, Spring
-from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.offline import reduce
 from warpffrf.offline.fe import Assignment
 from warpffrf.offline.inertia.invariants import from_moments
@@ -18,7 +20,6 @@ from warpffrf.offline.structure.assembly import body_matrices, rigid_motions
 
 STEEL = Material(210e9, 0.3, 7850.0)
 ROUND_OFF = 1e-10
-HEX20 = (cell_kind("hex20").nodes + 1.0).astype(int)  # positions on the grid of half cells
 
 
 def rod(count: int = 4, length: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
@@ -30,51 +31,6 @@ def rod(count: int = 4, length: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
 
 def reduced(mesh: Mesh, material: Material | None = None, **more) -> wf.ReducedBody:
     return reduce(mesh, material, cache=False, progress=False, **more)
-
-
-def hexes(lines: list[np.ndarray], keep) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes of a grid of half cells between `lines`, and hex20 cells (i, j, k) that `keep` accepts."""
-    fine = [np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])])) for x in lines]
-    number = np.arange(np.prod([len(x) for x in fine])).reshape([len(x) for x in fine])
-    cells = [
-        number[tuple((2 * np.array(ijk) + HEX20).T)] for ijk in np.ndindex(*(len(x) - 1 for x in lines)) if keep(*ijk)
-    ]
-    return np.stack(np.meshgrid(*fine, indexing="ij"), axis=-1).reshape(-1, 3), np.array(cells)
-
-
-def housing(count: int, thickness: float, *, solid_cover: bool) -> Mesh:
-    """An open box of 200 x 150 x 30 mm with walls and bottom of 12 mm, and a cover, of solids or of shells."""
-    a, b, h, wall, rim = 0.2, 0.15, 0.03, 0.012, 2
-
-    def across(length: float) -> np.ndarray:
-        ends = np.linspace(0.0, wall, rim + 1)
-        middle = np.linspace(wall, length - wall, count + 1)
-        return np.concatenate([ends[:-1], middle, length - ends[:-1][::-1]])
-
-    z = [0.0, wall, 0.5 * (wall + h), h] + ([h + thickness] if solid_cover else [])
-    lines = [across(a), across(b), np.array(z)]
-    m, top = len(lines[0]) - 1, len(z) - 2 if solid_cover else -1
-
-    def keep(i: int, j: int, k: int) -> bool:
-        inside = rim <= i < m - rim and rim <= j < m - rim
-        return not inside or k in (0, top)
-
-    points, cells = hexes(lines, keep)
-    blocks = [cells]
-    if not solid_cover:
-        ny, nz = 2 * len(lines[1]) - 1, 2 * len(z) - 1
-        order = np.array([(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)])
-        rows = [
-            [((2 * i + p) * ny + 2 * j + q) * nz + nz - 1 for p, q in order]
-            for i in range(m)
-            for j in range(len(lines[1]) - 1)
-        ]
-        blocks.append(np.array(rows))
-    used = np.unique(np.concatenate([block.ravel() for block in blocks]))
-    number = np.full(len(points), -1)
-    number[used] = np.arange(len(used))
-    parts = [] if solid_cover else [Shell(number[blocks[1]], thickness, STEEL, offset=0.5 * thickness, name="cover")]
-    return Mesh(points[used], {"hex20": number[cells]}, structure=parts)
 
 
 def test_a_shell_cover_on_a_solid_housing_is_that_of_solids() -> None:
@@ -238,6 +194,16 @@ def test_what_a_body_of_shells_does_not_have_is_refused() -> None:
         RigidLink([3, 3])
 
 
+def test_pyvista_gets_every_shell_and_beam_once() -> None:
+    """Also those in a set."""
+    pytest.importorskip("pyvista")
+    p = patch("quad8", 2, 2, lambda u, v: np.stack([0.1 * u, 0.1 * v, 0.0 * u], axis=1))
+    beam = Beam([[0, 1]], BeamSection.circle(0.001), STEEL, (0.0, 0.0, 1.0))
+    facets = {"part": wf.mesh.FacetSet({"quad8": p.nodes[:1]})}
+    grid = Mesh(p.points, {}, facets, structure=[Shell(p.nodes, 0.001, STEEL), beam]).to_pyvista()
+    assert sorted(grid.celltypes.tolist()) == [3, 23, 23, 23, 23] and grid.cell_data["part"].sum() == 1
+
+
 def test_a_body_is_told_from_another_by_its_parts() -> None:
     """The hash of the cache."""
     points, nodes = rod()
@@ -246,3 +212,14 @@ def test_a_body_is_told_from_another_by_its_parts() -> None:
         for r, y in ((0.01, (0.0, 1.0, 0.0)), (0.011, (0.0, 1.0, 0.0)), (0.01, (0.0, 0.0, 1.0)))
     ]
     assert len(set(made)) == 3
+
+
+def test_the_example_of_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    """Its mass is that of plate, rib and motor."""
+    page = (Path(__file__).parents[3] / "docs" / "structures.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```py\n(.*?)```", page, re.DOTALL)
+    names: dict = {}
+    exec(compile(block.replace("modes=6", "modes=6, cache=False, progress=False"), "structures.md", "exec"), names)
+    mass = 7850.0 * (0.4 * 0.3 * 0.003 + 0.01 * 0.02 * 0.4) + 1.2
+    assert names["panel"].mass == pytest.approx(mass, rel=ROUND_OFF)
+    assert capsys.readouterr().out

@@ -64,8 +64,8 @@ class Mesh(reprs.Shown):
     materials: Mapping[str, Material] = field(default_factory=dict, kw_only=True)
     notes: tuple[str, ...] = field(default=(), kw_only=True)
     matrices: Matrices | None = field(default=None, kw_only=True)
-    structure: Structure = field(default_factory=Structure, kw_only=True)
-    node_sets: Mapping[str, np.ndarray] = field(default_factory=dict, kw_only=True)
+    structure: Any = field(default=(), kw_only=True)  # parts; afterwards the `Structure` of them
+    node_sets: Mapping[str, Any] = field(default_factory=dict, kw_only=True)
 
     def __post_init__(self) -> None:
         points = require_array(self.points, "mesh: points", (None, 3))

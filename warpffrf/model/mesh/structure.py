@@ -55,7 +55,7 @@ class Shell:
     values.
     """
 
-    nodes: Array
+    nodes: Any
     thickness: float
     material: Material
     offset: float = field(default=0.0, kw_only=True)
@@ -78,8 +78,9 @@ class Shell:
 @dataclass(frozen=True)
 class BeamSection:
     """Section of a beam in its principal axes y and z: area [m2], second moments [m4] I_y = int z^2 dA for bending in
-    the plane x-z and I_z = int y^2 dA, torsion constant J [m4], and the shear factors of both directions (ratio of the
-    effective shear area; 0: no shear deformation). Raises `InputError` unless the first four are positive."""
+    the plane x-z and I_z = int y^2 dA, torsion constant J [m4]; shear_y, shear_z [-]: shear factors along y and z, the
+    ratio of the effective shear area (0: no shear deformation). Raises `InputError` unless the first four are positive.
+    """
 
     area: float
     I_y: float
@@ -99,7 +100,8 @@ class BeamSection:
     @classmethod
     def rectangle(cls, width: float, height: float) -> BeamSection:
         """Solid rectangle, `width` [m] along y and `height` [m] along z; J by the series of Saint-Venant's torsion to
-        0.5 % (Young, Roark's Formulas for Stress and Strain, table 10.7)."""
+        0.5 % (Young, Roark's Formulas for Stress and Strain, table 10.7). Raises `InputError` unless both are positive.
+        """
         b, h = (require_number(v, "beam section: side", positive=True) for v in (width, height))
         long, short = max(b, h), min(b, h)
         ratio = short / long
@@ -108,7 +110,8 @@ class BeamSection:
 
     @classmethod
     def circle(cls, radius: float, inner_radius: float = 0.0) -> BeamSection:
-        """Circle or pipe of `radius` and `inner_radius` [m], shear factor after Cowper at nu = 0.3."""
+        """Circle or pipe of `radius` and `inner_radius` [m], shear factor after Cowper at nu = 0.3. Raises `InputError`
+        for an inner radius that is not smaller."""
         R = require_number(radius, "beam section: radius", positive=True)
         r = require_number(inner_radius, "beam section: inner_radius")
         if not 0.0 <= r < R:
@@ -127,15 +130,15 @@ class Beam:
     """Two-node Timoshenko beams of one section and material.
 
     nodes (m, 2); direction (3,) or (m, 3): in the plane of the beam's axis and the section's y axis, user frame, not
-    parallel to the beam; offset (3,) or (m, 3) [m, user frame]: from the nodes to the centroid of the section. Raises
-    `InputError` for inadmissible values.
+    parallel to the beam; offset (3,) or (m, 3) [m, user frame]: from the nodes to the centroid of the section; name:
+    for reports. Raises `InputError` for inadmissible values.
     """
 
-    nodes: Array
+    nodes: Any
     section: BeamSection
     material: Material
-    direction: Array
-    offset: Array = field(default_factory=lambda: np.zeros(3), kw_only=True)
+    direction: Any
+    offset: Any = field(default_factory=lambda: np.zeros(3), kw_only=True)
     name: str = field(default="beam", kw_only=True)
 
     def __post_init__(self) -> None:
@@ -161,8 +164,8 @@ class PointMass:
 
     node: int
     mass: float
-    inertia: Array = field(default_factory=lambda: np.zeros((3, 3)), kw_only=True)
-    offset: Array = field(default_factory=lambda: np.zeros(3), kw_only=True)
+    inertia: Any = field(default_factory=lambda: np.zeros((3, 3)), kw_only=True)
+    offset: Any = field(default_factory=lambda: np.zeros(3), kw_only=True)
 
     def __post_init__(self) -> None:
         what = f"point mass at node {self.node}"
@@ -193,8 +196,8 @@ class Spring:
     and lateral ones of nodes apart, need nodes with rotation. Raises `InputError` unless symmetric and semidefinite."""
 
     nodes: tuple[int, int]
-    stiffness: Array
-    axes: Array = field(default_factory=lambda: np.eye(3), kw_only=True)
+    stiffness: Any
+    axes: Any = field(default_factory=lambda: np.eye(3), kw_only=True)
 
     def __post_init__(self) -> None:
         pair = tuple(int(a) for a in self.nodes)
@@ -216,9 +219,9 @@ class Spring:
 @dataclass(frozen=True, eq=False)
 class RigidLink:
     """`nodes` (k,) that move as one rigid body, described at the first one (RBE2, *RIGID BODY, kinematic coupling).
-    Rotations of the nodes that have them are those of the link. Raises `InputError` for fewer than two nodes."""
+    Rotations of the nodes are those of the link; name: for reports. Raises `InputError` for fewer than two nodes."""
 
-    nodes: Array
+    nodes: Any
     name: str = field(default="link", kw_only=True)
 
     def __post_init__(self) -> None:
@@ -259,9 +262,8 @@ class Structure:
 
     @property
     def rotating(self) -> Array:
-        """Sorted nodes with rotations: those of shells and beams, and the first of each rigid link."""
-        firsts = np.array([link.nodes[0] for link in self.of(RigidLink)], dtype=np.int64)
-        return np.union1d(self.nodes(Shell, Beam), firsts)
+        """Sorted nodes with rotations: those of shells, beams and rigid links."""
+        return self.nodes(Shell, Beam, RigidLink)
 
     def connections(self) -> list[Array]:
         """Nodes (m, k) of elements that hold nodes together."""

@@ -15,6 +15,7 @@ and every inertia integral of the floating frame is that of the nodes with m_s a
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -128,13 +129,17 @@ class _Assembly:
         K = sp.coo_matrix((data, (rows, columns)), shape=(self.size, self.size)).tocsr()
         return BodyMatrices(K, M, self.rotating, inertia)
 
-    def _elements(self, part: Shell | Beam, normals: Array | None = None) -> None:
+    def _elements(self, part: Any, normals: Array | None = None) -> None:
         for start in range(0, len(part.nodes), CHUNK):
             here = slice(start, start + CHUNK)
             nodes = part.nodes[here]
             dofs = self.dofs(nodes)
             x = self.points[nodes]
-            elements = ShellElements(x, part, normals[here]) if normals is not None else BeamElements(x, part, here)
+            elements: Any
+            if normals is not None:
+                elements = ShellElements(x, part, normals[here])
+            else:
+                elements = BeamElements(x, part, here)
             K = elements.condensed()[0] if isinstance(elements, ShellElements) else elements.stiffness()
             self.stiffness.append(scatter(K, dofs, self.size))
             places, masses, motion = elements.mass_points()
