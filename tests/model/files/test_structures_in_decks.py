@@ -146,7 +146,7 @@ HEX = """*NODE
 SECTIONS = "".join(f"*SHELL SECTION, ELSET={name}, MATERIAL=STEEL\n1.\n" for name in ("COVER", "WING", "APART"))
 
 
-def test_shells_on_a_solid_keep_its_normals_and_strangers_are_counted(tmp_path: Path) -> None:
+def test_shells_on_a_solid_keep_its_normals_and_unconnected_ones_are_counted(tmp_path: Path) -> None:
     mesh = deck(tmp_path, HEX + MATERIAL + "*SOLID SECTION, ELSET=BLOCK, MATERIAL=STEEL\n" + SECTIONS)
     assert mesh.cell_count == 1 and len(mesh.points) == 10
     assert mesh.structure.counts() == {"quad4 shell": 2}
