@@ -213,7 +213,7 @@ def assign(mesh: Mesh, material: Material | Mapping[str, Material] | None) -> As
     material. A mesh with its own matrices needs no material; if given, it is used for results only.
     """
     if material is None:
-        if mesh.matrices is None:
+        if mesh.matrices is None and mesh.cells:
             raise InputError("reduce: a material is needed, made by Material, or {cell set: Material}")
         return Assignment((), {})
     if isinstance(material, Material):

@@ -35,7 +35,7 @@ that attachment modes `G F` in the span of the global modes keep all of these at
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
 
@@ -45,6 +45,7 @@ import scipy.sparse as sp
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import rigid_modes
+from warpffrf.model.mesh.structure import RigidLink
 from warpffrf.model.reduced.data import Interface
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline.fe import FACET_DEGREE, Sparse, rule
@@ -70,7 +71,8 @@ class BodyInterface:
 
     @classmethod
     def of(cls, mesh: Mesh, name: str) -> BodyInterface:
-        """The interface on the facet set `name`; raises `InputError` if the set is unsuitable."""
+        """The interface on the facet set `name`, a rigid one on the facet or node set; raises `InputError` if the set
+        is unsuitable."""
         nodes = mesh.facets(name).node_set
         require_spread(mesh.points[nodes], name)
         return cls(name, nodes, reference_point(mesh, name))
@@ -87,6 +89,22 @@ class RigidInterface(BodyInterface):
 
     kind: ClassVar[str] = "rigid"
     slaved: ClassVar[bool] = True
+
+    @classmethod
+    def of(cls, mesh: Mesh, name: str) -> BodyInterface:
+        """The interface on the facet set or the node set `name`; with a node of a rigid link it includes the whole
+        link, and is at its first node where a node set is given. Raises `InputError` if a rotation of the set is
+        undetermined."""
+        plain = None if name in mesh.node_sets else super().of(mesh, name)
+        nodes = mesh.node_sets[name] if plain is None else plain.nodes
+        point = mesh.points[nodes].mean(axis=0) if plain is None else plain.point
+        for link in mesh.structure.of(RigidLink):
+            if np.isin(nodes, link.nodes).any():
+                nodes = np.union1d(nodes, link.nodes)
+                point = mesh.points[link.nodes[0]] if plain is None else point
+        if not np.isin(nodes, mesh.structure.rotating).any():
+            require_spread(mesh.points[nodes], name)
+        return cls(name, nodes, point)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,6 +165,20 @@ def body_interfaces(mesh: Mesh, kinds: Mapping[str, str]) -> list[BodyInterface]
                 _refuse_shared(interface, other)
         found.append(interface)
     return found
+
+
+def rigid_links(mesh: Mesh, interfaces: Sequence[BodyInterface]) -> list[RigidInterface]:
+    """The rigid links of a mesh that are part of no interface. Raises `InputError` for a node that two links share, or
+    a link and a rigid interface that does not hold the whole link."""
+    found: list[BodyInterface] = []
+    for link in mesh.structure.of(RigidLink):
+        if any(i.slaved and np.isin(link.nodes, i.nodes).all() for i in interfaces):
+            continue
+        made = RigidInterface(f"rigid link {link.name}", np.sort(link.nodes), mesh.points[link.nodes[0]])
+        for other in [*(i for i in interfaces if i.slaved), *found]:
+            _refuse_shared(made, other)
+        found.append(made)
+    return [i for i in found if isinstance(i, RigidInterface)]
 
 
 def rigid_interfaces(mesh: Mesh, names: list[str]) -> list[RigidInterface]:
@@ -227,8 +259,11 @@ def reference_point(mesh: Mesh, name: str) -> np.ndarray:
     return shape.axis_point + np.dot(center - shape.axis_point, shape.e_a) * shape.e_a
 
 
-def constraint(points: np.ndarray, interfaces: Sequence[BodyInterface]) -> tuple[Sparse, np.ndarray]:
-    """T (3 n, free + 6 i) and the free nodes: first the dofs of the nodes on no rigid interface, then six of each."""
+def constraint(
+    points: np.ndarray, interfaces: Sequence[BodyInterface], rotating: np.ndarray | None = None
+) -> tuple[Sparse, np.ndarray]:
+    """T (3 n + 3 r, free + 6 i + 3 f) and the free nodes: first the dofs of the nodes on no rigid interface, then six
+    of each, then the rotations of those f of the `rotating` nodes (r,) that are on none."""
     n = len(points)
     rigid = [i for i in interfaces if i.slaved]
     slaved = np.zeros(n, dtype=bool)
@@ -240,7 +275,20 @@ def constraint(points: np.ndarray, interfaces: Sequence[BodyInterface]) -> tuple
     for interface in rigid:
         R = sp.coo_matrix(rigid_modes(points[interface.nodes], interface.point))
         blocks.append(sp.csr_matrix((R.data, (interface.dofs[R.row], R.col)), shape=(3 * n, 6)))
-    return sp.csr_matrix(sp.hstack(blocks, format="csr")), free
+    T: Sparse = sp.csr_matrix(sp.hstack(blocks, format="csr"))
+    if rotating is not None and len(rotating):
+        T = sp.csr_matrix(sp.vstack([T, sp.csr_matrix((3 * len(rotating), T.shape[1]))], format="csr"))
+        own = np.flatnonzero(~slaved[rotating])
+        columns = T.shape[1] + np.arange(3 * len(own))
+        rows = 3 * n + (3 * own[:, None] + np.arange(3)).ravel()
+        for k, interface in enumerate(rigid):
+            held = np.flatnonzero(np.isin(rotating, interface.nodes))
+            rows = np.concatenate([rows, 3 * n + (3 * held[:, None] + np.arange(3)).ravel()])
+            columns = np.concatenate([columns, np.tile(3 * len(free) + 6 * k + 3 + np.arange(3), len(held))])
+        shape = (T.shape[0], T.shape[1] + 3 * len(own))
+        T.resize(shape)
+        T = sp.csr_matrix(T + sp.csr_matrix((np.ones(len(rows)), (rows, columns)), shape=shape))
+    return T, free
 
 
 Array = np.ndarray
@@ -248,19 +296,33 @@ Array = np.ndarray
 
 @dataclass(frozen=True, eq=False)
 class InterfaceSystem:
-    """`points` (n, 3) [m] of the mesh's nodes and the interfaces on them."""
+    """`points` (n, 3) [m] of the mesh's nodes and the interfaces on them; the `rotating` nodes (r,) have rotations, and
+    `links` are rigid without being interfaces."""
 
     points: Array
     interfaces: Sequence[BodyInterface]
+    links: Sequence[BodyInterface] = ()
+    rotating: Array = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     @cached_property
     def _constraint(self) -> tuple[Sparse, Array]:
-        return constraint(self.points, self.interfaces)
+        return constraint(self.points, [*self.interfaces, *self.links], self.rotating)
 
     @property
     def T(self) -> Sparse:
         """(3 n, n^): displacements of all nodes from the coordinates of the model."""
+        return self.whole[: 3 * len(self.points)] if len(self.rotating) else self.whole
+
+    @property
+    def whole(self) -> Sparse:
+        """(3 n + 3 r, n^): displacements of all nodes, then rotations of the rotating ones."""
         return self._constraint[0]
+
+    @cached_property
+    def _turning(self) -> Array:
+        """The rotating nodes that keep their own rotations; those come last among the coordinates."""
+        held = [np.zeros(0, dtype=np.int64), *(i.nodes for i in [*self.rigid_interfaces, *self.links])]
+        return self.rotating[~np.isin(self.rotating, np.concatenate(held))]
 
     @property
     def free(self) -> Array:
@@ -287,13 +349,16 @@ class InterfaceSystem:
         """Position (n^, 3) [m] of each coordinate; NaN for those of rigid interfaces, which involve many nodes."""
         places = np.full((self.size, 3), np.nan)
         places[: 3 * len(self.free)] = np.repeat(self.points[self.free], 3, axis=0)
+        if len(self._turning):
+            places[-3 * len(self._turning) :] = np.repeat(self.points[self._turning], 3, axis=0)
         return places
 
     def rigid(self, center: Array) -> Array:
         """Rigid motions (n^, 6) about `center` (3,): three translations, three rotations."""
         parts = [rigid_modes(self.points[self.free], center)]
-        for interface in self.rigid_interfaces:  # translation of its point, and the rotation itself
+        for interface in [*self.rigid_interfaces, *self.links]:  # translation of its point, and the rotation itself
             parts.append(np.concatenate([rigid_modes(interface.point[None], center), np.eye(3, 6, 3)]))
+        parts.append(np.tile(np.eye(3, 6, 3), (len(self._turning), 1)))
         return np.concatenate(parts)
 
     @cached_property
@@ -356,6 +421,8 @@ class InterfaceSystem:
 
     def from_nodes(self, U: Array) -> Array:
         """Coordinates (n^, t) nearest to nodal displacements U (3 n, t): a rigid interface takes the best-fitting
-        rigid motion of its nodes."""
+        rigid motion of its nodes. Raises `InputError` for a body whose nodes rotate."""
+        if len(self.rotating):
+            raise InputError("given displacements determine no rotations of shells and beams; use another basis")
         T = self.T
         return sp.linalg.spsolve(sp.csc_matrix(T.T @ T), T.T @ U).reshape(self.size, -1)

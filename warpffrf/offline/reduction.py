@@ -302,7 +302,7 @@ class _Found:
 
 def _periodic(mesh: Mesh, settings: Settings) -> tuple[Mesh, _Found]:
     """The mesh renumbered by sectors if periodicity is admissible and found, otherwise the mesh itself."""
-    if mesh.cyclic is not None or not mesh.cells or settings.general_reason is not None:
+    if mesh.cyclic is not None or not mesh.cells or settings.general_reason is not None or mesh.structure.parts:
         return mesh, _Found()
     materials = settings.material if isinstance(settings.material, Mapping) else {}
     detection = detect(mesh, whole=[*settings.interfaces, *materials])
@@ -498,7 +498,7 @@ def _report(
         "path": "general" if choice.patterns is None else "cyclic",
         "path_reason": choice.reason,
         "nodes": len(mesh.points),
-        "dofs": 3 * len(mesh.points),
+        "dofs": 3 * (len(mesh.points) + len(mesh.structure.rotating)),
         "stage_seconds": dict(stages.seconds),
         "contact": {},
         "notes": notes,

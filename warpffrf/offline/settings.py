@@ -85,14 +85,25 @@ class Settings:
         for name in self.basis.facet_sets:
             mesh.facets(name)
         for name, kind in self.interfaces.items():
-            mesh.facets(name)
+            if name in mesh.node_sets and kind != "rigid":
+                raise InputError(
+                    f"interface {name!r}: a node set is a rigid interface, got {kind!r}; use a facet set for a mean"
+                )
+            if name not in mesh.node_sets:
+                mesh.facets(name)
             if kind not in INTERFACE_KINDS:
                 raise unknown_name(f"interface {name!r}: kind", kind, INTERFACE_KINDS)
+        if self.options.stiffening and mesh.structure.parts:
+            raise InputError(
+                f"reduce: stiffening={self.options.stiffening!r}: the geometric stiffness of shells and beams is not "
+                "computed; leave it out, or mesh the body with solids"
+            )
         if self.options.stiffening:
             require_cells(mesh, self.material, self.options.stiffening)
         require_sets(mesh, self.matched, self.contact, self.interfaces)
         for name, shape in self.contact.items():
             mesh.facets(name)
+            require_solid(mesh, name)
             if self.interfaces.get(name) == "rigid":
                 raise InputError(
                     f"set {name!r} cannot be a rigid interface and a contact surface at once; use two sets"
@@ -160,6 +171,18 @@ def _numbers(material: Material | Mapping[str, Material] | None) -> Any:
     if isinstance(material, Material):
         return [material.youngs_modulus, material.poisson_ratio, material.density, material.mixed]
     return None if material is None else {name: _numbers(one) for name, one in material.items()}
+
+
+def require_solid(mesh: Mesh, name: str) -> None:
+    """Raises `InputError` if facets of the contact surface `name` are no faces of solid cells."""
+    inside = np.zeros(len(mesh.points), dtype=bool)
+    for nodes in mesh.cells.values():
+        inside[nodes] = True
+    if mesh.structure.parts and not inside[mesh.facets(name).node_set].all():
+        raise InputError(
+            f"contact {name!r}: it has facets of shells; contact surfaces need solid cells below them, so mesh the "
+            "part in contact with solids"
+        )
 
 
 HALF_WIDTH = 0.5  # of radius or extent: a patch of this size is not a small contact, and no grid resolves less

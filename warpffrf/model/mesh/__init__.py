@@ -12,13 +12,20 @@ from warpffrf.model.mesh.shapes.cam import cam
 from warpffrf.model.mesh.shapes.gear import gear
 from warpffrf.model.mesh.shapes.revolved import ring, sleeve
 from warpffrf.model.mesh.shapes.roller import roller
+from warpffrf.model.mesh.structure import Beam, BeamSection, PointMass, RigidLink, Shell, Spring
 
 __all__ = [
+    "Beam",
+    "BeamSection",
     "Cyclic",
     "FacetSet",
     "Matrices",
     "Mesh",
     "MeshReport",
+    "PointMass",
+    "RigidLink",
+    "Shell",
+    "Spring",
     "ball",
     "block",
     "box",

@@ -13,6 +13,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.elements import cell_kind
+from warpffrf.model.mesh.structure import Structure
 
 FLAT_CELL = 1e-9  # det J below this fraction of (cell size)^3 counts as inverted: round-off of a flat cell, not a shape
 # the rule of Keast (1986) with 11 points, of degree 4, for quadratic tetrahedra: centre, near corners, near edges
@@ -152,4 +153,30 @@ def check_connected(node_count: int, cells: Mapping[str, np.ndarray]) -> None:
         raise InputError(
             f"mesh: {count} disconnected parts with {sizes} cells; a body is one part: merge the coincident nodes, "
             "or read one part (mesh.read(..., part=0))"
+        )
+
+
+def check_structure(node_count: int, cells: Mapping[str, np.ndarray], structure: Structure) -> None:
+    """Raise `InputError` for a node of no element, and for parts that no element connects."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    blocks = [*cells.values(), *structure.connections()]
+    used = np.zeros(node_count, dtype=bool)
+    used[np.concatenate([np.zeros(0, dtype=np.int64), *(b.ravel() for b in blocks)])] = True
+    if not used.all():
+        first = int(np.flatnonzero(~used)[0])
+        raise InputError(
+            f"mesh: {int(np.sum(~used))} node(s) belong to no solid, shell, beam, spring or rigid link, the first is "
+            f"number {first}; remove them"
+        )
+    ends = [(np.repeat(b[:, 0], b.shape[1] - 1), b[:, 1:].ravel()) for b in blocks]
+    first, other = (np.concatenate(part) for part in zip(*ends, strict=True))
+    graph = coo_matrix((np.ones(len(first), dtype=np.int8), (first, other)), shape=(node_count, node_count))
+    count, label = connected_components(graph, directed=False)
+    if count > 1:
+        sizes = ", ".join(str(n) for n in np.bincount(label))
+        raise InputError(
+            f"mesh: {count} disconnected parts with {sizes} nodes; a body is one part: merge the coincident nodes, or "
+            "connect the parts by rigid links"
         )

@@ -52,6 +52,10 @@ def cut(
     two sides are not connected elsewhere.
     """
     label = f"cut {name!r}"
+    if mesh.structure.parts:
+        raise InputError(
+            f"{label}: a body with shells, beams or other structural elements is not cut; cut the solids first"
+        )
     if not mesh.cells:
         raise InputError(f"{label}: the body has matrices and no cells; cut it in the program that wrote them")
     for side in (LOW, HIGH):

@@ -17,7 +17,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import cut as cutting
 from warpffrf.model.mesh import periodicity
 from warpffrf.model.mesh import select as selection
-from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation, check_used
+from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation, check_structure, check_used
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.facets import FacetSet, node_numbers, outer_faces
 from warpffrf.model.mesh.files import pyvista_export
@@ -25,6 +25,7 @@ from warpffrf.model.mesh.files.set_names import SetNames
 from warpffrf.model.mesh.periodicity import Cyclic
 from warpffrf.model.mesh.report import MeshReport
 from warpffrf.model.mesh.report import report as make_report
+from warpffrf.model.mesh.structure import Shell, Structure
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 
@@ -48,9 +49,10 @@ class Mesh(reprs.Shown):
     `cells`: {kind: (m, k) int64}, kinds in `elements.CELL_KINDS`; cells are numbered through the blocks in the order of
     the dict. `facet_sets`: {name: `FacetSet`}, faces with a name. `cyclic`: periodicity about an axis, None without.
     `cell_sets`: {name: (m,) cell numbers}. `materials`: {cell set: Material} as read from a file. `notes`: items that a
-    reader omitted or interpreted differently. A body that comes as `matrices` needs no cells. Construction checks
-    shapes, finite numbers and index ranges; `check()` checks the geometry. The arrays are read-only. Raises
-    `InputError` for inconsistent data.
+    reader omitted or interpreted differently. A body that comes as `matrices` needs no cells. `structure`: shells,
+    beams, point masses, springs and rigid links (`wf.mesh.Shell` and others), with or without solid cells; `node_sets`:
+    {name: (k,) nodes} for interfaces on nodes that rotate. Construction checks shapes, finite numbers and index ranges;
+    `check()` checks the geometry. The arrays are read-only. Raises `InputError` for inconsistent data.
     """
 
     points: np.ndarray
@@ -62,6 +64,8 @@ class Mesh(reprs.Shown):
     materials: Mapping[str, Material] = field(default_factory=dict, kw_only=True)
     notes: tuple[str, ...] = field(default=(), kw_only=True)
     matrices: Matrices | None = field(default=None, kw_only=True)
+    structure: Any = field(default=(), kw_only=True)  # parts; afterwards the `Structure` of them
+    node_sets: Mapping[str, Any] = field(default_factory=dict, kw_only=True)
 
     def __post_init__(self) -> None:
         points = require_array(self.points, "mesh: points", (None, 3))
@@ -72,9 +76,21 @@ class Mesh(reprs.Shown):
             _in_range(numbers, len(points), f"mesh: {kind} cells")
             if len(numbers):
                 cells[kind] = numbers
-        if not cells and self.matrices is None:
+        structure = self.structure if isinstance(self.structure, Structure) else Structure(tuple(self.structure))
+        if not cells and self.matrices is None and not structure.parts:
             raise InputError("mesh: there are no volume cells")
+        if structure.parts and self.matrices is not None:
+            raise InputError("mesh: a body of matrices takes no structural elements; add them before the export")
+        for part in structure.parts:
+            _in_range(Structure((part,)).nodes(), len(points), f"mesh: {type(part).__name__}")
         known = {facet for kind in cells for facet in cell_kind(kind).faces}
+        known |= {shell.kind for shell in structure.of(Shell)}
+        node_sets = {}
+        for name, nodes in self.node_sets.items():
+            if name in self.facet_sets:
+                raise InputError(f"mesh: {name!r} is a facet set and a node set; choose another name for one of them")
+            node_sets[name] = np.unique(node_numbers(np.asarray(nodes).reshape(-1, 1), f"mesh: node set {name!r}", 1))
+            _in_range(node_sets[name], len(points), f"mesh: node set {name!r}")
         for name, facets in self.facet_sets.items():
             for kind, nodes in facets.blocks.items():
                 if cells and kind not in known:
@@ -103,9 +119,12 @@ class Mesh(reprs.Shown):
         object.__setattr__(self, "cell_sets", SetNames(sets))
         object.__setattr__(self, "materials", dict(self.materials))
         object.__setattr__(self, "notes", tuple(self.notes))
+        object.__setattr__(self, "structure", structure)
+        object.__setattr__(self, "node_sets", node_sets)
 
     def _facts(self) -> dict[str, Any]:
-        cells = " and ".join(f"{len(nodes)} {kind}" for kind, nodes in self.cells.items())
+        counts = {**{kind: len(nodes) for kind, nodes in self.cells.items()}, **self.structure.counts()}
+        cells = " and ".join(f"{count} {kind}" for kind, count in counts.items())
         size = " x ".join(f"{length:.4g}" for length in np.ptp(self.points, axis=0)) if len(self.points) else "0"
         facts = {"name": self.name, "nodes": len(self.points), "cells": cells or "none", "size": f"{size} m"}
         return {**facts, "facet_sets": reprs.names(self.facet_sets), "cell_sets": reprs.names(self.cell_sets)}
@@ -144,10 +163,16 @@ class Mesh(reprs.Shown):
         return self.facet_sets[name]
 
     def outer_facets(self) -> FacetSet:
-        """All faces that belong to one cell only; of a body without cells all facets of its sets."""
-        if self.cells:
+        """All faces that belong to one cell only, and all shells; of a body of matrices all facets of its sets."""
+        if self.cells and not self.structure.parts:
             return outer_faces(self.cells)
         merged: dict[str, list[np.ndarray]] = {}
+        if self.structure.parts:
+            for kind, nodes in outer_faces(self.cells).blocks.items() if self.cells else ():
+                merged.setdefault(kind, []).append(nodes)
+            for shell in self.structure.of(Shell):
+                merged.setdefault(shell.kind, []).append(shell.nodes)
+            return FacetSet({kind: _distinct(np.concatenate(parts)) for kind, parts in merged.items()})
         for facets in self.facet_sets.values():
             for kind, nodes in facets.blocks.items():
                 merged.setdefault(kind, []).append(nodes)
@@ -280,6 +305,9 @@ class Mesh(reprs.Shown):
         if self.cells:
             check_orientation(self.points, self.cells)
             check_distinct(self.cells)
+        if self.structure.parts:
+            check_structure(len(self.points), self.cells, self.structure)
+        elif self.cells:
             check_used(len(self.points), self.cells)
             check_connected(len(self.points), self.cells)
         return self
@@ -315,6 +343,10 @@ class Mesh(reprs.Shown):
         if self.cyclic is not None:
             axis = np.concatenate([self.cyclic.axis_point, self.cyclic.axis_direction])
             add(f"cyclic|{self.cyclic.sectors}", axis)
+        if self.structure.parts:
+            digest.update(self.structure.bytes())
+        for name, nodes in sorted(self.node_sets.items()):
+            add(f"node set|{name}", nodes)
         if self.matrices is not None:
             for label, matrix in (("K", self.matrices.stiffness), ("M", self.matrices.mass)):
                 for part in ("indptr", "indices", "data"):

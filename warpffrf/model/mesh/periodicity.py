@@ -120,6 +120,8 @@ def required(mesh: Mesh, *, axis_point: Any, axis_direction: Any, sectors: int |
 
 
 def _detect(mesh: Mesh, point: Array | None, axis: Array | None, count: int | None, whole: Sequence[str]) -> Detection:
+    if mesh.structure.parts:
+        raise NotPeriodic("it has shells, beams or other structural elements, whose periodicity is not detected")
     if not mesh.cells or mesh.matrices is not None:
         raise NotPeriodic("it is given by matrices, whose periodicity is not detected")
     center = mesh.points.mean(axis=0)

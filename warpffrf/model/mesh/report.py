@@ -68,7 +68,8 @@ class MeshReport:
     longest of `edges` [m]; `warnings` on doubtful data, `notes` on data omitted by its reader.
 
     `mass`, `center` and `inertia` are None where no material is known, quality and edges None without cells.
-    `center` without a material is None too.
+    `center` without a material is None too. `rotations`: degrees of freedom of shell and beam nodes that rotate;
+    `volume` is that of solid cells.
     """
 
     name: str
@@ -89,14 +90,16 @@ class MeshReport:
     center: Vector | None = None
     inertia: Array | None = None
     notes: tuple[str, ...] = ()
+    rotations: int = 0
 
     def __str__(self) -> str:
         size = [b - a for a, b in zip(self.lower, self.upper, strict=True)]
         cells = (
             ", ".join(f"{count} {kind}" for kind, count in self.cells.items()) or "none, the body is given by matrices"
         )
+        freedoms = 3 * self.node_count + self.rotations
         lines = [
-            f"mesh {self.name or '(unnamed)'}: {self.node_count} nodes, {3 * self.node_count} degrees of freedom",
+            f"mesh {self.name or '(unnamed)'}: {self.node_count} nodes, {freedoms} degrees of freedom",
             f"  cells   {cells}" + (f", in {self.parts} disconnected parts" if self.parts > 1 else ""),
             "  sets    " + (", ".join(f"{name} ({count} facets)" for name, count in self.sets.items()) or "none"),
         ]
@@ -105,7 +108,7 @@ class MeshReport:
         lines += [
             "  box     " + " x ".join(f"{s:.6g}" for s in size) + " m, from "
             f"({', '.join(f'{x:.6g}' for x in self.lower)}) to ({', '.join(f'{x:.6g}' for x in self.upper)})",
-            f"  volume  {self.volume:.6g} m3" if self.cells else "  volume  unknown without cells",
+            f"  volume  {self.volume:.6g} m3" if self.volume else "  volume  unknown without solid cells",
         ]
         if self.mass is not None and self.center is not None and self.inertia is not None:
             lines.append(f"  mass    {self.mass:.6g} kg, center ({', '.join(f'{x:.6g}' for x in self.center)}) m")
@@ -136,7 +139,10 @@ def report(mesh: Mesh, material: Material | Mapping[str, Material] | None = None
     if given is None and mesh.materials and not _uncovered(mesh, mesh.materials):
         given = mesh.materials
     mass = center = inertia = None
-    if mesh.matrices is not None:
+    notes = mesh.notes
+    if mesh.structure.parts:
+        notes = (*notes, "mass and inertia of shells, beams and point masses are in the report of the reduced body")
+    elif mesh.matrices is not None:
         mass, center, inertia = _from_matrix(mesh)
     elif given is not None:
         mass, center, inertia = _from_cells(mesh, _densities(mesh, given))
@@ -149,7 +155,7 @@ def report(mesh: Mesh, material: Material | Mapping[str, Material] | None = None
     return MeshReport(
         name=mesh.name,
         node_count=len(mesh.points),
-        cells={kind: len(nodes) for kind, nodes in mesh.cells.items()},
+        cells={**{kind: len(nodes) for kind, nodes in mesh.cells.items()}, **mesh.structure.counts()},
         sets=mesh.sets,
         lower=_vector(lower),
         upper=_vector(upper),
@@ -157,14 +163,17 @@ def report(mesh: Mesh, material: Material | Mapping[str, Material] | None = None
         sectors=mesh.cyclic.sectors if mesh.cyclic else None,
         warnings=tuple(warnings),
         cell_sets={name: len(members) for name, members in mesh.cell_sets.items()},
-        parts=int(part_labels(len(mesh.points), mesh.cells).max()) + 1 if mesh.cells else 1,
+        parts=int(part_labels(len(mesh.points), mesh.cells).max()) + 1
+        if mesh.cells and not mesh.structure.parts
+        else 1,
         edges=shape.edges,
         scaled_jacobian=shape.scaled_jacobian,
         aspect_ratio=shape.aspect_ratio,
         mass=mass,
         center=center,
         inertia=inertia,
-        notes=mesh.notes,
+        notes=notes,
+        rotations=3 * len(mesh.structure.rotating),
     )
 
 

@@ -7,7 +7,7 @@ stores only the observed quantities, so a further quantity costs its own size on
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,8 @@ SKIN = "skin"
 @dataclass(frozen=True, eq=False)
 class Observer:
     """`operator` (rows, 3 n) csr: the quantity `name`, by rows, of displacements of all nodes [m], dofs 3*node +
-    component, user axes. Its transfer is stored in precision `dtype`."""
+    component, user axes; (rows, 3 n + 3 r): of rotations too, see `structure.assembly`. Its transfer is stored in
+    precision `dtype`."""
 
     name: str
     operator: Any
@@ -41,13 +42,22 @@ def node_observer(name: str, nodes: Array, node_count: int) -> Observer:
     return Observer(name, sp.csr_matrix((ones, (np.arange(len(columns)), columns)), (len(columns), 3 * node_count)))
 
 
-def require_observers(observers: Sequence[Observer], node_count: int) -> None:
+def require_observers(observers: Sequence[Observer], node_count: int, rotating: int = 0) -> None:
     """Raise `InputError` for two observers of one name, or an operator that does not fit the mesh."""
     for i, observer in enumerate(observers):
         if any(other.name == observer.name for other in observers[:i]):
             raise InputError(f"observer {observer.name!r} exists twice; give each quantity its own name")
-        if observer.operator.shape[1] != 3 * node_count:
+        if observer.operator.shape[1] not in (3 * node_count, 3 * (node_count + rotating)):
             raise InputError(
                 f"observer {observer.name!r}: the operator has {observer.operator.shape[1]} columns, the mesh "
                 f"{3 * node_count} dofs; create the observer for this mesh"
             )
+
+
+def widened(observer: Observer, size: int) -> Observer:
+    """The observer with an operator of `size` columns, those added being zero."""
+    if observer.operator.shape[1] == size:
+        return observer
+    operator = sp.csr_matrix(observer.operator, copy=True)
+    operator.resize((observer.rows, size))
+    return replace(observer, operator=operator)

@@ -18,14 +18,14 @@ import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.mesh.facets import rigid_modes, triangles
+from warpffrf.model.mesh.facets import triangles
 from warpffrf.model.surfaces import Matched
 from warpffrf.offline.bases import Basis
 from warpffrf.offline.bases.build import GlobalBasis, build_basis
 from warpffrf.offline.elastic import Array, ElasticModel, free_model
-from warpffrf.offline.fe import Assignment, fe_matrices
+from warpffrf.offline.fe import Assignment
 from warpffrf.offline.general.checkpoint import Checkpoint
-from warpffrf.offline.general.observers import SKIN, Observer, node_observer, require_observers
+from warpffrf.offline.general.observers import SKIN, Observer, node_observer, require_observers, widened
 from warpffrf.offline.general.unit_loads import (
     GeneralSurface,
     ResponseSolver,
@@ -35,21 +35,20 @@ from warpffrf.offline.general.unit_loads import (
 )
 from warpffrf.offline.inertia.invariants import (
     Prestress,
-    centrifugal_acceleration,
     covered_modes,
     covering_turning,
-    inertia_terms,
     left_out,
     prestress_stiffness,
     turning_response,
 )
 from warpffrf.offline.inertia.membrane import MEMBRANE, membrane_terms
 from warpffrf.offline.inertia.second_order import lifted_stiffness
-from warpffrf.offline.interfaces import BodyInterface, InterfaceSystem
+from warpffrf.offline.interfaces import BodyInterface, InterfaceSystem, rigid_links
 from warpffrf.offline.products import Limits, MembraneTerms, PathProduct, mass_properties
 from warpffrf.offline.progress import Progress
 from warpffrf.offline.quality import sampled_residual
 from warpffrf.offline.small_sliding.compliance import MatchedFaces
+from warpffrf.offline.structure.assembly import beam_surface, body_matrices, rigid_motions
 
 DEFAULT_MEMORY = 8 << 30  # bytes
 
@@ -100,29 +99,36 @@ def reduce_general(
         ]
     faces = mesh.outer_facets()
     skin = faces.node_set
+    drawn, drawn_triangles, drawn_motion = beam_surface(mesh)
     seen = [node_observer(SKIN, skin, len(mesh.points)), *observers]
     seen += [observer for s in contacts if (observer := s.observer()) is not None]
-    require_observers(seen, len(mesh.points))
+    rotating = mesh.structure.rotating
+    require_observers(seen, len(mesh.points), len(rotating))
+    seen = [widened(o, 3 * (len(mesh.points) + len(rotating))) for o in seen]
+    if len(drawn):
+        seen[0] = Observer(SKIN, sp.csr_matrix(sp.vstack([seen[0].operator, drawn_motion], format="csr")))
     massed = [s.fields[0].count if local_dynamics else 0 for s in contacts]
     _check_results([s.count for s in contacts], seen, massed, limit)
     wanted_faces, beside_matched = None, []
     if matched:
         with progress.stage("cells of matched faces"):
             wanted_faces = MatchedFaces.of(mesh, matched)
-            beside_matched = wanted_faces.observers(seen[0], observers)
+            moved = [o for o in observers if o.operator.shape[1] == 3 * len(mesh.points)]
+            beside_matched = wanted_faces.observers(node_observer(SKIN, skin, len(mesh.points)), moved)
             wanted_faces.require_room(beside_matched, limit)
 
     # constrained model: K and M of the nodes, rigid interfaces eliminated by T, one factorisation
     with progress.stage("assembly"):
-        K, M = fe_matrices(mesh, assignment)
+        body = body_matrices(mesh, assignment)
+        K, M = body.K, body.M
     middle = mesh.points.mean(axis=0)
-    R = rigid_modes(mesh.points, middle)
+    R = rigid_motions(mesh.points, body.rotating, middle)
     mass, center, inertia = mass_properties(R.T @ (M @ R), middle)
-    system = InterfaceSystem(mesh.points, interfaces)
-    T = system.T
+    system = InterfaceSystem(mesh.points, interfaces, rigid_links(mesh, interfaces), body.rotating)
+    T, whole = system.T, system.whole
     with progress.stage("factorisation"):
         nodal_stiffness, nodal_mass = K, M
-        K, M = sp.csr_matrix(T.T @ K @ T), sp.csr_matrix(T.T @ M @ T)
+        K, M = sp.csr_matrix(whole.T @ K @ whole), sp.csr_matrix(whole.T @ M @ whole)
         places = system.coordinates
         model = free_model(K, M, system.rigid(middle), system.pinned, places, solver=solver, memory_limit=limit)
     factor = model.factor
@@ -134,7 +140,7 @@ def reduce_general(
 
     # global modes, and the inertia terms of the lowest `kept` of them
     with progress.stage("global modes"):
-        turning = np.asarray(T.T @ (nodal_mass @ centrifugal_acceleration(mesh.points, center)))
+        turning = np.asarray(whole.T @ body.rotation_load(mesh.points, center))
         basis = _global_modes(options, model, system, limits, turning if centrifugal else None, mesh, checkpoint)
         omega, Phi = basis.omega, basis.Phi
     with progress.stage("inertia terms"):
@@ -148,7 +154,7 @@ def reduce_general(
             kept = covering_turning(omega, kept, lacking)
         facts["centrifugal_left_out"] = lacking(float(omega[kept - 1]) if kept else 0.0)
         U = T @ Phi[:, :kept]
-        terms = inertia_terms(nodal_mass, U, mesh.points, center)
+        terms = body.inertia_terms(whole @ Phi[:, :kept], mesh.points, center)
     # geometric stiffness of these modes, and their membrane energy
     membrane: MembraneTerms | None = None
     if stiffening:
@@ -178,7 +184,7 @@ def reduce_general(
         tested = [*(u.loads for u in loads), system.loads, turning]
         tested += [] if wanted_faces is None else [sp.csc_matrix(T.T @ wanted_faces.loads())]
         facts["worst_load_residual"] = max((sampled_residual(model, F) for F in tested), default=0.0)
-    responses = ResponseSolver(model, omega, Phi, T, loads, seen, limit) if loads else None
+    responses = ResponseSolver(model, omega, Phi, whole, loads, seen, limit) if loads else None
     products = []
     cross = []
     shape = T @ Phi
@@ -197,7 +203,8 @@ def reduce_general(
         matched_product = wanted_faces.product(model, omega, Phi, T, beside_matched, limit, progress, checkpoint)
     if responses is not None:
         facts |= {"block": responses.width, "threads": responses.workers}
-    modes = {o.name: o.operator @ shape for o in [seen[0], *observers]}
+    shape = whole @ Phi
+    modes = {o.name: o.operator @ shape for o in seen[: 1 + len(observers)]}
     bent = None if membrane is None else (seen[0].operator @ membrane.shapes).T.reshape(-1, len(skin), 3)
     return PathProduct(
         mass=mass,
@@ -206,9 +213,9 @@ def reduce_general(
         omega=omega,
         interfaces=system.products(Phi),
         surfaces=products,
-        skin_points=mesh.points[skin],
-        skin_triangles=np.searchsorted(skin, triangles(faces)),
-        skin_modes=modes[SKIN].T.reshape(len(omega), len(skin), 3).astype(np.float32),
+        skin_points=np.concatenate([mesh.points[skin], drawn]),
+        skin_triangles=np.concatenate([np.searchsorted(skin, triangles(faces)), len(skin) + drawn_triangles]),
+        skin_modes=modes[SKIN].T.reshape(len(omega), -1, 3).astype(np.float32),
         facts={**basis.facts, **facts},
         observed_modes=modes,
         inertia_terms=terms,

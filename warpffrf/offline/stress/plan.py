@@ -34,6 +34,7 @@ import scipy.sparse as sp
 from warpffrf.model.errors import InputError, require_array, unknown_name
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
+from warpffrf.model.mesh.structure import Shell
 from warpffrf.model.reduced.contact_surface import Recovery
 from warpffrf.model.reduced.stress_field import GridSpan, LoadStress, StressField, StressPoints
 from warpffrf.offline.contact.contact_grid import grid_values
@@ -58,9 +59,11 @@ from warpffrf.offline.stress.point_location import (
     locate,
     sector_blocks,
 )
+from warpffrf.offline.structure.assembly import shell_stress
 
 Array = np.ndarray
 BATCH = 5000  # nodal values processed together: of 27-node cells some 100 MB
+LAYERS = {"top": 1.0, "middle": 0.0, "bottom": -1.0}  # of shells, in half thicknesses
 NODE_SETS = ("skin", "all")  # names for the nodes of the outer facets, and for all nodes
 
 
@@ -99,9 +102,8 @@ class StressPlan:
         """`wanted`: points (p, 3), `StressPoints`, the name of a facet set, "skin" or "all"; `contact`: {facet set:
         resolved shape}. Raises `InputError` for a point outside, an unknown set, and a body without cells."""
         if not mesh.cells or not assignment.materials:
-            raise InputError(
-                f"stress {name!r}: stresses need cells and a material, the body has matrices only; give a mesh"
-            )
+            cure = "ask for 'top', 'middle' or 'bottom' of shells" if mesh.structure.parts else "give a mesh"
+            raise InputError(f"stress {name!r}: stresses need solid cells and a material, the body has none; {cure}")
         self.name, self.mesh, self.assignment = name, mesh, assignment
         self.notes: list[str] = []  # changes made to the given points
         chosen, self.one_side = _chosen_cells(mesh, name, wanted)
@@ -159,6 +161,18 @@ class StressPlan:
             nodes = nodes[np.isin(nodes, np.concatenate([block.ravel() for block in self._cells.values()]))]
             if not len(nodes):
                 raise InputError(f"stress {self.name!r}: no node of {wanted!r} lies on the chosen cell set")
+        if mesh.structure.parts:
+            on_cells = np.isin(nodes, np.concatenate([block.ravel() for block in self._cells.values()]))
+            if not on_cells.any():
+                raise InputError(
+                    f"stress {self.name!r}: {wanted!r} has shells only; ask for 'top', 'middle' or 'bottom'"
+                )
+            if not on_cells.all():
+                self.notes.append(
+                    f"stress {self.name!r}: {np.sum(~on_cells)} nodes of shells and beams alone are left out; the "
+                    "stress of shells is that of 'top', 'middle' and 'bottom'"
+                )
+            nodes = nodes[on_cells]
         return nodes
 
     def _of_nodes(self, nodes: Array) -> _Terms:
@@ -403,11 +417,38 @@ class StressPlan:
         return StressField(self.name, self.points, shaped, loads[False], loads[True], place, home)
 
 
+class ShellStressPlan(StressPlan):
+    """Stress at the centres of all shell elements, on their top or bottom face or in the middle: `points` (p, 3)."""
+
+    def __init__(self, mesh: Mesh, assignment: Assignment, name: str, layer: str) -> None:
+        if not mesh.structure.of(Shell):
+            raise InputError(f"stress {name!r}: {layer!r} is a layer of shells, the mesh has none; name a facet set")
+        self.name, self.mesh, self.assignment, self.notes = name, mesh, assignment, []
+        self.points, self._operator = shell_stress(mesh, LAYERS[layer])
+        self.home = np.zeros(len(self.points), dtype=np.int64)
+
+    def operator(self) -> Sparse:
+        """S, csr (6 p, 3 n + 3 r) [Pa/m, Pa]: displacements and rotations of nodes to stress, user axes."""
+        return self._operator
+
+    def own(self, name: str, grid: Any, span: GridSpan, directions: tuple[str, ...] = ("normal",)) -> Sparse:
+        """Zero: contact surfaces are on solids."""
+        return sp.csr_matrix((6 * len(self.points), len(directions) * span.columns * grid.rows))
+
+
 def stress_plans(
     mesh: Mesh, assignment: Assignment, wanted: Mapping[str, Any], contact: Mapping[str, Any]
 ) -> list[StressPlan]:
-    """A plan of each name in `wanted`; `contact` {facet set: resolved shape}. See `StressPlan`."""
-    return [StressPlan(mesh, assignment, name, points, contact) for name, points in wanted.items()]
+    """A plan of each name in `wanted`; `contact` {facet set: resolved shape}. `StressPlan`, `ShellStressPlan`."""
+    found: list[StressPlan] = []
+    for name, points in wanted.items():
+        on_shells = isinstance(points, str) and points in LAYERS and points not in mesh.facet_sets
+        found.append(
+            ShellStressPlan(mesh, assignment, name, points)
+            if on_shells
+            else StressPlan(mesh, assignment, name, points, contact)
+        )
+    return found
 
 
 def stress_settings(wanted: Mapping[str, Any]) -> dict[str, Any]:

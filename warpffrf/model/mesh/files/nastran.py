@@ -34,7 +34,9 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.files.paths import Budget, exists, reason
 from warpffrf.model.material import Material
-from warpffrf.model.mesh.files.raw_mesh import RawMesh, listed_counts, system_of
+from warpffrf.model.mesh.files.nastran_structure import ELEMENTS, PROPERTIES, StructureReader
+from warpffrf.model.mesh.files.raw_mesh import LENGTH_UNITS, RawMesh, listed_counts, system_of
+from warpffrf.model.mesh.structure import Beam, RigidLink, Shell, Structure
 
 SUFFIXES = (".bdf", ".nas", ".fem", ".dat")
 
@@ -111,6 +113,8 @@ class _Deck:
     materials: dict[int, Card] = field(default_factory=dict)  # MAT1
     mass_factors: list[float] = field(default_factory=list)  # PARAM,WTMASS
     ignored: Counter[str] = field(default_factory=Counter)
+    structural: list[Card] = field(default_factory=list)  # bars, masses, springs, rigid elements
+    properties: dict[tuple[str, int], Card] = field(default_factory=dict)  # of shells, bars and springs
 
 
 def read_bulk(path: Path, length_unit: str) -> RawMesh:
@@ -134,16 +138,49 @@ def read_bulk(path: Path, length_unit: str) -> RawMesh:
             members[len(blocks)] = np.flatnonzero(properties == p)
         blocks.append((kind, nodes))
         labels.append(np.array([card.integer(1) for _, _, card in rows]))
-    if not any(name in deck.cells for pair in _SOLIDS.values() for name in pair[:2]):
+    notes: list[str] = []
+    structure = _structure(deck, points, numbers, length_unit, notes)
+    solids = any(name in deck.cells for pair in _SOLIDS.values() for name in pair[:2])
+    if not solids and not structure.of(Shell) and not structure.of(Beam):
         raise InputError(f"mesh file {path.name}: there are no volume cells ({', '.join(_SOLIDS)}); export the solids")
     empty = np.zeros(0, dtype=np.int64)
     full = {name: [members.get(b, empty) for b in range(len(blocks))] for name, members in groups.items()}
-    notes: list[str] = []
     materials = _materials(deck, length_unit, notes)
     if deck.ignored:
         notes.append(f"cards that are not used: {listed_counts(deck.ignored)}")
-    more = {"stray_facets": True, "either_hand": True, "labels": labels}
+    links = {link.name: link.nodes for link in structure.of(RigidLink)}
+    more = {"stray_facets": True, "either_hand": True, "labels": labels, "node_groups": links, "structure": structure}
     return RawMesh(points, blocks, full, materials, tuple(notes), **more)
+
+
+def _structure(deck: _Deck, points: Array, numbers: dict[int, int], length_unit: str, notes: list[str]) -> Structure:
+    """Shells, beams, masses, springs and rigid elements; `notes` list the cards that are not read."""
+    shells = {kind: rows for kind, rows in deck.cells.items() if rows[0][2].name in _SHELLS}
+    if not deck.structural and not any(name == "PSHELL" for name, _ in deck.properties):
+        return Structure()
+    found: list[str] = []
+    system = system_of(length_unit, found)
+    if system is None:
+        count = Counter(card.name for card in deck.structural)
+        notes.append(f"structural elements are not read, lengths in {length_unit}: {listed_counts(count) or 'shells'}")
+        return Structure()
+    stress, density, _ = system
+    length, factor = LENGTH_UNITS[length_unit], deck.mass_factors[0] if deck.mass_factors else 1.0
+    known: dict[int, Material | None] = {}
+
+    def material(number: int) -> Material | None:
+        if number not in known:
+            card = deck.materials.get(number)
+            known[number] = None if card is None else _material(card, stress, factor * density, notes)
+        return known[number]
+
+    units = length, stress * length**2, factor * density * length**3
+    reader = StructureReader(deck.structural, deck.properties, shells, numbers, points, material, units)
+    structure = reader.structure()
+    notes += reader.notes
+    if reader.left_out:
+        notes.append(f"structural elements that are not read: {listed_counts(reader.left_out)}")
+    return structure
 
 
 def _take(deck: _Deck, card: Card) -> None:
@@ -178,6 +215,10 @@ def _take(deck: _Deck, card: Card) -> None:
         deck.mass_factors.append(card.real(2))
     elif name in _LOCAL:
         deck.systems[card.integer(1)] = card
+    elif name in ELEMENTS:
+        deck.structural.append(card)
+    elif name in PROPERTIES:
+        deck.properties[name, card.integer(1)] = card
     elif name == "PSOLID":
         deck.solids[card.integer(1)] = card
     elif name == "MAT1":
@@ -253,18 +294,27 @@ def _materials(deck: _Deck, length_unit: str, notes: list[str]) -> dict[str, Mat
         if card is None:
             notes.append(f"PSOLID {p}: material {number} is not a MAT1 and is not used")
             continue
-        E, G, nu, rho = (card.real(i, 0.0) for i in (2, 3, 4, 5))
-        if not card.text(4) and E > 0.0 and G > 0.0:
-            nu = E / (2.0 * G) - 1.0
-        elif not E > 0.0:
-            E = 2.0 * G * (1.0 + nu)
-        try:
-            found[f"property_{p}"] = Material(stress * E, nu, density * rho, name=f"MAT1 {number}")
-        except InputError as error:
-            notes.append(f"MAT1 {number} is not used: {error}")
+        material = _material(card, stress, density, notes)
+        if material is not None:
+            found[f"property_{p}"] = material
     if found:
         notes.append(f"materials are read in {units}, the system of units with lengths in {length_unit}")
     return found
+
+
+def _material(card: Card, stress: float, density: float, notes: list[str]) -> Material | None:
+    """The material [SI] of a MAT1; None, with a note, where it is not admissible."""
+    number = card.integer(1)
+    E, G, nu, rho = (card.real(i, 0.0) for i in (2, 3, 4, 5))
+    if not card.text(4) and E > 0.0 and G > 0.0:
+        nu = E / (2.0 * G) - 1.0
+    elif not E > 0.0:
+        E = 2.0 * G * (1.0 + nu)
+    try:
+        return Material(stress * E, nu, density * rho, name=f"MAT1 {number}")
+    except InputError as error:
+        notes.append(f"MAT1 {number} is not used: {error}")
+    return None
 
 
 def cards(path: Path) -> Iterator[Card]:

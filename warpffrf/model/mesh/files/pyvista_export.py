@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.mesh.structure import Beam, Shell
 
 if TYPE_CHECKING:
     from warpffrf.model.mesh.data import Mesh
@@ -30,11 +31,12 @@ VTK_TYPES = {
     "tri3": 5,
     "tri6": 22,
 }
-_VERTEX = 1
+_VERTEX, _LINE = 1, 3
 
 
 def to_pyvista(mesh: Mesh) -> Any:
-    """`pyvista.UnstructuredGrid` of `mesh`: volume cells first, then every facet that is in a set, once.
+    """`pyvista.UnstructuredGrid` of `mesh`: volume cells first, then beams as lines, then every shell
+    and every facet that is in a set, once.
 
     Points in m. Raises `InputError` where pyvista is not installed. A mesh without cells and facets becomes a cloud of
     vertices.
@@ -47,7 +49,12 @@ def to_pyvista(mesh: Mesh) -> Any:
     blocks: list[tuple[int, np.ndarray]] = [(VTK_TYPES[kind], nodes) for kind, nodes in mesh.cells.items()]
     count = mesh.cell_count
     places: dict[str, list[np.ndarray]] = {name: [members] for name, members in mesh.cell_sets.items()}
-    by_kind: dict[str, list[tuple[str, np.ndarray]]] = {}
+    for beam in mesh.structure.of(Beam):
+        blocks.append((_LINE, beam.nodes))
+        count += len(beam.nodes)
+    by_kind: dict[str, list[tuple[str | None, np.ndarray]]] = {}
+    for shell in mesh.structure.of(Shell):
+        by_kind.setdefault(shell.kind, []).append((None, shell.nodes))
     for name, facets in mesh.facet_sets.items():
         for kind, nodes in facets.blocks.items():
             by_kind.setdefault(kind, []).append((name, nodes))
@@ -56,7 +63,8 @@ def to_pyvista(mesh: Mesh) -> Any:
         _, first, place = np.unique(np.sort(rows, axis=1), axis=0, return_index=True, return_inverse=True)
         stops = np.cumsum([len(nodes) for _, nodes in members])[:-1]
         for (name, _), part in zip(members, np.split(place.ravel(), stops), strict=True):
-            places.setdefault(name, []).append(count + part)
+            if name is not None:
+                places.setdefault(name, []).append(count + part)
         blocks.append((VTK_TYPES[kind], rows[first]))
         count += len(first)
     if not blocks:

@@ -28,15 +28,26 @@ import logging
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.material import Material
-from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation, corner_notes, part_labels
+from warpffrf.model.mesh.checks import (
+    check_connected,
+    check_distinct,
+    check_orientation,
+    check_structure,
+    corner_notes,
+    part_labels,
+)
 from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind, facet_kind
 from warpffrf.model.mesh.facets import FacetSet, outer_faces, row_numbers
+from warpffrf.model.mesh.structure import Structure
 
 logger = logging.getLogger(__name__)
 
@@ -54,7 +65,8 @@ class RawMesh:
     `stray_facets`: facets that are no faces of a cell are omitted with a note (shells of a larger model) instead of
     refused. `either_hand`: the format does not define the orientation of cells. `labels`: the numbers that the
     file gives the members of each block, None where it gives none. `node_groups`: {name: numbers of points}, which
-    become the outer facets all of whose nodes they contain.
+    become the outer facets all of whose nodes they contain. `structure`: shells, beams and others in SI units, with
+    numbers of points.
     """
 
     points: Array
@@ -66,6 +78,7 @@ class RawMesh:
     either_hand: bool = False
     labels: Sequence[Array] | None = None
     node_groups: Mapping[str, Array] = field(default_factory=dict)
+    structure: Structure = field(default_factory=Structure)
 
 
 def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, label: str) -> Mesh:
@@ -78,7 +91,13 @@ def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, labe
     raw = _uncollapsed(raw, notes, label)
     volumes = [b for b, (kind, _) in enumerate(raw.blocks) if kind in CELL_KINDS]
     kept = _one_part(raw, volumes, part, label)
-    if not any(mask.any() for mask in kept.values()):
+    structure = raw.structure
+    if structure.parts and volumes:
+        structure = attached(structure, [raw.blocks[b][1] for b in volumes], len(raw.points), notes)
+    if part is not None and structure.parts:
+        notes.append(f"part {part!r} is read without structural elements: {counted(structure)}")
+        structure = Structure()
+    if not any(mask.any() for mask in kept.values()) and not structure.parts:
         raise InputError(f"{label}: there are no volume cells; export the 3-D mesh")
 
     by_kind: dict[str, list[Array]] = {}
@@ -89,28 +108,41 @@ def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, labe
             by_kind.setdefault(kind, []).append(_upright(kind, raw, nodes[kept[b]], notes))
             named.setdefault(kind, []).append(np.zeros(0) if raw.labels is None else raw.labels[b][kept[b]])
     cells = {kind: np.concatenate(parts) for kind, parts in by_kind.items()}
-    labels = None if raw.labels is None else np.concatenate([a for parts in named.values() for a in parts])
+    labels = None
+    if raw.labels is not None:
+        labels = np.concatenate([np.zeros(0, dtype=np.int64), *(a for parts in named.values() for a in parts)])
     number = _cell_numbers(raw, volumes, kept, list(cells))
     marked = np.zeros(len(raw.points), dtype=bool)
     for nodes in cells.values():
         marked[nodes] = True
+    marked[structure.nodes()] = True
     used = np.flatnonzero(marked)
     new_number = np.where(marked, np.cumsum(marked) - 1, -1)
     cells = {kind: new_number[nodes] for kind, nodes in cells.items()}
 
     cell_sets = {}
     for group, parts in raw.groups.items():
-        members = np.concatenate([number[b][parts[b]] for b in volumes])
+        members = np.concatenate([np.zeros(0, dtype=np.int64), *(number[b][parts[b]] for b in volumes)])
         if np.any(members >= 0):
             cell_sets[group] = members[members >= 0]
-    facet_sets, left_out = _facet_sets(raw, cells, new_number, label)
-    facet_sets |= _node_sets(raw, cells, new_number, facet_sets, left_out)
+    structure = structure.renumbered(new_number)
+    shells = structure.facet_sets()
+    facet_sets, left_out = _facet_sets(raw, cells, new_number, label) if cells else ({}, [])
+    left_out = [note for note in left_out if not any(note.startswith(f"set {name!r}: ") for name in shells)]
+    if cells:
+        facet_sets |= _node_sets(raw, cells, new_number, facet_sets, left_out)
+    # shells on faces of solids keep the outward normals of those
+    facet_sets |= {n: s for n, s in shells.items() if n not in facet_sets or len(facet_sets[n]) != len(s)}
     points, what = raw.points[used] * scale, "number" if labels is None else "element"
     try:
         # what mesh.check() does, with the file's numbers; nodes without cells are left out already
         check_orientation(points, cells, labels, what)
-        check_distinct(cells, labels, what)
-        check_connected(len(points), cells)
+        if cells:
+            check_distinct(cells, labels, what)
+        if structure.parts:
+            check_structure(len(points), cells, structure)
+        else:
+            check_connected(len(points), cells)
         return Mesh(
             points,
             cells,
@@ -119,9 +151,45 @@ def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, labe
             cell_sets=cell_sets,
             materials={group: material for group, material in raw.materials.items() if group in cell_sets},
             notes=(*raw.notes, *notes, *left_out, *corner_notes(points, cells, labels, what)),
+            structure=structure,
+            node_sets=rotating_sets(structure, facet_sets, new_number, raw.node_groups),
         )
     except InputError as error:
         raise InputError(f"{label}: {error}") from None
+
+
+def counted(structure: Structure) -> str:
+    """The numbers of structural elements, as text."""
+    return ", ".join(f"{count} {name}" for name, count in structure.counts().items())
+
+
+def attached(structure: Structure, solids: Sequence[Array], node_count: int, notes: list[str]) -> Structure:
+    """The elements that are connected with `solids` (nodes of cells); a note counts the others."""
+    first, other = [], []
+    for block in [*solids, *structure.connections()]:
+        first.append(np.repeat(block[:, 0], block.shape[1] - 1))
+        other.append(block[:, 1:].ravel())
+    ends = np.concatenate(first), np.concatenate(other)
+    graph = coo_matrix((np.ones(len(ends[0]), dtype=np.int8), ends), shape=(node_count, node_count))
+    label = connected_components(graph, directed=False)[1]
+    on_solid = np.isin(label, np.unique(label[np.concatenate([block[:, 0] for block in solids])]))
+    kept, apart = structure.split(on_solid)
+    if apart.parts:
+        notes.append(f"structural elements that are not connected with the solids are left out: {counted(apart)}")
+    return kept
+
+
+def rotating_sets(
+    structure: Structure, taken: Mapping[str, Any], number: Array, groups: Mapping[str, Array]
+) -> dict[str, Array]:
+    """{name: nodes} of the node `groups` that hold a node with rotation and have no facets; `number` of each node."""
+    found = {}
+    for name, members in groups.items():
+        nodes = number[members]
+        nodes = nodes[nodes >= 0]
+        if name not in taken and np.isin(nodes, structure.rotating).any():
+            found[name] = nodes
+    return found
 
 
 def _uncollapsed(raw: RawMesh, notes: list[str], label: str) -> RawMesh:

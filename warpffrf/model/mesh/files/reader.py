@@ -35,7 +35,7 @@ SUFFIXES = (*READERS, *IN_UNITS, ".inp")
 @named_arguments
 def read(path: str | Path, *, length_unit: str, part: int | str | None = None) -> Mesh:
     """Read a mesh of hexahedra, wedges and tetrahedra, linear or quadratic, with its sets, from the file `path`;
-    lengths become metres.
+    lengths become metres. Of Nastran, Abaqus and CalculiX decks also shells, beams, masses, springs and rigid links.
 
     `length_unit` is the unit of the file's coordinates: one of m, cm, mm, um, in, ft. `part` picks one body of a file
     with several: the number of a connected part (0 is the one of the first cell) or the name of a volume group, in an

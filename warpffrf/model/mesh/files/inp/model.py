@@ -46,7 +46,7 @@ def fold(name: str) -> str:
 @dataclass(frozen=True, eq=False)
 class Elements:
     """Elements of one type: `kind` is our cell kind, `shell` our facet kind, both None for any other type; `table` the
-    nodes of either."""
+    nodes of either, and of `structural_nodes` of the type."""
 
     type: str
     kind: str | None
@@ -125,6 +125,7 @@ class Scope:
     sets: dict[str, dict[str, SetDefinition]] = field(default_factory=lambda: {family: {} for family in FAMILIES})
     surfaces: dict[tuple[str, bool], SurfaceDefinition] = field(default_factory=dict)
     sections: list[Section] = field(default_factory=list)
+    structural: list[Block] = field(default_factory=list)  # sections and properties of shells, beams, masses, ...
 
     def add_members(self, family: str, name: str, members: Members, internal: bool = False) -> None:
         """Add to the set of that name, which begins here if it is new."""
@@ -136,6 +137,11 @@ class Scope:
     def has_cells(self) -> bool:
         """Whether the scope holds elements that fill a volume, usable ones or not."""
         return any(block.kind is not None or is_volume(block.type) for block in self.elements)
+
+    @property
+    def has_structure(self) -> bool:
+        """Whether the scope holds shells or beams with a section."""
+        return any(block.keyword.endswith("SECTION") for block in self.structural)
 
 
 @dataclass(eq=False)
@@ -180,6 +186,7 @@ _TYPE = re.compile(r"C3D(4|6|8|10|15|20)([RIHMST]*)")
 _VOLUMES = re.compile(r"C3D|(SC|CSS|CCL|DC3D|DCC3D|AC3D|EC3D|FC3D|Q3D)\d")
 # shells, membranes, plane elements and rigid faces in space, with their number of nodes (STRI65 has six)
 _SHELL = re.compile(r"(?:DS|SFM3D|M3D|CPS|CPE|CPEG|R3D|STRI|S)([3468])[RITHMP0-9]*")
+_STRUCTURAL = {"B31": 2, "B31R": 2, "B33": 2, "B32": 3, "B32R": 3, "MASS": 1, "ROTARYI": 1, "SPRINGA": 2, "SPRING2": 2}
 _SHELL_KINDS = {3: "tri3", 4: "quad4", 6: "tri6", 8: "quad8"}
 _FORMULATIONS = {
     "R": "are integrated fully",
@@ -220,6 +227,11 @@ def formulation(element_type: str) -> str | None:
     match = _TYPE.fullmatch(element_type.upper())
     letters = match[2] if match else ""
     return " and ".join(_FORMULATIONS[letter] for letter in letters) or None
+
+
+def structural_nodes(element_type: str) -> int | None:
+    """Number of nodes of beams, masses and springs between nodes; None for any other type."""
+    return _STRUCTURAL.get(element_type.upper())
 
 
 @cache

@@ -33,6 +33,9 @@ from warpffrf.model.mesh.files.inp.model import (
 GENERATORS = {
     "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SYMMETRICMODELGENERATION"
 }  # fmt: skip
+STRUCTURAL = (
+    "SHELLSECTION", "BEAMSECTION", "BEAMGENERALSECTION", "MASS", "ROTARYINERTIA", "SPRING", "RIGIDBODY"
+)  # fmt: skip
 OTHER_FACES = {"SPOS", "SNEG", "SP", "SN", "EDGE", "E1", "E2", "E3", "E4", "END1", "END2"}
 
 
@@ -171,6 +174,8 @@ def _element(parser: Parser, block: Block) -> None:
         table = model.element_table(block, len(cell_kind(kind).nodes))
     elif shell is not None:
         table = model.element_table(block, len(facet_kind(shell).nodes))
+    elif (width := model.structural_nodes(element_type)) is not None:
+        table = model.element_table(block, width)
     labels = model.element_numbers(block) if table is None else table.labels
     parser.scope.elements.append(Elements(element_type, kind, block.place, labels, table, shell))
     name = block.value("ELSET")
@@ -222,6 +227,10 @@ def _solid_section(parser: Parser, block: Block) -> None:
         parser.deck.ignored["SOLIDSECTION without MATERIAL="] += 1
         return
     parser.scope.sections.append(Section(block.required("ELSET"), material, block.place))
+
+
+def _structural(parser: Parser, block: Block) -> None:
+    parser.scope.structural.append(block)
 
 
 def _material(parser: Parser, block: Block) -> None:
@@ -276,6 +285,7 @@ HANDLERS: dict[str, Callable[[Parser, Block], None]] = {
     "ELSET": _set,
     "SURFACE": _surface,
     "SOLIDSECTION": _solid_section,
+    **dict.fromkeys(STRUCTURAL, _structural),
     "MATERIAL": _material,
     "ELASTIC": _elastic,
     "DENSITY": _density,

@@ -54,7 +54,7 @@ def cell_sets(body: Body, solid: Solid, needed: Iterable[str], notes: list[str])
     internal."""
     keep = {fold(name) for name in needed}
     found: dict[str, np.ndarray] = {}
-    for level, definition in _definitions(body, "elset"):
+    for level, definition in definitions(body, "elset"):
         numbers = solid.cell_numbers(body.members(level, "elset", definition.name, definition.place))
         if not len(numbers) or (definition.internal and (level == ASSEMBLY or fold(definition.name) not in keep)):
             continue
@@ -89,7 +89,7 @@ def facet_sets(body: Body, solid: Solid, notes: list[str]) -> dict[str, FacetSet
             found[name] = facets
     surfaces = {fold(name): len(facets) for name, facets in found.items()}
     dropped: list[str] = []
-    for level, definition in _definitions(body, "nset"):
+    for level, definition in definitions(body, "nset"):
         labels = body.members(level, "nset", definition.name, definition.place)
         if definition.internal or not len(labels):
             continue
@@ -115,7 +115,7 @@ def shell_sets(body: Body, solid: Solid, faces: Faces, notes: list[str]) -> list
         if block.shell is not None and block.table is not None
     ]
     found: list[tuple[str, FacetSet]] = []
-    for level, definition in _definitions(body, "elset") if shells else []:
+    for level, definition in definitions(body, "elset") if shells else []:
         members = body.members(level, "elset", definition.name, definition.place)
         if definition.internal or len(solid.cell_numbers(members)):
             continue
@@ -145,7 +145,7 @@ def listed(items: list[str]) -> str:
     return shown if len(items) <= MANY else f"{shown} and {len(items) - MANY} more"
 
 
-def _definitions(body: Body, family: str) -> list[tuple[str, SetDefinition]]:
+def definitions(body: Body, family: str) -> list[tuple[str, SetDefinition]]:
     """All sets with members of the body, with their level; the first of a name in each level."""
     found = []
     for level in body.levels():
@@ -204,7 +204,7 @@ def choose(deck: Deck, part: str | None) -> Body:
     Without `part` the deck must have one body. Raises `InputError` that lists the names.
     """
     if not deck.instances and not deck.parts:
-        if not deck.top.has_cells:
+        if not deck.top.has_cells and not deck.top.has_structure:
             raise _no_cells(deck)
         return Body("", (deck.top,), deck.top.place)
     if any(block.kind is not None for block in deck.top.elements):
@@ -245,10 +245,10 @@ def _bodies(deck: Deck) -> dict[str, Body]:
     bodies: dict[str, Body] = {}
     for key, instance in deck.instances.items():
         scopes = (instance.scope, deck.parts[fold(instance.part)])
-        if any(scope.has_cells for scope in scopes):
+        if any(scope.has_cells or scope.has_structure for scope in scopes):
             bodies[key] = _placed(deck, instance)
     if not deck.instances:
-        bodies = {key: Body(p.name, (p,), p.place) for key, p in deck.parts.items() if p.has_cells}
+        bodies = {key: Body(p.name, (p,), p.place) for key, p in deck.parts.items() if p.has_cells or p.has_structure}
     return bodies
 
 
@@ -356,7 +356,7 @@ def sections_of(deck: Deck, body: Body, solid: Solid) -> list[tuple[str, Materia
     found: dict[str, tuple[str, MaterialText]] = {}
     for scope in body.own:
         for section in scope.sections:
-            material = _material(deck, section)
+            material = material_text(deck, section)
             members = body.members(OWN, "elset", section.elset, section.place)
             definition = body.definition(OWN, "elset", section.elset)
             if definition is None or not len(solid.cell_numbers(members)):
@@ -368,7 +368,8 @@ def sections_of(deck: Deck, body: Body, solid: Solid) -> list[tuple[str, Materia
     return list(found.values())
 
 
-def _material(deck: Deck, section: Section) -> MaterialText:
+def material_text(deck: Deck, section: Section) -> MaterialText:
+    """The material of a section. Raises `InputError` for an unknown one."""
     material = deck.materials.get(fold(section.material))
     if material is None:
         known = ", ".join(repr(m.name) for m in deck.materials.values()) or "none"
@@ -388,7 +389,7 @@ def materials_of(sections: list[tuple[str, MaterialText]], length_unit: str, not
     for elset, text in sections:
         for note in dict.fromkeys(text.notes):
             notes.append(f"material {text.name!r}: {note}")
-        material = _si(text, stress, density, notes)
+        material = material_in_si(text, stress, density, notes)
         if material is not None:
             made[elset] = material
     if made:
@@ -396,7 +397,8 @@ def materials_of(sections: list[tuple[str, MaterialText]], length_unit: str, not
     return made
 
 
-def _si(text: MaterialText, stress: float, density: float, notes: list[str]) -> Material | None:
+def material_in_si(text: MaterialText, stress: float, density: float, notes: list[str]) -> Material | None:
+    """The material [SI]; None, with a note, where it is not usable. `stress`, `density`: the units of the deck."""
     faults = list(text.faults)
     if text.elastic is None and not faults:
         faults.append("it has no *Elastic")

@@ -80,8 +80,11 @@ class Solid:
         return self.cell_labels[order], order
 
 
-def solid_of(body: Body, part: int | str | None, file: str) -> Solid:
+def solid_of(
+    body: Body, part: int | str | None, file: str, more: np.ndarray | None = None, read: np.ndarray | None = None
+) -> Solid:
     """The nodes and cells of `body`; `part` keeps one element set (a name) or one connected part (a number) of it.
+    `more`: numbers of nodes of the structural elements `read` (their numbers), without which there must be cells.
 
     Raises `InputError` for elements that refer to unknown nodes, share a number or have an unsupported solid type.
     """
@@ -94,22 +97,32 @@ def solid_of(body: Body, part: int | str | None, file: str) -> Solid:
     for block in blocks:
         if block.kind is not None and block.table is not None and len(block.labels):
             by_kind.setdefault(block.kind, []).append(block.table)
-    if not by_kind:
+    extra = np.zeros(0, dtype=np.int64) if more is None else more
+    if not by_kind and not len(extra):
         raise InputError(f"mesh file {file}: there are no solid elements; export the 3-D mesh")
     _unique_numbers([table for tables in by_kind.values() for table in tables])
     cells = {kind: np.concatenate([_indices(table, labels) for table in tables]) for kind, tables in by_kind.items()}
-    numbers = np.concatenate([table.labels for tables in by_kind.values() for table in tables])
+    numbers = np.concatenate(
+        [np.zeros(0, dtype=np.int64), *(table.labels for tables in by_kind.values() for table in tables)]
+    )
     cells, numbers, became, collapsed_notes = _uncollapsed(cells, numbers, file)
     notes += collapsed_notes
     if part is not None:
         cells, numbers = _kept(cells, numbers, _wanted(body, part, file, cells, numbers, len(labels)))
 
-    used = np.unique(np.concatenate([nodes.ravel() for nodes in cells.values()]))
+    if part is None and len(extra):
+        known = labels[np.minimum(np.searchsorted(labels, extra), len(labels) - 1)] == extra
+        if not known.all():
+            raise InputError(f"mesh file {file}: a structural element refers to the missing node {extra[~known][0]}")
+        extra = np.searchsorted(labels, extra)
+    else:
+        extra = extra[:0]
+    used = np.unique(np.concatenate([extra, *(nodes.ravel() for nodes in cells.values())]))
     new_number = np.full(len(labels), -1, dtype=np.int64)
     new_number[used] = np.arange(len(used))
     if len(used) < len(labels) and part is None:
         notes.append(f"{len(labels) - len(used)} nodes belong to no solid cell and are left out")
-    notes += _element_notes(blocks)
+    notes += _element_notes(blocks, np.zeros(0, dtype=np.int64) if read is None else read)
     points = _placed(body, coordinates[used], file)
     return Solid(
         points, labels[used], {kind: new_number[n] for kind, n in cells.items()}, numbers, tuple(notes), became
@@ -149,7 +162,8 @@ def _uncollapsed(
         labels.setdefault(kind, []).append(np.array([label for label, _ in rows], dtype=np.int64))
     made = {kind: np.concatenate(parts) for kind, parts in kept.items()}
     made = {kind: nodes for kind, nodes in made.items() if len(nodes)}
-    return made, np.concatenate([a for kind in made for a in labels[kind]]), became, notes
+    found = [np.zeros(0, dtype=np.int64), *(a for kind in made for a in labels[kind])]
+    return made, np.concatenate(found), became, notes
 
 
 def _nodes(body: Body) -> tuple[np.ndarray, np.ndarray, list[str]]:
@@ -169,7 +183,7 @@ def _nodes(body: Body) -> tuple[np.ndarray, np.ndarray, list[str]]:
 
 
 def _unique_numbers(tables: list[Table]) -> None:
-    numbers = np.concatenate([table.labels for table in tables])
+    numbers = np.concatenate([np.zeros(0, dtype=np.int64), *(table.labels for table in tables)])
     order = np.argsort(numbers, kind="stable")
     twice = np.flatnonzero(np.diff(numbers[order]) == 0)
     if len(twice):
@@ -238,19 +252,19 @@ def _placed(body: Body, points: np.ndarray, file: str) -> np.ndarray:
     return points
 
 
-def _element_notes(blocks: list[Elements]) -> list[str]:
-    """Cells whose formulation is replaced, and omitted elements, with their numbers."""
+def _element_notes(blocks: list[Elements], read: np.ndarray) -> list[str]:
+    """Cells whose formulation is replaced, and omitted elements, with their numbers; not those that are `read`."""
     replaced: Counter[tuple[str, str, str]] = Counter()
     others: Counter[str] = Counter()
     for block in blocks:
         if block.kind is None:
-            others[block.type] += len(block.labels)
+            others[block.type] += int(np.sum(~np.isin(block.labels, read)))
         else:
             said = formulation(block.type)
             if said is not None:
                 replaced[block.type, said, block.kind] += len(block.labels)
     notes = [f"{count} {name} cells {said}, as {kind}" for (name, said, kind), count in replaced.items()]
-    if others:
+    if others := +others:
         listed = ", ".join(f"{count} {name}" for name, count in others.items())
         notes.append(f"elements that fill no volume, their stiffness and mass, are left out: {listed}")
     return notes
