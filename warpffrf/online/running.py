@@ -258,6 +258,22 @@ class Running:
         if not np.any(self.engine.word("status")) and self.watch.gained_at_end():
             self.gain = self.watch.end()
 
+    def watch_from_here(self) -> None:
+        """Watch the run from its present state on, to which it was set."""
+        self.watch = EnergyWatch(self.engine, self.step)
+        self.ends.looked = len(self.engine.chunks[0])
+
+    def so_far(self) -> History:
+        """The History up to here; evaluations for its notes change the engine, not its checkpoint."""
+        films = FilmWatch(self.engine, 0, 0)
+        films.keep(self.engine)
+        ended = time.perf_counter()
+        history = finish(self.engine, self.begin, self.built, list(self.notes), "", self.plan.rejected, films)
+        history.message = self.gain or history.message
+        history.counters["loop_seconds"] = ended - self.loop
+        history.counters["finish_seconds"] = time.perf_counter() - ended
+        return history
+
     def drop(self) -> None:
         """Leave the run, which is begun anew: its display and what its keeper has."""
         self.bar.close()

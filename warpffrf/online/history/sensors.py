@@ -11,12 +11,14 @@ from warpffrf.model.forces import BodyLoad
 from warpffrf.model.scene import Scene
 from warpffrf.model.sensors import Sensor
 from warpffrf.online.compile.forces import ForceTable
+from warpffrf.online.compile.inputs import DeviceInputs
 from warpffrf.online.history.history import BodyHistory, ForceHistory, History, SensorHistory
 from warpffrf.online.history.interface_motion import turned
 
 
 def force_histories(
     scene: Scene,
+    inputs: DeviceInputs,
     table: ForceTable,
     time: np.ndarray,
     value: np.ndarray,
@@ -24,9 +26,9 @@ def force_histories(
     bodies: dict[str, BodyHistory],
 ) -> dict[str, ForceHistory]:
     """Force and torque of every force element but friction in joints and pretensions, from `value` (T, rows) and
-    `wrench` (T, rows, 6) of the rows in `table`."""
+    `wrench` (T, rows, 6) of the rows in `table`; loads have the values of the `inputs`."""
     found: dict[str, ForceHistory] = {}
-    T = len(time)
+    T, since = len(time), float(time[0]) if len(time) else 0.0
     for item in scene.forces:
         if hasattr(item, "slip") or (hasattr(item, "tension") and item.name not in table.rows):
             continue
@@ -42,10 +44,10 @@ def force_histories(
         load = item.load()
         none = np.zeros((T, 0))
         if isinstance(load, BodyLoad):
-            p, s = bodies[load.body.name].rotation, load.signal(time)[:, None]
+            p, s = bodies[load.body.name].rotation, inputs.resolved(load.signal, since)(time)[:, None]
             found[item.name] = ForceHistory(turned(p, s * load.force), turned(p, s * load.torque), none)
             continue
-        vector = np.stack([signal(time) for signal in load.components], axis=1)
+        vector = np.stack([inputs.resolved(signal, since)(time) for signal in load.components], axis=1)
         if load.frame == "body":
             vector = turned(bodies[load.port.body.name].rotation, vector)
         zero = np.zeros((T, 3))
