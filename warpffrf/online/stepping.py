@@ -65,6 +65,7 @@ class Stepping:
         self._row: SavedRows | None = None  # of the present, if it is not in the ring
         self._carried: dict[str, np.ndarray]  # counts of steps since the last row that is kept
         self.stopped = bool(running.failed)  # after a failure: no further step can be made
+        self._bind()
         if self.stopped:
             return
         if self._state is not None:
@@ -78,7 +79,7 @@ class Stepping:
             engine.resume(before)
             engine.drained = engine.word("saved")
             engine.chunks[0] = [dict(self._row)]
-        self._bind()
+            self._bind()
         self._count_from()
 
     def _bind(self) -> None:
