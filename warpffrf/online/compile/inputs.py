@@ -119,6 +119,8 @@ class DeviceInputs:
         values, breaks, c = (np.asarray(checkpoint[MARK + name]) for name in ("value", "breaks", "c"))
         self.values = dict(zip(self.values, values.tolist(), strict=True))
         for (at, pieces), b, rows in zip(self._places, breaks, c, strict=True):
+            if np.array_equal(self._breaks[at : at + 2], b) and np.array_equal(self._c[at : at + 2], rows):
+                continue  # as they are: the pieces before remain known
             self._breaks[at : at + 2], self._c[at : at + 2] = b, rows
             both = zip(b.tolist(), rows.tolist(), strict=True)
             pieces[:] = [(begin, tuple(row)) for begin, row in both if np.isfinite(begin)]
