@@ -30,7 +30,7 @@ from warpffrf.online.warp_lock import WARP_LOCK, replays_side_by_side
 
 log = logging.getLogger("warpffrf")
 
-LOOK = 100  # steps between two looks at the run; fewer than rows of the ring
+LOOK = 200  # steps between two looks at the run; fewer than rows of the ring
 MOST_ATTEMPTS = 1000  # of a step in one replay: more follow where it is halved so often
 ROW = "row_"  # prefix of arrays of a state that are of its row
 SUMMED = ("saved_iterations", "saved_solves")  # over the steps since the last row
