@@ -45,7 +45,8 @@ class Sampled:
 
 class Controller(ABC):
     """Base of the controllers. measures: outputs by name, each one number; targets: `signals.Input`s, or their names;
-    references: one number or signal for each measure, or none; every: steps between two samples."""
+    references: one number or signal for each measure, in its unit, or none; every: steps between two samples. Raises
+    `InputError`."""
 
     def __init__(
         self, measures: Sequence[str], targets: Sequence[Input | str], references: Sequence[SignalLike], every: int
@@ -63,15 +64,16 @@ class Controller(ABC):
             )
         self.every = require_count(every, f"{label}: every", 1)
 
-    def error(self, t: float, measured: np.ndarray) -> np.ndarray:
-        """The input of the block at the time `t` [s]: references minus measures, or the measures (n,)."""
-        if not self.references:
-            return measured
-        return np.array([float(reference(t)) for reference in self.references]) - measured
-
     @abstractmethod
     def sampled(self, sample: float) -> Sampled:
         """A new block with the sample time `sample` [s]."""
+
+
+def error_of(controller: Controller, t: float, measured: np.ndarray) -> np.ndarray:
+    """The input (n,) of a block at the time `t` [s]: references minus `measured` (n,), or the latter themselves."""
+    if not controller.references:
+        return measured
+    return np.array([float(reference(t)) for reference in controller.references]) - measured
 
 
 class _Linear(Sampled):

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.checks.scene import refuse_short_signals, signals_in
-from warpffrf.model.control import Controller, Sampled
+from warpffrf.model.control import Controller, Sampled, error_of
 from warpffrf.model.errors import InputError, require_number, unknown_name
 from warpffrf.model.integrators import CHECK_INTEGRATORS
 from warpffrf.model.messages.named_arguments import named_arguments
@@ -233,10 +233,10 @@ class Simulation:
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """A copy of everything that the next steps depend on, arrays by name: of the bodies, contacts, inputs and
-        controllers. Setting it continues from there, bit for bit, with the same step (with small-sliding contacts to
-        round-off); rows before are dropped, and values set for the next step as well. Raises `InputError` for a state
-        of another scene, and for one that is damaged, before anything is changed."""
+        """A copy of everything that the next steps depend on, arrays (...) [SI units] by name: bodies, contacts, inputs
+        and controllers. Setting it continues from there, bit for bit with the same step (with small-sliding contacts
+        to round-off); rows before are dropped, and values set for the next step as well. Raises `InputError` for a
+        state of another scene, and for one that is damaged, before anything is changed."""
         if self._stepping.running.failed:
             raise InputError(f"Simulation: it did not start ({self.status}: {self.message}), so that it has no state")
         found = self._stepping.state()
@@ -340,7 +340,7 @@ class Simulation:
             if done % one.every:
                 continue
             measured = np.array([self._output(name) for name in one.measures], dtype=float)
-            command = block.command(one.error(t, measured))
+            command = block.command(error_of(one, t, measured))
             if not np.all(np.isfinite(command)):
                 raise InputError(
                     f"Simulation: {type(one).__name__} of {', '.join(map(repr, one.targets))} commands a NaN or "
