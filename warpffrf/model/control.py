@@ -124,7 +124,7 @@ class StateSpace(Controller):
     ) -> None:
         super().__init__(measures, targets, references, every)
         label, m, k = type(self).__name__, len(self.measures), len(self.targets)
-        self.A = np.zeros((0, 0)) if np.size(A) == 0 else require_array(A, f"{label}: A", (None, None))
+        self.A = np.zeros((0, 0)) if not len(A) else require_array(A, f"{label}: A", (None, None))
         n = len(self.A)
         if self.A.shape != (n, n):
             raise InputError(f"{label}: A must be square, got {self.A.shape}")
@@ -140,12 +140,13 @@ class StateSpace(Controller):
 
     def _discrete(self, sample: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """A, B, C, D for an error that is constant between samples."""
-        from scipy.signal import cont2discrete
+        from scipy.linalg import expm
 
-        if not len(self.A):
-            return self.A, self.B, self.C, self.D
-        A, B, C, D, _ = cont2discrete((self.A, self.B, self.C, self.D), sample, method="zoh")
-        return A, B, C, D
+        n, m = self.B.shape
+        whole = np.zeros((n + m, n + m))
+        whole[:n, :n], whole[:n, n:] = self.A, self.B
+        both = np.asarray(expm(sample * whole))
+        return both[:n, :n], both[:n, n:], self.C, self.D
 
 
 class TransferFunction(StateSpace):

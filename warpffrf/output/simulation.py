@@ -143,6 +143,8 @@ class Simulation:
         self._stepping = Stepping(
             scene, step=self._step, start=beginning, settings=settings, progress=False, engine_of=Engine, **own
         )
+        if not self._stepping.stopped:
+            refuse_short_signals(scene, self._stepping.time, self._stepping.time)
         self._until = _end_of_signals(scene)
         self._controllers: list[tuple[Controller, Sampled]] = []
         self._present: tuple[Any, Present] | None = None  # with the step that it is of

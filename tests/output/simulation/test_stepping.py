@@ -14,7 +14,7 @@ from same_histories import unlike
 from warpffrf.output.files.table import quantity
 from warpffrf.output.simulation import CONTROLLER
 
-QUICK = {"progress": False}
+QUICK: dict[str, Any] = {"progress": False}
 ROUNDED = 1e-12  # turns of an angle are added in another order
 # words of a checkpoint that count rows of the device, which records every step, and those that are kept
 OF_ROWS = ("saved", "every", "pending", "pending_solves")

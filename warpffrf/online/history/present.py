@@ -13,7 +13,6 @@ import numpy as np
 
 from warpffrf.model.bodies import Port
 from warpffrf.model.joints import Marker
-from warpffrf.online.arrays.ring import SavedRows
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.history.history import BodyHistory, History, JointHistory
 from warpffrf.online.history.interface_motion import cross, turned
@@ -106,7 +105,10 @@ class Present:
     name, if they are known."""
 
     def __init__(
-        self, compiled: CompiledScene, rows: SavedRows, frames: Mapping[str, tuple[Marker, Marker]] | None = None
+        self,
+        compiled: CompiledScene,
+        rows: Mapping[str, np.ndarray],
+        frames: Mapping[str, tuple[Marker, Marker]] | None = None,
     ) -> None:
         self.compiled, self.rows, self.scene = compiled, rows, compiled.scene
         self.time: np.ndarray = rows["saved_time"]
@@ -123,7 +125,7 @@ class Present:
     @cached_property
     def history(self) -> History:
         """The whole History."""
-        return history_from_rows(self.compiled, self.rows)
+        return history_from_rows(self.compiled, dict(self.rows))
 
     def motion(self, port: Port, *, point: np.ndarray | None = None, frame: str = "world") -> Any:
         """As of a History."""

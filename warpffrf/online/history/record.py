@@ -77,7 +77,7 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
     joints = {str(joint.name): joint_history(compiled, rows, joint, bodies) for joint in scene.joints}
     stretches = {name: rows["saved_coordinate"][:, own] for name, own in compiled.forces.rows.items()}
     forces = force_histories(
-        scene, compiled.inputs, compiled.forces, time, rows["saved_coordinate"], rows["saved_row_wrench"], bodies
+        scene, compiled.forces, time, rows["saved_coordinate"], rows["saved_row_wrench"], bodies, compiled.inputs
     )
     forces = with_pulls(forces | friction_histories(compiled.slips, rows), tension_histories(compiled.tensions, rows))
     forces = {str(item.name): forces[str(item.name)] for item in scene.forces}
