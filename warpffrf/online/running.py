@@ -261,7 +261,7 @@ class Running:
     def watch_from_here(self) -> None:
         """Watch the run from its present state on, to which it was set."""
         self.watch = EnergyWatch(self.engine, self.step)
-        self.ends.looked = len(self.engine.chunks[0])
+        self.ends = EndWatch(self.engine, keeps=True)
 
     def so_far(self) -> History:
         """The History up to here; evaluations for its notes change the engine, not its checkpoint."""

@@ -11,6 +11,7 @@ import pytest
 import warpffrf as wf
 from demos import ball_impact, journal_bearing, rolling_friction, slider_crank
 from same_histories import unlike
+from warpffrf.online import stepping
 from warpffrf.output.files.table import quantity
 from warpffrf.output.simulation import CONTROLLER
 
@@ -186,3 +187,17 @@ def test_goes_on_from_a_result() -> None:
     there = sim.result().body("rotor").angular_velocity[-1, 1]
     assert again.outputs["body_angular_velocity_y[rotor]"] == there == held.body("rotor").angular_velocity[-1, 1]
     assert np.all(held.force("motor").torque[:, 1] == 5.0)
+
+
+def test_steps_on_another_device(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The words of a device that is not the host are copied: the same bits, rows and outputs."""
+    torque = wf.signals.Input("torque", 1.0)
+    ends = []
+    for in_place in (True, False):
+        monkeypatch.setattr(stepping, "replays_side_by_side", lambda _, here=in_place: here)
+        sim = wf.Simulation(rotor(torque), step=1e-3, options=wf.RunOptions(save_every=3))
+        for n in range(stepping.LOOK + 10):
+            sim.inputs["torque"] = float(np.sin(n))
+            sim.step()
+        ends.append((sim.state, compared(sim.result()), sim.outputs["rim"], sim.time))
+    assert unlike(ends[0], ends[1]) == []

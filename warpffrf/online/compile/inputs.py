@@ -76,8 +76,10 @@ class DeviceInputs:
                     pieces.pop()
                 pieces += [(begin, ramp), (end, after)]
                 self._breaks[at], self._breaks[at + 1] = begin, end
-                self._c[at, : len(ramp)], self._c[at + 1, : len(after)] = ramp, after
-                self._c[at, len(ramp) :], self._c[at + 1, len(after) :] = 0.0, 0.0
+                for i, number in enumerate(ramp):  # higher coefficients are zero from the beginning
+                    self._c[at, i] = number
+                for i, number in enumerate(after):
+                    self._c[at + 1, i] = number
             self.values[name] = new
         self.last = begin
         self._upload()
