@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from warpffrf import examples, study
     from warpffrf.model import (
         bearings,
+        control,
         damping,
         films,
         forces,
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
     from warpffrf.output.recording.recorder import record
     from warpffrf.output.result import Result
     from warpffrf.output.simulate import equilibrium, simulate, static
+    from warpffrf.output.simulation import Simulation
     from warpffrf.output.worlds import equilibria, simulate_worlds
     from warpffrf.scene_file import load_scene, run_scene
 
@@ -69,6 +71,7 @@ __all__ = [
     "RunError",
     "RunOptions",
     "Scene",
+    "Simulation",
     "SmallSliding",
     "Stage",
     "Status",
@@ -78,6 +81,7 @@ __all__ = [
     "campbell",
     "compare",
     "contact_spacing",
+    "control",
     "damping",
     "eigenmodes",
     "equilibria",
@@ -123,6 +127,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "RunError": ("warpffrf.model.errors", "RunError"),
     "RunOptions": ("warpffrf.output.options", "RunOptions"),
     "Scene": ("warpffrf.model.scene", "Scene"),
+    "Simulation": ("warpffrf.output.simulation", "Simulation"),
     "SmallSliding": ("warpffrf.model.small_sliding", "SmallSliding"),
     "Stage": ("warpffrf.online.stages", "Stage"),
     "Status": ("warpffrf.model.messages.status", "Status"),
@@ -132,6 +137,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "campbell": ("warpffrf.output.campbell", "campbell"),
     "compare": ("warpffrf.output.comparison", "compare"),
     "contact_spacing": ("warpffrf.offline.contact.contact_grid", "contact_spacing"),
+    "control": ("warpffrf.model.control", None),
     "damping": ("warpffrf.model.damping", None),
     "eigenmodes": ("warpffrf.output.modes_result", "eigenmodes"),
     "equilibria": ("warpffrf.output.worlds", "equilibria"),

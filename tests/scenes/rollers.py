@@ -23,7 +23,7 @@ from warpffrf.model.surfaces import CrownedCylinder, Cylinder
 from warpffrf.offline import ContactGrid, reduce
 from warpffrf.online import Engine, History, Settings
 from warpffrf.online.history.record import history_from_rows
-from warpffrf.online.run import describe
+from warpffrf.online.outcome import describe
 from warpffrf.output.result import Result
 
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")

@@ -51,8 +51,9 @@ from warpffrf.online.diagnosis.patch_off_end import EndWatch, OffEnd
 from warpffrf.online.engine import Engine, EngineOf
 from warpffrf.online.history.history import ENERGY_LINES, History
 from warpffrf.online.local_modes import LocalModes, as_local_modes
+from warpffrf.online.outcome import finish
 from warpffrf.online.periodic_checkpoint import Keeping, go_on
-from warpffrf.online.run import check_load_paths, finish
+from warpffrf.online.running import check_load_paths
 from warpffrf.online.samples import Samples
 from warpffrf.online.settings import Settings
 from warpffrf.online.snap_through import snap_through

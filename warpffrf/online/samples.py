@@ -67,6 +67,7 @@ class Samples:
         self.options, self.step, self.first, self.last = dict(options), step, first, last
         size = sum(array.nbytes for array in engine.state.to_numpy().values())
         count = int(np.clip(MOST_BYTES // size, 1, FEW if self.whole else SAMPLES))
+        self.inputs = engine.compiled.inputs.checkpoint()
         self.steps = np.unique(np.linspace(first, last, count + 1).astype(int))
         self.states: dict[int, State] = {}
 
@@ -92,7 +93,9 @@ class Samples:
 
     def engine(self) -> Engine:
         """A new engine of the run."""
-        return Engine(self.scene, **self.options)
+        engine = Engine(self.scene, **self.options)
+        engine.compiled.inputs.resume(self.inputs)
+        return engine
 
     def again(self, engine: Engine, begin: int, end: int) -> Again | None:
         """Repeat user steps `begin` to `end`, an even number; None if they fail with the longer step."""

@@ -174,7 +174,7 @@ def _prepared(
     """Where a run begins, and its files, both checked."""
     if resume and results is None:
         raise InputError(f"{caller}: resume continues from the files of a run; give results")
-    beginning, outputs = _start(caller, scene, start), Outputs(overwrite, resume)
+    beginning, outputs = starting_from(caller, scene, start), Outputs(overwrite, resume)
     outputs.check(results, record)
     return beginning, outputs
 
@@ -364,7 +364,8 @@ def known_scene(scene: Any, caller: str) -> None:
         raise InputError(f"{caller}: a Scene is needed first, got {scene!r}")
 
 
-def _start(caller: str, scene: Any, start: str | os.PathLike[str] | Result) -> Any:
+def starting_from(caller: str, scene: Any, start: str | os.PathLike[str] | Result) -> Any:
+    """`start` of a run as the History of an earlier one, or its word. Raises `InputError`."""
     if not isinstance(start, Result):
         if start in STARTS:
             return start

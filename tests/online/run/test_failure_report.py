@@ -14,7 +14,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.diagnosis.failure_report import _fullest, failure_owner, row_owners
-from warpffrf.online.run import describe
+from warpffrf.online.outcome import describe
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.static_equilibrium import settle
 from warpffrf_kernels.core import control as k

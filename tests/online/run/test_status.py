@@ -15,7 +15,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.device import chosen_device
-from warpffrf.online.run import MESSAGES, coarser, describe
+from warpffrf.online.outcome import MESSAGES, coarser, describe
 from warpffrf.online.start import static_equilibrium
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.static_equilibrium import settle

@@ -19,7 +19,7 @@ from warpffrf.offline import reduce
 from warpffrf.online import find_equilibrium
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
-from warpffrf.online.run import finish
+from warpffrf.online.outcome import finish
 
 SIZE = (0.03, 0.016, 0.004)  # m
 LARGE = 1e3  # N: round-off of places is nothing compared with it

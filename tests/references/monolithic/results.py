@@ -105,8 +105,8 @@ def to_history(found: MonolithicHistory, notes: list[str]) -> History:
     bodies = {name: BodyHistory(**vars(motion)) for name, motion in found.bodies.items()}
     joints = {}
     for joint in scene.joints:
-        drives = {d.coordinate: d for d in scene.drives if d.joint is joint}
-        named = coordinates(joint, drives, time, bodies)
+        driven = {d.coordinate: d.position() for d in scene.drives if d.joint is joint}
+        named = coordinates(joint, driven, time, bodies)
         first, second = [*named.values(), np.full(T, np.nan), np.full(T, np.nan)][:2]
         force, torque = found.reactions[str(joint.name)]
         joints[joint.name] = JointHistory(first, force, torque, second, tuple(named))

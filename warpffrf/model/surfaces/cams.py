@@ -50,7 +50,7 @@ def cam(lift: Any, *, base_radius: float, roller_radius: float | None = None) ->
 
     r_0 = require_number(base_radius, "cam: base_radius", positive=True)
     r_f = None if roller_radius is None else require_number(roller_radius, "cam: roller_radius", positive=True)
-    breaks, c = signals.as_signal(lift, "cam: lift").polynomial()
+    breaks, c = signals.require_fixed(signals.as_signal(lift, "cam: lift"), "cam: lift").polynomial()
     law = PPoly(c[:, ::-1].T, breaks)
     turn = 2.0 * np.pi
     own = breaks[(breaks > SAME) & (breaks < turn - SAME)]

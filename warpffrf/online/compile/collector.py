@@ -12,13 +12,14 @@ from warpffrf.model.bodies import Body, Ground, Port
 from warpffrf.model.contact import Contact
 from warpffrf.model.forces import Characteristic
 from warpffrf.model.forces.characteristics import Pieces
+from warpffrf.model.pieces import FromInput, Signal
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.scene import Scene
-from warpffrf.model.signals import Signal
 from warpffrf.online.compile.capacity import CellRoom
 from warpffrf.online.compile.constants import Constants, Shared
 from warpffrf.online.compile.inertia_plan import InertiaPlan
+from warpffrf.online.compile.inputs import device_pieces
 from warpffrf.online.compile.patches.plan import PatchPlan
 from warpffrf.online.compile.patches.sides import PatchSide
 from warpffrf.online.compile.patches.tables import patch_plans
@@ -105,6 +106,7 @@ class Collector:
         self.rows = Rows()
         self.markers: list[tuple[int, int, np.ndarray, np.ndarray]] = []
         self.signals: list[tuple[np.ndarray, np.ndarray]] = []
+        self.following: list[tuple[int, FromInput]] = []  # numbers of the signals that follow an input
         self.characteristics: list[Pieces] = []
         self.interfaces: dict[tuple[int, str], int] = {}
         self.elements = Elements()
@@ -160,5 +162,9 @@ class Collector:
 
     def signal(self, signal: Signal) -> int:
         """Enter a signal; returns its number."""
-        self.signals.append(signal.polynomial())
+        if isinstance(signal, FromInput):
+            self.following.append((len(self.signals), signal))
+            self.signals.append(device_pieces(signal))
+        else:
+            self.signals.append(signal.polynomial())
         return len(self.signals) - 1

@@ -25,6 +25,7 @@ from warpffrf.online.compile.forces import ForceTable, compile_forces, fill_forc
 from warpffrf.online.compile.friction import fill_friction
 from warpffrf.online.compile.inertia import fill_inertia, fill_stiffening, mode_reach
 from warpffrf.online.compile.inertia_plan import InertiaPlan
+from warpffrf.online.compile.inputs import DeviceInputs
 from warpffrf.online.compile.joint_friction import SlipTable, compile_joint_friction, fill_joint_friction
 from warpffrf.online.compile.joints import JointTable, compile_joints
 from warpffrf.online.compile.layers import LAYER_ITERATIONS, fill_layers
@@ -67,6 +68,7 @@ class CompiledScene:
     cell_room: CellRoom
     patches: dict[int, PatchPlan]  # by number of the contact
     notes: list[str]
+    inputs: DeviceInputs
 
 
 def enlarge(worlds: Sequence[CompiledScene], slots: int) -> None:
@@ -141,6 +143,7 @@ def _compiled(collector: Collector) -> CompiledScene:
         scene, m, collector.elements, collector.external, collector.films, collector.matched, collector.device, joints,
         springs, slips, tensions, len(collector.rows), modal_start, modes, stiffened, collector.local,
         collector.inertia, collector.cell_room, collector.patches, collector.notes,
+        DeviceInputs(m.signals, collector.following),
     )  # fmt: skip
 
 
@@ -225,11 +228,15 @@ def _markers_rows_signals(collector: Collector, m: Model) -> None:
     body, interface, point, axes = zip(*collector.markers, strict=True) if collector.markers else ([], [], [], [])
     collector.fill(m.markers, body=body, interface=interface, point=point, axes=axes)
     collector.fill(m.rows, **vars(collector.rows))
+    shared = collector.constants.shared
+    if collector.following:
+        collector.constants.shared = None  # pieces that follow an input change
     collector.fill(
         m.signals, start=np.cumsum([0] + [len(c) for _, c in collector.signals]),
         breaks=np.concatenate([np.zeros(0)] + [b[: len(c)] for b, c in collector.signals]),
         coefficient=np.concatenate([np.zeros((0, 8))] + [c for _, c in collector.signals]),
     )  # fmt: skip
+    collector.constants.shared = shared
 
 
 def compile_scene(

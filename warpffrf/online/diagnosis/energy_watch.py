@@ -114,6 +114,8 @@ class EnergyWatch:
         return cure
 
     def _cure(self, made: float, most: float, began: float, end: float, otherwise: str) -> str:
+        if self.engine.compiled.inputs.last >= began:
+            return "smaller steps were not tried, because inputs changed"
         tried = f"tried from t = {began:.6g} s on"
         for finer in FINER:
             step = self.step / finer

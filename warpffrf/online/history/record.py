@@ -24,6 +24,7 @@ v - w x s, its acceleration vdot - wdot x s - w x (w x s).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -34,8 +35,9 @@ from warpffrf.model.checks.redundancy import ConstraintRow, scene_length
 from warpffrf.model.contact import Contact
 from warpffrf.model.forces import SpringLaw
 from warpffrf.model.forces.notes import characteristic_notes
-from warpffrf.model.joints import Drive, Joint, Marker, Row
+from warpffrf.model.joints import Joint, Marker, Row
 from warpffrf.model.joints.base import gradient, value
+from warpffrf.model.pieces import Signal
 from warpffrf.model.scene import Scene
 from warpffrf.model.small_sliding.sliding import MatchedCells, cells_of
 from warpffrf.online.arrays.ring import SavedRows
@@ -58,7 +60,7 @@ from warpffrf.online.history.history import (
     LumpedHistory,
     SmallSlidingHistory,
 )
-from warpffrf.online.history.interface_motion import interface_motion, turned
+from warpffrf.online.history.interface_motion import cross, interface_motion, turned
 from warpffrf.online.history.sensors import force_histories, sensor_histories
 from warpffrf_kernels.core.declaration import declared_in
 from warpffrf_kernels.core.model import LINE_OF_CENTRES
@@ -71,24 +73,12 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
     scene, time = compiled.scene, rows["saved_time"]
     T = len(time)
     energy = {name: rows["saved_energy"][:, i].copy() for i, name in enumerate(ENERGY_LINES)}
-    bodies: dict[str, BodyHistory] = {}
-    for i, body in enumerate(scene.bodies):
-        first = compiled.modal_start[i]
-        modes = slice(first, first + body.mode_count)  # the global ones
-        bodies[body.name] = user_frame(
-            body.center_of_mass,
-            *(rows[f"saved_{name}"][:, i] for name in ("r", "p", "v", "omega", "v_rate", "omega_rate")),
-            *(rows[f"saved_{name}"][:, modes] for name in ("q", "qd", "qd_rate")),
-        )
-    joints = {}
-    for joint in scene.joints:
-        drives = {d.coordinate: d for d in scene.drives if d.joint is joint}
-        found = coordinates(joint, drives, time, bodies)
-        first, second = [*found.values(), np.full(T, np.nan), np.full(T, np.nan)][:2]
-        wrench = rows["saved_row_wrench"][:, compiled.joints.rows[str(joint.name)]].sum(axis=1)
-        joints[str(joint.name)] = JointHistory(first, wrench[:, :3], wrench[:, 3:], second, tuple(found))
+    bodies = {body.name: body_history(compiled, rows, i) for i, body in enumerate(scene.bodies)}
+    joints = {str(joint.name): joint_history(compiled, rows, joint, bodies) for joint in scene.joints}
     stretches = {name: rows["saved_coordinate"][:, own] for name, own in compiled.forces.rows.items()}
-    forces = force_histories(scene, compiled.forces, time, rows["saved_coordinate"], rows["saved_row_wrench"], bodies)
+    forces = force_histories(
+        scene, compiled.forces, time, rows["saved_coordinate"], rows["saved_row_wrench"], bodies, compiled.inputs
+    )
     forces = with_pulls(forces | friction_histories(compiled.slips, rows), tension_histories(compiled.tensions, rows))
     forces = {str(item.name): forces[str(item.name)] for item in scene.forces}
     contacts = {}
@@ -109,6 +99,35 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
     )  # fmt: skip
     history.sensors = sensor_histories(history)
     return history
+
+
+def body_history(compiled: CompiledScene, rows: SavedRows, i: int) -> BodyHistory:
+    """The motion of body i."""
+    body, first = compiled.scene.bodies[i], compiled.modal_start[i]
+    modes = slice(first, first + body.mode_count)  # the global ones
+    return user_frame(
+        body.center_of_mass,
+        *(rows[f"saved_{name}"][:, i] for name in ("r", "p", "v", "omega", "v_rate", "omega_rate")),
+        *(rows[f"saved_{name}"][:, modes] for name in ("q", "qd", "qd_rate")),
+    )
+
+
+def joint_history(
+    compiled: CompiledScene,
+    rows: Mapping[str, np.ndarray],
+    joint: Joint,
+    bodies: Mapping[str, BodyHistory],
+    frames: tuple[Marker, Marker] | None = None,
+) -> JointHistory:
+    """Reaction and coordinates of a joint; `frames`: its own, if they are known."""
+    time = rows["saved_time"]
+    T, since = len(time), float(time[0]) if len(time) else 0.0
+    own = [d for d in compiled.scene.drives if d.joint is joint]
+    driven = {d.coordinate: compiled.inputs.resolved(d.position(), since) for d in own}
+    found = coordinates(joint, driven, time, bodies, frames)
+    first, second = [*found.values(), np.full(T, np.nan), np.full(T, np.nan)][:2]
+    wrench = rows["saved_row_wrench"][:, compiled.joints.rows[str(joint.name)]].sum(axis=1)
+    return JointHistory(first, wrench[:, :3], wrench[:, 3:], second, tuple(found))
 
 
 def _contact(compiled: CompiledScene, i: int, rows: SavedRows, bodies: dict[str, BodyHistory]) -> ContactHistory:
@@ -230,7 +249,7 @@ def _turns(theta: np.ndarray) -> np.ndarray:
 
 
 def marker_motion(
-    port: Port, marker: Marker, bodies: dict[str, BodyHistory], count: int
+    port: Port, marker: Marker, bodies: Mapping[str, BodyHistory], count: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Positions (T, 3) [m], axes (T, 3, 3) of a marker, and the angular velocity (T, 3) of its body, world axes."""
     X = np.broadcast_to(marker.point, (count, 3))
@@ -248,25 +267,26 @@ def marker_motion(
 
 
 def coordinates(
-    joint: Joint, drives: dict[str, Drive], time: np.ndarray, bodies: dict[str, BodyHistory]
-) -> dict[str, np.ndarray]:
-    """Coordinates (T,) [m or rad] of a joint by name; `drives`: those of this joint by coordinate."""
+    joint: Joint, driven: Mapping[str, Signal], time: np.ndarray, bodies: Mapping[str, BodyHistory],
+    frames: tuple[Marker, Marker] | None = None,
+) -> dict[str, np.ndarray]:  # fmt: skip
+    """Coordinates (T,) [m or rad] of a joint by name; `driven`: the prescribed ones as signals."""
     (x_a, A_a, w_a), (x_b, A_b, w_b) = (
-        marker_motion(p, m, bodies, len(time)) for p, m in zip(joint.ports, joint.frames(), strict=True)
+        marker_motion(p, m, bodies, len(time)) for p, m in zip(joint.ports, frames or joint.frames(), strict=True)
     )
     found = {}
     for name, row in joint.coordinates.items():
         c = value(row, x_a, A_a, x_b, A_b)
         if not row.is_length and len(time):
             _, t = gradient(row, x_a, A_a, x_b, A_b)
-            c = _count_turns(c, np.einsum("ti,ti->t", t, w_b - w_a), time, drives.get(name))
+            c = _count_turns(c, np.einsum("ti,ti->t", t, w_b - w_a), time, driven.get(name))
         found[name] = c
     return found
 
 
-def _count_turns(angle: np.ndarray, rate: np.ndarray, time: np.ndarray, drive: Drive | None) -> np.ndarray:
-    if drive is not None:
-        expected = drive.position()(time)
+def _count_turns(angle: np.ndarray, rate: np.ndarray, time: np.ndarray, driven: Signal | None) -> np.ndarray:
+    if driven is not None:
+        expected = driven(time)
         return expected + np.angle(np.exp(1j * (angle - expected)))
     travel = 0.5 * (rate[1:] + rate[:-1]) * np.diff(time)
     steps = np.diff(angle)
@@ -414,8 +434,8 @@ def user_frame(
     """Motion (T, ...) of the centre of mass, angular velocity and acceleration in body axes, as that of the user frame,
     in whose coordinates the centre of mass is at `center` (3,) [m]."""
     arm, omega, alpha = turned(p, center), turned(p, w), turned(p, wdot)
-    swing = np.cross(omega, arm)
+    swing = cross(omega, arm)
     return BodyHistory(
         r - arm, p.copy(), v - swing, omega, q.copy(),
-        vdot - np.cross(alpha, arm) - np.cross(omega, swing), alpha, qd.copy(), qdd.copy(),
+        vdot - cross(alpha, arm) - cross(omega, swing), alpha, qd.copy(), qdd.copy(),
     )  # fmt: skip

@@ -8,9 +8,11 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import BodyLoad
+from warpffrf.model.pieces import Signal
 from warpffrf.model.scene import Scene
 from warpffrf.model.sensors import Sensor
 from warpffrf.online.compile.forces import ForceTable
+from warpffrf.online.compile.inputs import DeviceInputs
 from warpffrf.online.history.history import BodyHistory, ForceHistory, History, SensorHistory
 from warpffrf.online.history.interface_motion import turned
 
@@ -22,9 +24,10 @@ def force_histories(
     value: np.ndarray,
     wrench: np.ndarray,
     bodies: dict[str, BodyHistory],
+    inputs: DeviceInputs | None = None,
 ) -> dict[str, ForceHistory]:
     """Force and torque of every force element but friction in joints and pretensions, from `value` (T, rows) and
-    `wrench` (T, rows, 6) of the rows in `table`."""
+    `wrench` (T, rows, 6) of the rows in `table`; loads have the values of the `inputs`."""
     found: dict[str, ForceHistory] = {}
     T = len(time)
     for item in scene.forces:
@@ -42,16 +45,23 @@ def force_histories(
         load = item.load()
         none = np.zeros((T, 0))
         if isinstance(load, BodyLoad):
-            p, s = bodies[load.body.name].rotation, load.signal(time)[:, None]
+            p, s = bodies[load.body.name].rotation, _values(load.signal, inputs, time)[:, None]
             found[item.name] = ForceHistory(turned(p, s * load.force), turned(p, s * load.torque), none)
             continue
-        vector = np.stack([signal(time) for signal in load.components], axis=1)
+        vector = np.stack([_values(signal, inputs, time) for signal in load.components], axis=1)
         if load.frame == "body":
             vector = turned(bodies[load.port.body.name].rotation, vector)
         zero = np.zeros((T, 3))
         pair = (vector, zero) if load.what == "force" else (zero, vector)
         found[item.name] = ForceHistory(*pair, none)
     return found
+
+
+def _values(signal: Signal, inputs: DeviceInputs | None, time: np.ndarray) -> np.ndarray:
+    """Values (T,) of a signal, with those that its input had."""
+    if inputs is None or not len(time):
+        return signal(time)
+    return inputs.resolved(signal, float(time[0]))(time)
 
 
 def sensor_histories(history: History) -> dict[str, SensorHistory]:

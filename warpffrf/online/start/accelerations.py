@@ -157,7 +157,8 @@ class _World:
         for name, rows in forces.rows.items():
             lam[rows] = forces.laws[name].force(value[rows], rate[rows])
         for name, row in self.engine.compiled.tensions.rows.items():
-            lam[row] = self.engine.compiled.tensions.laws[name].force(self.time)
+            force = self.engine.compiled.inputs.resolved(self.engine.compiled.tensions.laws[name].force)
+            lam[row] = force(self.time)
         return lam
 
     def _signals(self) -> tuple[np.ndarray, np.ndarray]:

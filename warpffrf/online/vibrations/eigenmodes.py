@@ -35,7 +35,7 @@ from warpffrf.online.checkpoint import is_dynamic, off_end_of, restore, turned_o
 from warpffrf.online.compile.inertia_plan import NOTICEABLE
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
-from warpffrf.online.run import coarser, describe
+from warpffrf.online.outcome import coarser, describe
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.static_equilibrium import settle
