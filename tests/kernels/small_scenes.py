@@ -550,6 +550,13 @@ CASES: dict[str, Case] = {
         1e-4,
         {"start": "equilibrium"},
     ),
+    "journal, warm": Case(
+        lambda: journal(
+            oil=oils.iso_vg(10, temperature=40.0, heat_capacity=2000.0),
+            temperature=films.FilmTemperature(40.0, wall_a=45.0, carry_over=0.7),
+        ),
+        1e-4, {"start": "equilibrium"},
+    ),
     "journal, profiles, both yield": Case(
         lambda: journal(yields=True, quadrature="reduced"), 1e-4, {"start": "equilibrium"}
     ),
