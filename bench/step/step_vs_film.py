@@ -1,8 +1,9 @@
 """Step time against nodes of an oil film: `python bench/step/step_vs_film.py [--json FILE] [--steps N]`.
 
-The big end of the connecting rod of the demo, in the cycle of a four-stroke engine, and a shaft in a steel sleeve under
-a load that turns, of which film and bore have so many nodes. Both bores deform by a part of their films. Times are
-those of the graph, after a start that does not count; *full* are nodes that are no cavities, on average.
+The big end of the connecting rod of the demo, in the cycle of a four-stroke engine, and a shaft in a steel sleeve
+under a load that turns, of which film and bore have so many nodes, once with a temperature of the film (warm). Both
+bores deform by a part of their films. Times are those of the graph, after a start that does not count; *full* are
+nodes that are no cavities, on average.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy as np
 from demos import connecting_rod
 from scenes import film_bearing
 from scenes.film_bearing import GROOVE, SPEED, TURN, Load
+from warpffrf.model import films, oils
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.scene import Scene
 from warpffrf.online import run
@@ -30,14 +32,21 @@ START_OF_ROD = 300
 INTEGRATOR = GeneralizedAlpha(connecting_rod.RHO_INF)
 
 
-def sleeve(grid_nodes: tuple[int, int], turns: float) -> Scene:
-    """A shaft in a sleeve with so many nodes, for so many turns."""
+def sleeve(grid_nodes: tuple[int, int], turns: float, warm: bool = False) -> Scene:
+    """A shaft in a sleeve with so many nodes, for so many turns; warm: with a temperature of its film."""
     t = np.linspace(0.0, (turns + 1.0) * TURN, round(72 * (turns + 1)) + 1)
     load = (
         Load(t, LOAD * np.cos(0.5 * SPEED * t) + STEADY, cubic=True),
         Load(t, LOAD * np.sin(0.5 * SPEED * t), cubic=True),
     )
-    return film_bearing.bearing(film_bearing.bore(grid_nodes), load, feeds=[GROOVE])
+    thermal = oils.Thermal(oils.ExponentialLaw(0.03), 40.0, 2000.0)
+    given: dict[str, Any] = {"feeds": [GROOVE]}
+    if warm:
+        given |= {
+            "oil": oils.Newtonian(film_bearing.VISCOSITY, thermal=thermal),
+            "temperature": films.FilmTemperature(40.0, wall_a=45.0),
+        }
+    return film_bearing.bearing(film_bearing.bore(grid_nodes), load, **given)
 
 
 def timed(scene: Scene, step: float, first: int, steps: int) -> dict[str, Any]:
@@ -61,7 +70,9 @@ def main() -> None:
     rod = connecting_rod.machine(connecting_rod.rod_body(progress=False))
     degree = np.radians(1.0) / connecting_rod.SPEED
     cases = [("rod", rod, degree, START_OF_ROD)]
-    cases += [("sleeve", sleeve(grid, given.steps / PER_TURN), TURN / PER_TURN, START) for grid in GRIDS]
+    turns, step = given.steps / PER_TURN, TURN / PER_TURN
+    cases += [("sleeve", sleeve(grid, turns), step, START) for grid in GRIDS]
+    cases.append(("warm", sleeve(GRIDS[1], turns, warm=True), step, START))
     print(" body    nodes      full  iterations    us/step     U/step  status")
     rows = []
     for name, scene, step, first in cases:

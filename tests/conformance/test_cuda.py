@@ -16,6 +16,7 @@ import warp as wp
 from warpffrf_kernels.core.scalars import BLOCK
 
 LANES = 1e-12  # relative: the lanes add in another order
+SOLVED = 1e-9  # of the largest traction, or moment of them: their iteration ends at 1e-10 of the largest bound
 
 
 def test_kernel_modules_are_found() -> None:
@@ -70,8 +71,8 @@ first, second = roller_body(90, **made), roller_body(84, outer_radius=0.0497, **
 scene = guided_pair(first, second, load=200e3, speed=50.0, ramp=0.002, friction=FRICTION)
 history = run(scene, 0.004, step=1e-4, start="equilibrium", progress=False)
 c = history.contacts[PAIR]
-made = {"traction": c.friction.traction, "state": c.friction.state} if FRICTION else {}
-np.savez(sys.argv[2], force=c.force, pressure=c.pressure, torque_second=c.torque_second,
+made = {"traction": c.friction.traction, "state": c.friction.state, "torque": c.torque_second} if FRICTION else {}
+np.savez(sys.argv[2], force=c.force, pressure=c.pressure,
          modal=history.bodies["upper"].modal, rotation=history.bodies["lower"].rotation,
          kinetic=history.energy["kinetic"], status=history.status, lanes=lanes.numpy()[0], **made)
 """
@@ -155,6 +156,40 @@ np.savez(sys.argv[2], lanes=lanes.numpy()[0], **made)
 """
 
 
+# a bearing of rollers by laminae with friction and rolling resistance, in which the cage slips and rollers are unloaded
+LUMPED = """
+import sys
+import numpy as np
+import warp as wp
+
+wp.config.enable_cpu_blocks = sys.argv[1] == "blocks"
+import warpffrf as wf
+from warpffrf.online import run
+
+scene = wf.Scene(gravity=(0, 0, 0))
+rollers = wf.bearings.RollerGeometry(
+    elements=12, roller_diameter=0.01, roller_length=0.012, pitch_diameter=0.07, clearance=20e-6
+)
+rolling = wf.bearings.RollingContact(
+    law=wf.laws.PalmgrenLine(0.012, 5), friction=wf.laws.RegularisedCoulomb(0.05, 1.0),
+    rolling_resistance=wf.laws.RollingResistanceArm(1e-5, 1.0),
+)
+bearing = scene.add_bearing(
+    "b", rollers, first=(0, 0, 1), outer=scene.ground, contact=rolling, cage=wf.bearings.PocketCage(1e-4)
+)
+ring = bearing.inner
+bearing.roll(100.0)
+ring.position = at = np.array([5e-6, 0.0, 20e-6])
+axle = scene.add(wf.joints.Revolute(scene.ground.at(at), ring.at((0, 0, 0)), axis=(0, 1, 0)))
+scene.add(wf.joints.Drive(axle, 100.0))
+history = run(scene, 40 * 5e-5, step=5e-5, start="initial", progress=False)
+assert history.status == "completed", history.message
+made = {f"{name} force": c.force for name, c in history.lumped_contacts.items()}
+made |= {f"{name} motion": b.position for name, b in history.bodies.items()}
+np.savez(sys.argv[2], friction=history.energy["friction"], **made)
+"""
+
+
 # an oil film, and one with asperities that touch
 FILMS = """
 import sys
@@ -185,6 +220,13 @@ np.savez(sys.argv[2], **made)
 def test_one_lane_and_64_lanes_agree_on_films(tmp_path: Path) -> None:
     one, blocks = both(FILMS, tmp_path)
     assert np.any(one["asperities"] > 0.0) and np.any(one["smooth pressure"] > 1e6)
+    compare(one, blocks)
+
+
+@pytest.mark.slow
+def test_one_lane_and_64_lanes_agree_on_lumped_contacts(tmp_path: Path) -> None:
+    one, blocks = both(LUMPED, tmp_path)
+    assert np.abs(one["friction"]).max() > 1e-6
     compare(one, blocks)
 
 
@@ -238,7 +280,6 @@ def both(source: str, tmp_path: Path) -> tuple[Any, Any]:
 def compare(one: Any, blocks: Any) -> None:
     for name in one.files:
         if name not in ("status", "lanes"):
-            scale = np.abs(one[name]).max()
-            worst = np.abs(one[name] - blocks[name]).max() / scale
-            print(f"{name}: {worst:.1e}")
-            assert worst < LANES, name
+            largest, apart = np.abs(one[name]).max(), np.abs(one[name] - blocks[name]).max()
+            print(f"{name}: {apart:.1e} of {largest:.1e}")
+            assert apart <= (SOLVED if name.endswith(("traction", "torque")) else LANES) * largest, name

@@ -43,6 +43,8 @@ PHYSICS = [
     "wf.laws.GreenwoodTripp", "wf.laws.HertzPoint", "wf.laws.HuntCrossley", "wf.laws.IsoLamina",
     "wf.laws.EyringTraction", "wf.laws.PalmgrenLine", "wf.laws.Stribeck", "wf.laws.TractionCurve", "wf.oils.Barus",
     "wf.oils.DowsonHigginson", "wf.oils.Roelands", "wf.oils.iso_vg", "wf.oils.vogel", "wf.oils.walther",
+    "wf.oils.VogelLaw", "wf.oils.WaltherLaw", "wf.oils.RoelandsLaw", "wf.oils.ExponentialLaw",
+    "wf.films.FilmTemperature",
     "wf.bases.Balanced", "wf.bases.CraigBampton", "wf.bases.CraigChang", "wf.bases.Krylov", "wf.bases.POD",
     "wf.bases.TrialVectorDerivatives", "wf.damping.Rayleigh", "wf.films.Roughness",
     "wf.bearings.catalogue_torque", "wf.bearings.contamination_factor", "wf.bearings.drag_torque",
@@ -196,7 +198,8 @@ def test_laws_of_all_kinds_are_in_the_list_of_physics_or_are_definitions() -> No
         "wf.laws.Coulomb", "wf.laws.RegularisedCoulomb", "wf.laws.TabulatedFriction", "wf.laws.ExponentialAsperities",
         "wf.laws.LinearLayer", "wf.laws.NonlinearLayer", "wf.laws.TabulatedLayer", "wf.laws.Unilateral", "wf.laws.Law",
         "wf.laws.FrictionLaw", "wf.laws.LumpedLaw", "wf.laws.TabulatedForce", "wf.laws.PowerForce", "wf.oils.Newtonian",
-        "wf.oils.Oil", "wf.laws.RollingResistanceArm", "wf.laws.RollingResistance", "wf.laws.Approach",
+        "wf.oils.Oil", "wf.oils.Thermal",
+        "wf.laws.RollingResistanceArm", "wf.laws.RollingResistance", "wf.laws.Approach",
     }  # fmt: skip
     laws = {one.label for one in EVERYTHING if re.match(r"wf\.(laws|oils)\.[A-Z]\w*[a-z]\w*$", one.label)}
     classes = {

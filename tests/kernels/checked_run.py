@@ -11,7 +11,6 @@ endings of the scenes and the kernels that were launched are written to `found.j
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import json
 import os
@@ -87,25 +86,10 @@ def watch_launches(folder: Path) -> set[str]:
         os.pwrite(file, self.label.ljust(80).encode(), 0)
         go(self, *arguments)
 
-    class LaunchByLaunch(graph.StepGraph):
-        """The step of a graph without recording one."""
-
-        def replay(self, budget: int | np.ndarray) -> float:
-            more: Any = self.scratch.more
-            self.scratch.budget.assign(np.full(self.state.ctl.shape, budget, dtype=np.int32) + 1)
-            self.program.run(("count",))
-            wp.capture_while(more, self._attempt)
-            return 0.0
-
     setattr(launches.Launch, "go", announced)  # noqa: B010
-    setattr(engine, "StepGraph", LaunchByLaunch)  # noqa: B010
+    setattr(engine, "StepGraph", graph.LaunchByLaunch)  # noqa: B010
     setattr(graph, "load", lambda *_, **__: None)  # noqa: B010, what is launched is compiled then
-    setattr(wp, "ScopedCapture", lambda **_: contextlib.nullcontext(NotRecorded()))  # noqa: B010
     return found
-
-
-class NotRecorded:
-    graph = None
 
 
 def run_sample(name: str, at: int) -> np.ndarray:

@@ -48,7 +48,9 @@ def oiled() -> Result:
     scene.add(joints.Drive(plane, 300.0, quantity="velocity"))
     scene.add(forces.PointForce(middle, (0.0, 0.0, -2e3)))
     groove = films.AxialGroove(np.pi, 1e-4, 0.0)
-    scene.add(wf.Film(held["bore"], shaft["rim"], oil=oils.Newtonian(0.01), feeds=[groove], name="film"))
+    oil = oils.Newtonian(0.01, thermal=oils.Thermal(oils.ExponentialLaw(0.03), 40.0, 2000.0))
+    warm = films.FilmTemperature(40.0, wall_a=45.0)
+    scene.add(wf.Film(held["bore"], shaft["rim"], oil=oil, feeds=[groove], temperature=warm, name="film"))
     return wf.simulate(scene, 2e-3, step=2e-4, progress=False)
 
 

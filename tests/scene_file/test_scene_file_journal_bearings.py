@@ -29,7 +29,8 @@ pads = [
 clearance = 1e-4
 length = 0.05
 position = [0, -0.2, 0]
-oil = { kind = "newtonian", viscosity = 0.02 }
+oil = { kind = "newtonian", viscosity = 0.02, thermal = { kind = "thermal", law = { kind = "walther_law", points = [[40, 32e-6], [100, 5e-6]] }, temperature = 50, heat_capacity = 2000 } }
+temperature = { kind = "film_temperature", supply = 45, wall_a = 50 }
 
 [journal_bearings.back]
 kind = "tilting_pads"
@@ -40,7 +41,8 @@ length = 0.05
 thickness = 0.015
 pivot = "point"
 position = [0, 0.2, 0]
-oil = { kind = "iso_vg", grade = 32, temperature = 50 }
+oil = { kind = "iso_vg", grade = 32, temperature = 50, heat_capacity = 2000 }
+temperature = { kind = "film_temperature", supply = 40, carry_over = 0.8 }
 support = "ground"
 nodes = [24, 9]
 
@@ -64,17 +66,25 @@ def test_a_file_has_the_bodies_and_films_of_the_calls(tmp_path: Path) -> None:
     }
     shaft = scene.add_rigid_body(20.0, (0.1,) * 3, name="shaft", angular_velocity=(0, 300, 0), surfaces=journals)
     dam = wf.films.Dam(5e-5, 2.0)
+    thermal = wf.oils.Thermal(wf.oils.WaltherLaw([(40, 32e-6), (100, 5e-6)]), 50, 2000)
     scene.add_journal_bearing(
         "front", shaft["front"], [wf.films.Pad(0.0, 2.8), wf.films.Pad(3.14, 2.8, preload=0.3, dam=dam)],
-        clearance=1e-4, length=0.05, position=(0, -0.2, 0), oil=wf.oils.Newtonian(0.02),
+        clearance=1e-4, length=0.05, position=(0, -0.2, 0), oil=wf.oils.Newtonian(0.02, thermal=thermal),
+        temperature=wf.films.FilmTemperature(45, wall_a=50),
     )  # fmt: skip
     bearing = scene.add_tilting_pad_bearing(
         "back", shaft["back"], wf.films.pads(4, 1.3, first=0.785, preload=0.4), clearance=1e-4, length=0.05,
-        thickness=0.015, pivot="point", position=(0, 0.2, 0), oil=wf.oils.iso_vg(32, temperature=50), nodes=(24, 9),
+        thickness=0.015, pivot="point", position=(0, 0.2, 0),
+        oil=wf.oils.iso_vg(32, temperature=50, heat_capacity=2000), nodes=(24, 9),
+        temperature=wf.films.FilmTemperature(40, carry_over=0.8),
     )  # fmt: skip
     scene.add(wf.sensors.Position(bearing.bodies[1]["pivot"], name="pad"))
     loaded = load_scene(written(tmp_path, FILE)).scene
     assert loaded.content_hash() == scene.content_hash()
+    # the shaft rotates from pad 1 to pad 2
+    assert [getattr(film.temperature, "upstream", None) for film in loaded.films[1:]] == [
+        f"back pad {n}" for n in (4, 1, 2, 3)
+    ]
     assert np.allclose([film.clearance() for film in loaded.films], 1e-4)
 
 
@@ -83,6 +93,8 @@ def test_what_is_wrong_is_refused_with_its_line(tmp_path: Path) -> None:
         ('kind = "fixed_pads"', 'kind = "fixed"', "there is no kind 'fixed'"),
         ("arc = 1.3", "arc = 1.9", "pads overlap"),
         ("thickness = 0.015", "thickness = -0.015", "thickness"),
+        ("supply = 45", "supply = 318", "from kelvins subtract 273.15"),
+        ("temperature = 50, heat_capacity = 2000 }\n", "temperature = 50 }\n", "no heat capacity"),
     ):
         with pytest.raises(InputError, match=message):
             load_scene(written(tmp_path, FILE.replace(right, wrong)))

@@ -7,8 +7,9 @@ With the pressure p >= 0 [Pa] above that of the cavity
     Roelands             mu = mu_0 exp((ln mu_0 + 9.67)((1 + p/196.2 MPa)^z - 1))
     DowsonHigginson      rho/rho_0 = 1 + a p/(1 + b p), combined with any of them
 
-Temperature is a parameter: `vogel`, `walther` and `iso_vg` give the viscosity at one. A user-defined oil is a subclass
-of one of them: the kernels evaluate mu(p) in these forms.
+Without `thermal` an oil is isothermal; `vogel`, `walther` and `iso_vg` give the viscosity at one temperature. With
+`thermal=Thermal(...)` (`warpffrf.model.oil_temperature`) its viscosity and density depend on the temperature, too:
+`oil.at(T)` is the oil at T. A user-defined oil is a subclass of one of them: the kernels evaluate mu(p) in these forms.
 
 Barus. Viscosity that grows exponentially with pressure (C. Barus, Am. J. Sci. 45, 1893, 87).
 
@@ -53,30 +54,34 @@ Pressure Relationship of Lubricating Oils, Delft 1966).
 
 All oils have mu_r at the pressure -p_r. Oils are usually characterised by the coefficient of Barus' law, the slope at
 zero pressure: alpha = b z/p_r, z = alpha p_r/b. Mineral oils have z between 0.5 and 0.7.
-
-Temperature. Viscosity against temperature, in degrees Celsius T.
-
-Vogel (H. Vogel, Phys. Z. 22, 1921, 645), of the dynamic viscosity:
-
-    mu = a exp(b/(T + c))
-
-Walther (C. Walther, Erdoel und Teer 7, 1931, 382; ASTM D341), of the kinematic viscosity nu in mm2/s: a straight line
-through two measured points,
-
-    ln ln(nu + 0.7) = A - B ln(T + 273.15),      mu = rho nu.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass, fields
-from typing import Any, ClassVar
+from dataclasses import KW_ONLY, dataclass, fields, replace
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.oil_temperature import (
+    CONDUCTIVITY,
+    DENSITY,
+    EXPANSION,
+    POLE_VISCOSITY,
+    THERMAL_LAWS,
+    ExponentialLaw,
+    RoelandsLaw,
+    Thermal,
+    ThermalLaw,
+    VogelLaw,
+    WaltherLaw,
+    temperature_of,
+    walther_points,
+)
 
 Array = np.ndarray
 
@@ -111,24 +116,38 @@ class DowsonHigginson:
 GRADES = (2, 3, 5, 7, 10, 15, 22, 32, 46, 68, 100, 150, 220, 320, 460, 680, 1000, 1500, 2200, 3200)
 VOGEL_SHIFT, VOGEL_RISE, VOGEL_POLE = 95.0, 159.55787, 1.8e-4  # K, K, Pa s
 REFERENCE = 40.0  # degrees Celsius
-DENSITY = 880.0  # kg/m3
 
 
 @named_arguments
-def iso_vg(grade: int, *, temperature: float, at_100: float | None = None, density: float = DENSITY) -> Newtonian:
+def iso_vg(
+    grade: int,
+    *,
+    temperature: float,
+    at_100: float | None = None,
+    density: float = DENSITY,
+    heat_capacity: float | None = None,
+    conductivity: float = CONDUCTIVITY,
+    expansion: float = EXPANSION,
+) -> Newtonian:
     """The oil of ISO VG `grade` at `temperature` [degrees Celsius]; at_100: kinematic viscosity at 100 degrees [m2/s],
-    of an oil whose viscosity index differs from about 95; density [kg/m3]. Raises `InputError`."""
+    of an oil whose viscosity index differs from about 95; density [kg/m3]. With heat_capacity [J/(kg K)], about 2000,
+    it depends on the temperature of the film; conductivity [W/(m K)], expansion [1/K]: as of `Thermal`. Raises
+    `InputError`."""
     label = f"oils.iso_vg({grade!r})"
     if grade not in GRADES:
         raise InputError(f"{label}: no such grade; known: {', '.join(map(str, GRADES))}")
     T = temperature_of(temperature, label)
     rho = require_number(density, f"{label}: density [kg/m3]", positive=True)
     nu_40 = 1e-6 * grade
-    if at_100 is not None:
-        return Newtonian(walther(T, points=[(REFERENCE, nu_40), (100.0, at_100)], density=rho))
     mu_40 = rho * nu_40
-    b = VOGEL_RISE * np.log(mu_40 / VOGEL_POLE)
-    return Newtonian(float(mu_40 * np.exp(b * (1.0 / (T + VOGEL_SHIFT) - 1.0 / (REFERENCE + VOGEL_SHIFT)))))
+    law: ThermalLaw = VogelLaw(float(VOGEL_RISE * np.log(mu_40 / VOGEL_POLE)), VOGEL_SHIFT)
+    mu = float(law.viscosity(mu_40, REFERENCE, T))
+    if at_100 is not None:
+        law = WaltherLaw([(REFERENCE, nu_40), (100.0, at_100)])
+        mu = walther(T, points=law.points, density=rho)
+    if heat_capacity is None:
+        return Newtonian(mu)
+    return Newtonian(mu, thermal=Thermal(law, T, heat_capacity, conductivity, rho, expansion))
 
 
 # Pa s: air has 2e-5, and bitumen at room temperature 1e5
@@ -138,8 +157,9 @@ FORMS = ("newtonian", "barus", "roelands")  # that `warpffrf_kernels.films.oil` 
 
 @dataclass(frozen=True)
 class Oil(ABC):
-    """An oil of `viscosity` [Pa s] at zero pressure, and compressible where it has a law of `density`. Raises
-    `InputError` for an implausible viscosity and a density that is not a law.
+    """An oil of `viscosity` [Pa s] at zero pressure, compressible where it has a law of `density`, and dependent on
+    temperature where it has `thermal` data. Raises `InputError` for an implausible viscosity, a density that is not a
+    law, and thermal data that are none.
 
     A user-defined oil is a subclass of `Newtonian`, `Barus` or `Roelands`, whose form the kernels evaluate.
     """
@@ -147,6 +167,7 @@ class Oil(ABC):
     viscosity: float
     _: KW_ONLY
     density: DowsonHigginson | None = None
+    thermal: Thermal | None = None
     kind: ClassVar[str]
     form: ClassVar[str] = ""
 
@@ -162,6 +183,11 @@ class Oil(ABC):
                 f"{self.label}: density must be oils.DowsonHigginson(...) or None, of an oil that is not compressible, "
                 f"got {self.density!r}"
             )
+        if self.thermal is not None and not isinstance(self.thermal, Thermal):
+            raise InputError(
+                f"{self.label}: thermal must be oils.Thermal(...) or None, of an oil at one temperature, got "
+                f"{self.thermal!r}"
+            )
         object.__setattr__(self, "viscosity", viscosity)
 
     @property
@@ -174,6 +200,24 @@ class Oil(ABC):
         """Parameters of the form on the device: coefficient [1/Pa], rise and exponent [-], 0 where it has none."""
         return 0.0, 0.0, 0.0
 
+    def at(self, temperature: float) -> Self:
+        """The oil at `temperature` [degrees Celsius], `density_at` relative to its density there. Raises `InputError`
+        for one without thermal data."""
+        T = temperature_of(temperature, self.label)
+        if self.thermal is None:
+            raise InputError(f"{self.label}: it is isothermal; give it thermal=oils.Thermal(...)")
+        there = replace(
+            self.thermal,
+            temperature=T,
+            density=float(self.thermal.density_at(T)),
+            expansion=self.thermal.expansion * self.thermal.density / float(self.thermal.density_at(T)),
+        )
+        return replace(self, thermal=there, **self._numbers_at(float(self.thermal.viscosity(self.viscosity, T))))
+
+    def _numbers_at(self, viscosity: float) -> dict[str, float]:
+        """Fields at the temperature where it has that viscosity [Pa s]."""
+        return {"viscosity": viscosity}
+
     @abstractmethod
     def viscosity_at(self, pressure: Any) -> Array:
         """mu [Pa s] at pressures [Pa], any shape."""
@@ -181,6 +225,11 @@ class Oil(ABC):
     @abstractmethod
     def viscosity_slope(self, pressure: Any) -> Array:
         """mu' [s] at pressures [Pa], any shape."""
+
+    def thinned(self, pressure: Any, thinning: Any) -> Array:
+        """mu [Pa s] at pressures [Pa] at another temperature; thinning: ln of the viscosity without pressure there over
+        that of this oil, arguments broadcast."""
+        return self.viscosity_at(pressure) * np.exp(thinning)
 
     def density_at(self, pressure: Any) -> Array:
         """rho/rho_0 [-] at pressures [Pa], any shape."""
@@ -194,8 +243,10 @@ class Oil(ABC):
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
-        numbers = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("density", "_")}
-        return {"kind": self.kind, **numbers, "density": None if self.density is None else self.density.describe()}
+        numbers = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("density", "thermal", "_")}
+        warm = {} if self.thermal is None else {"thermal": self.thermal.describe()}
+        density = None if self.density is None else self.density.describe()
+        return {"kind": self.kind, **numbers, "density": density, **warm}
 
 
 @named_arguments
@@ -239,7 +290,7 @@ class Newtonian(Oil):
         return np.zeros_like(np.asarray(pressure, dtype=float))
 
 
-POLE_PRESSURE, POLE_VISCOSITY = 196.2e6, 6.315e-5  # Pa, Pa s
+POLE_PRESSURE = 196.2e6  # Pa
 LARGEST = 1.5  # of z: no known oil exceeds 1
 
 
@@ -270,6 +321,10 @@ class Roelands(Oil):
                 f"{self.exponent:.3g}; mineral oils have 0.5 to 0.7, which is about {usual:.2g} 1/Pa here"
             )
 
+    def _numbers_at(self, viscosity: float) -> dict[str, float]:
+        b = float(np.log(viscosity / POLE_VISCOSITY))
+        return {"viscosity": viscosity, "coefficient": self.exponent * b / POLE_PRESSURE}
+
     @property
     def rise(self) -> float:
         """b of the module docstring [-]."""
@@ -288,26 +343,13 @@ class Roelands(Oil):
         relative = 1.0 + np.asarray(pressure, dtype=float) / POLE_PRESSURE
         return self.viscosity * np.exp(self.rise * (relative**self.exponent - 1.0))
 
+    def thinned(self, pressure: Any, thinning: Any) -> Array:
+        relative = 1.0 + np.asarray(pressure, dtype=float) / POLE_PRESSURE
+        return self.viscosity_at(pressure) * np.exp(thinning * relative**self.exponent)
+
     def viscosity_slope(self, pressure: Any) -> Array:
         relative = 1.0 + np.asarray(pressure, dtype=float) / POLE_PRESSURE
         return self.coefficient * relative ** (self.exponent - 1.0) * self.viscosity_at(pressure)
-
-
-ABSOLUTE_ZERO = -273.15  # degrees Celsius
-COLDEST, HOTTEST = -60.0, 300.0  # degrees Celsius, of oils that flow
-SHIFT = 0.7  # mm2/s
-TO_MM2_S = 1e6
-
-
-def temperature_of(value: float, label: str) -> float:
-    """A temperature in degrees Celsius; raises `InputError` where no oil flows, as for values in kelvin."""
-    T = require_number(value, f"{label}: temperature [degrees Celsius]")
-    if not COLDEST <= T <= HOTTEST:
-        raise InputError(
-            f"{label}: temperature must lie between {COLDEST:g} and {HOTTEST:g} degrees Celsius, got {T:g}; from "
-            "kelvins subtract 273.15"
-        )
-    return T
 
 
 @named_arguments
@@ -330,30 +372,15 @@ def walther(temperature: float, *, points: Sequence[tuple[float, float]], densit
     label = "oils.walther"
     T = temperature_of(temperature, label)
     rho = require_number(density, f"{label}: density [kg/m3]", positive=True)
-    pairs = list(points)
-    if len(pairs) != 2 or any(len(pair) != 2 for pair in pairs):
-        raise InputError(f"{label}: points must be two pairs (temperature, kinematic viscosity), got {points!r}")
-    at = [temperature_of(pair[0], f"{label}: points") for pair in pairs]
-    nu = [require_number(pair[1], f"{label}: kinematic viscosity [m2/s]", positive=True) for pair in pairs]
-    if at[0] == at[1]:
-        raise InputError(f"{label}: points must be at two temperatures, both are at {at[0]:g} degrees Celsius")
-    if max(nu) > 1.0:
-        raise InputError(
-            f"{label}: kinematic viscosity {max(nu):g} m2/s is not that of an oil; 46 mm2/s are 46e-6 m2/s"
-        )
-    if (nu[1] - nu[0]) * (at[1] - at[0]) >= 0.0:
-        raise InputError(f"{label}: the viscosity must fall with the temperature, got points {points!r}")
-    if min(nu) * TO_MM2_S + SHIFT <= 1.0:
-        raise InputError(f"{label}: below 0.3 mm2/s the equation has no logarithm, got {min(nu) * TO_MM2_S:g} mm2/s")
-    x = np.log(np.array([*at, T]) - ABSOLUTE_ZERO)
-    y = np.log(np.log(np.array(nu) * TO_MM2_S + SHIFT))
-    line = y[0] + (y[1] - y[0]) * (x[2] - x[0]) / (x[1] - x[0])
-    return float(rho * (np.exp(np.exp(line)) - SHIFT) / TO_MM2_S)
+    return float(rho * WaltherLaw(walther_points(points, label)).kinematic(T))
 
 
 OILS = {oil.kind: oil for oil in (Newtonian, Barus, Roelands)}  # kind -> class
 
-__all__ = ["OILS", "Barus", "DowsonHigginson", "Newtonian", "Oil", "Roelands", "as_oil", "iso_vg", "vogel", "walther"]
+__all__ = [
+    "OILS", "THERMAL_LAWS", "Barus", "DowsonHigginson", "ExponentialLaw", "Newtonian", "Oil", "Roelands", "RoelandsLaw",
+    "Thermal", "VogelLaw", "WaltherLaw", "as_oil", "iso_vg", "vogel", "walther",
+]  # fmt: skip
 
 
 def __dir__() -> list[str]:

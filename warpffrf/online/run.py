@@ -125,6 +125,7 @@ MESSAGES = {
         Status.LEAPT,
         "two surfaces change sides in a step without contact, so that they may pass through each other; reduce step",
     ),
+    k.TOO_HOT: (Status.TOO_HOT, "an oil film runs away"),
     k.GAIN: (Status.ENERGY, "energy was created; reduce step"),
     k.NOT_AT_REST: (Status.NO_EQUILIBRIUM, "the bodies do not come to rest"),
     k.ENERGY: (Status.ENERGY, "the energy ledger does not close at an impact; reduce step"),

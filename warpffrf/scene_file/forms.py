@@ -315,25 +315,25 @@ def value_kinds() -> dict[str, Form]:
     friction laws, rolling resistance, characteristics of springs, oils, feeds and forms of films, matched faces,
     contacts, integrators, treatments of local modes, stress points, parts of bearings."""
     from warpffrf.model.damping import DAMPINGS
-    from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES, Dam, Pad, pads
+    from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES, Dam, FilmTemperature, Pad, pads
     from warpffrf.model.forces import CHARACTERISTICS
     from warpffrf.model.friction import FRICTION_LAWS
     from warpffrf.model.gears import Gear, GearPair
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
     from warpffrf.model.moments import ROLLING_LAWS
-    from warpffrf.model.oils import OILS, DowsonHigginson, iso_vg
+    from warpffrf.model.oils import OILS, THERMAL_LAWS, DowsonHigginson, Thermal, iso_vg
     from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.small_sliding import SmallSliding
     from warpffrf.model.surfaces import SHAPES, Curve, Matched, cam, rail_uic60, wheel_s1002
     from warpffrf.offline.bases import BASES
 
     online = importlib.import_module("warpffrf.online")
-    others = [StressPoints, Matched, SmallSliding, DowsonHigginson, iso_vg, Pad, Dam, pads]
+    others = [StressPoints, Matched, SmallSliding, DowsonHigginson, Thermal, iso_vg, Pad, Dam, pads, FilmTemperature]
     others += [online.LocalModes, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
     registered = {
         **SHAPES, **BASES, **DAMPINGS, **LAWS, **LUMPED_LAWS, **FRICTION_LAWS, **CHARACTERISTICS, **OILS, **FEEDS,
-        **FORMS, **ROUGHNESSES, **ROLLING_LAWS,
+        **FORMS, **ROUGHNESSES, **ROLLING_LAWS, **THERMAL_LAWS,
     }  # fmt: skip
     found.update({kind: form_of(kind, cls, {}) for kind, cls in registered.items()})
     found["extruded"] = form_of("extruded", SHAPES["extruded"], {"curve": "value"})
@@ -406,7 +406,7 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
     from warpffrf.model.oils import OILS
 
     contacts = {"contacts": LAWS, "lumped_contacts": LUMPED_LAWS, "bearings": LUMPED_LAWS}
-    of_films = {"asperities": LAWS, "oil": (*OILS, "iso_vg")}
+    of_films = {"asperities": LAWS, "oil": (*OILS, "iso_vg"), "temperature": ("film_temperature",)}
     of_films |= dict.fromkeys(("form_a", "form_b"), FORMS)
     of_films |= dict.fromkeys(("roughness_a", "roughness_b"), ROUGHNESSES)
     taken = {(section, name): kinds for section in ("films", "journal_bearings") for name, kinds in of_films.items()}
@@ -438,7 +438,13 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     of_program = ("scene", "progress", "overwrite", "resume", "check")
     rings: dict[str, str] = {"inner": "port", "outer": "port", "element_body": "reduced_bodies"}
     options: dict[str, type] = {"contact": RollingContact, "materials": Materials}
-    of_journals: dict[str, str] = {"journal": "port", "support": "port", "pads": "value", "oil": "value"}
+    of_journals: dict[str, str] = {
+        "journal": "port",
+        "support": "port",
+        "pads": "value",
+        "oil": "value",
+        "temperature": "value",
+    }
     balls = flat(Scene.add_bearing, geometry=listed(BallGeometry), **options)
     rollers = flat(Scene.add_bearing, geometry=listed(RollerGeometry), **options)
     found = {

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from scipy.optimize import root
 
-from references.closed_forms.films import short_bearing_coefficients, stability_threshold
+from references.closed_forms.films import (
+    adiabatic_rise,
+    couette_stress,
+    short_bearing_coefficients,
+    stability_threshold,
+)
 from references.films.journal import JournalFilm
 from scenes import film_bearing as made
+from scenes import warm_pads, warm_slider
 from studies.films import film_acceptance as study
 from studies.films import oil_film
 from studies.validate.case import Row, case
@@ -120,6 +127,46 @@ def whirl_threshold() -> Iterator[Row]:
         ("m c ω²/W", "whirl over ω"), found, stability_threshold(*short_bearing_coefficients(0.5)), strict=True
     ):
         yield Row(name, ours, theirs, 0.03)
+
+
+@case(ROOM, "Energy balance of a slider with constant viscosity and adiabatic walls, by quadrature")
+def adiabatic_slider() -> Iterator[Row]:
+    """A wide plane slider, inlet over outlet 2, 64 cells: rise of the oil's temperature along it"""
+    gaps, breadth, speed = (50e-6, 25e-6), 0.01, 5.0
+    scene = warm_slider.slider(
+        gaps, speed=speed, breadth=breadth, oil=warm_slider.oil(0.0),
+        temperature=films.FilmTemperature(warm_slider.SUPPLY),
+    )  # fmt: skip
+    film: Any = made.at_rest(scene).films["film"]
+    capacity = warm_slider.DENSITY * warm_slider.CAPACITY
+    rise = film.temperature[-1][-1, 4] - warm_slider.SUPPLY
+    yield Row("rise", rise, adiabatic_rise(warm_slider.VISCOSITY, speed, breadth, *gaps, capacity), 5e-3, "K")
+    yield Row("heat carried away over generated", film.heat_carried[-1] / film.heat_generated[-1], 1.0, 1e-6)
+
+
+@case(ROOM, "S. Nahme, Ing.-Arch. 11 (1940) 191: Couette flow with conduction and exponential viscosity")
+def heated_couette() -> Iterator[Row]:
+    """Shear stress over that of cold oil between parallel plates, both of one temperature, by the Brinkman number"""
+    gap, slope, width, walls = 10e-6, 0.03, 0.02, films.FilmTemperature(40.0, wall_a=40.0, wall_b=40.0)
+    for speed in (5.0, 10.0, 20.0):
+        power = []
+        for n in (1, 2):  # their difference has no ends
+            scene = warm_slider.slider(
+                (gap, gap), speed=speed, breadth=n * 0.02, length=width, cells=n * 16, oil=warm_slider.oil(slope),
+                temperature=walls,
+            )  # fmt: skip
+            power.append(made.at_rest(scene).films["film"].friction_power[-1])
+        brinkman = slope * warm_slider.VISCOSITY * speed**2 / warm_slider.CONDUCTIVITY
+        found = (power[1] - power[0]) / (0.02 * width * warm_slider.VISCOSITY * speed**2 / gap)
+        yield Row(f"τh/(μ0U), Br = {brinkman:.3g}", found, couette_stress(brinkman), 5e-3)
+
+
+@case(ROOM, "M. Fillon, J.-C. Bligoud and J. Frêne, J. Tribol. 114 (1992) 579, measured")
+def hottest_pad() -> Iterator[Row]:
+    """Q3: four tilting pads of 75°, 10 kN between pivots, VG 32 supplied at 40 °C: face of the hottest pad; pads
+    adiabatic, a shaft that takes up no heat, full carry-over of oil from pad to pad, 32 x 9 nodes a pad"""
+    for rpm, measured in warm_pads.MEASURED.items():
+        yield Row(f"hottest pad, {rpm} rpm", warm_pads.hottest_pad(rpm)[0], measured, 5.0, "°C", 1.0)
 
 
 def _load_at_one() -> float:

@@ -26,11 +26,6 @@ NOT_COMPARED = (  # case, source, reason
         "a gap that jumps within a cell has no scene yet",
     ),
     (
-        "Hottest pad of a bearing with four tilting pads",
-        "Fillon, Bligoud and Frêne (1992), measured; Q3",
-        "films are isothermal",
-    ),
-    (
         "Friction of a test bearing in mixed lubrication",
         "Sander and others, measured; Q4",
         "the bearing's clearance is not published, and the rod deforms in a way that needs its mesh",

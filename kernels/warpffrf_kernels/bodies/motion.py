@@ -50,6 +50,7 @@ from warpffrf_kernels.core.integration import (
     rule_of,
     velocity_of,
 )
+from warpffrf_kernels.core.lanes import total
 from warpffrf_kernels.core.rotation import exponential, hat, matrix, tangent_inverse
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
@@ -279,15 +280,15 @@ def move_bodies(
 
 @kernel
 def hold_motions(run: Run, trial: Trial, system: RetainedSystem, residuals: Residuals):
-    """Per world, in static steps: the force n (n.d) of each constrained motion n."""
-    w = wp.tid()
+    """Per world, lanes over bodies, then over rows, in static steps: the force n (n.d) of each constrained motion n."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not is_static(run.ctl, w):
         return
     h = int(0)
     while h < system.hold_count[w]:
         along = real(0.0)
-        b = int(0)
+        b = lane
         while b < model.bodies.count:
             d = trial.dx[w, b]
             turn = trial.psi[w, b]
@@ -296,11 +297,12 @@ def hold_motions(run: Run, trial: Trial, system: RetainedSystem, residuals: Resi
                 turn -= trial.centre_psi[w, b]
             for c in range(3):
                 along += system.hold[w, h, 6 * b + c] * d[c] + system.hold[w, h, 6 * b + 3 + c] * turn[c]
-            b += 1
-        i = int(0)
+            b += wp.block_dim()
+        along = total(along)
+        i = lane
         while i < 6 * model.bodies.count:
             residuals.residual[w, i] = residuals.residual[w, i] + system.hold[w, h, i] * along
-            i += 1
+            i += wp.block_dim()
         h += 1
 
 

@@ -42,7 +42,7 @@ from warpffrf_kernels.bodies.interfaces import (
 )
 from warpffrf_kernels.constraints.characteristics import characteristic, firm
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.declaration import kernel, kernel_in_place
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import rotation_vector, tangent_inverse
 from warpffrf_kernels.core.run import Run
@@ -127,7 +127,7 @@ def clear_side(model: Model, w: int, row: int, marker: int, residuals: Residuals
             n += 1
 
 
-@kernel
+@kernel_in_place
 def evaluate_rows(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, qd1: wp.array(dtype=real)):
     """Per row: value, gradient, defect (c, or the spring law divided by its stiffness) and compliance."""
     w, lane = wp.tid()
@@ -270,9 +270,9 @@ def row_rate(
 
 @kernel
 def apply_forces(run: Run, trial: Trial, residuals: Residuals, loads: LoadState, modal_residual: wp.array(dtype=real)):
-    """Per world: subtract the point forces from the residuals; their world components and points are stored for the
-    ledger."""
-    w = wp.tid()
+    """Per world, lanes over bodies: subtract the point forces from the residuals; their world components and points are
+    stored for the ledger."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
@@ -280,6 +280,9 @@ def apply_forces(run: Run, trial: Trial, residuals: Residuals, loads: LoadState,
     i = int(0)
     while i < model.external[0].forces.count:
         b = model.external[0].forces.body[i]
+        if b % wp.block_dim() != lane:
+            i += 1
+            continue
         A = trial.axes[w, b]
         f = vec3(
             evaluate_signal(model, model.external[0].forces.signal[i, 0], t, 0),

@@ -125,6 +125,7 @@ PASSED = wp.constant(4096)  # a patch with friction has advanced by more than it
 LEAPT = wp.constant(8192)  # two surfaces have passed each other without contact, see `missed_contact`
 NOT_AT_REST = wp.constant(16384)  # a load step that has not come to rest, see `proximal`
 TRACTIONS = wp.constant(32768)  # stick and slip of the cells have not settled, see `rolling.traction_solve`
+TOO_HOT = wp.constant(65536)  # a film beyond the temperatures of its oil, see `films.heat`
 ROOM = wp.constant(1024)  # more slots are needed than allocated: `Engine` allocates more and repeats the attempt
 
 # --- values of `Control.impulsive`, and of each pair's

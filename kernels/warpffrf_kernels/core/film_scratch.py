@@ -1,8 +1,8 @@
 """Scratch arrays of oil films."""
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, reals, topic
+from warpffrf_kernels.core.films import HEAT_LINE, NODE_LINE, PULL, SUMS
 from warpffrf_kernels.core.films import LINE as FILM_LINE
-from warpffrf_kernels.core.films import NODE_LINE, PULL, SUMS
 from warpffrf_kernels.core.scratch import MODAL
 
 
@@ -38,7 +38,6 @@ class FilmScratch:
     film_off_before: DeviceArray = reals("world", "film", note="of the iteration before", carried=True)
     film_modal: DeviceArray = reals("world", "film_column", unit=MODAL, note="load on modes", zero_without=True)
     film_changed: DeviceArray = integers("world", "film", note="functions that changed sides", zero_without=True)
-    film_switch: DeviceArray = integers("world", "film_unknown", note="1 where the last iteration changed sides")
     film_node_line: DeviceArray = reals("world", "film_node", NODE_LINE, note="where there are asperities")
     film_energy_now: DeviceArray = reals("world", "film_node", unit="J/m2", note="of asperities")
     film_rough: DeviceArray = integers("world", "film_node", note="1 where asperities touch", carried=True)
@@ -93,4 +92,5 @@ class FilmScratch:
     film_opening: DeviceArray = reals("world", "film_station", unit="m", note="change of the gap")
     film_ahead: DeviceArray = reals("world", "film_point", unit="m", note="change of the gap")
     film_part: DeviceArray = reals("world", note="of the increments that is taken")
+    film_heat_line: DeviceArray = reals("world", "film_heat_node", HEAT_LINE, note="see `films.heat`")
     film_taken: DeviceArray = reals("world", "film", 2, unit="J", note="by flow, by sliding", zero_without=True)

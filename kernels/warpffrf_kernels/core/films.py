@@ -7,6 +7,8 @@ PULL = 10  # values per point that are summed
 SUMS = 13  # of these, and of the torque on the second body
 NODE_LINE = 5  # values per node with asperities
 NUMBERS = 19  # saved values per film, see `films.history`
+HEATS = 9  # values per film with a temperature, see `films.heat`
+HEAT_LINE = 11  # values per node of it
 
 
 @topic
@@ -161,5 +163,12 @@ class Films:
     factor_start: DeviceArray = integers("film", note="into factor")
     factor_count: DeviceArray = integers("film", note="its lines, 0 of smooth walls")
     factor: DeviceArray = reals("film_factor_entry", 13, note="see `films.roughness`")
+    heat_start: DeviceArray = integers("film+1", note="into what each node of a film with a temperature has one of")
+    heat: DeviceArray = reals("film", 8, note="rho c, k, supply, walls A and B, carry-over, 1: A, B has a temperature")
+    heat_upstream: DeviceArray = integers("film", note="the film whose outflow arrives at its feeds, -1: none")
+    heat_table_start: DeviceArray = integers("film", note="into heat_table: by mean temperature")
+    heat_table: DeviceArray = reals(
+        "film_heat_entry", 3, note="ln of viscosity over that at the reference temperature; alpha of A, of B"
+    )
     rest_v: DeviceArray = vectors("film_body", unit="m/s", note="with which surfaces slide in static steps")
     rest_omega: DeviceArray = vectors("film_body", unit="rad/s", note="likewise, body axes")

@@ -57,3 +57,33 @@ def most(x: real) -> real: ...
 
 @wp.func_native(folded(8, LARGER))
 def mosts(x: values) -> values: ...
+
+
+BEFORE = """
+    int sum = 0;
+#if WP_TILE_BLOCK_DIM > 1
+#ifdef __CUDA_ARCH__
+    __shared__ int counts[WP_TILE_BLOCK_DIM];
+#else
+    static int counts[WP_TILE_BLOCK_DIM];
+#endif
+    counts[WP_TILE_THREAD_IDX] = n;
+    WP_TILE_SYNC();
+    for (int other = 0; other < WP_TILE_THREAD_IDX; ++other) sum += counts[other];
+    WP_TILE_SYNC();
+#endif
+    return sum;
+"""
+
+
+@wp.func_native(BEFORE)
+def before(n: int) -> int:
+    """Sum over the lanes before this one: where a lane writes the n entries that it appends to a list, if each lane
+    goes through `share` of the items."""
+    ...
+
+
+@wp.func
+def share(items: int, lane: int) -> int:
+    """First of the consecutive items of a lane; those of the next begin where they end."""
+    return items * lane / wp.block_dim()

@@ -4,6 +4,7 @@ Frames are those of the state: centres of mass, body axes.
 """
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions, reals, topic, vectors
+from warpffrf_kernels.core.films import HEATS as FILM_HEATS
 from warpffrf_kernels.core.films import NUMBERS as FILM_NUMBERS
 from warpffrf_kernels.core.lumped import NUMBERS
 from warpffrf_kernels.core.matched import NUMBERS as MATCHED_NUMBERS
@@ -98,6 +99,8 @@ class SavedFilms:
     saved_film_gap: DeviceArray = reals("world", "ring_row", "film_node", unit="m")
     saved_film_void: DeviceArray = reals("world", "ring_row", "film_node", unit="m")
     saved_film_asperity: DeviceArray = reals("world", "ring_row", "film_node", unit="Pa")
+    saved_film_temperature: DeviceArray = reals("world", "ring_row", "film_heat_node", unit="degC")
+    saved_film_heat: DeviceArray = reals("world", "ring_row", "film", FILM_HEATS, note="see `films.heat`")
     saved_film_second: DeviceArray = reals("world", "ring_row", "film_second_node", unit="N")
 
 

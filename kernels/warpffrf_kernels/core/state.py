@@ -2,6 +2,7 @@
 
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions, reals, structs, topic, vectors
+from warpffrf_kernels.core.films import HEATS as FILM_HEATS
 
 
 @topic
@@ -180,6 +181,9 @@ class FilmState:
     film_void_before: DeviceArray = reals("world", "film_function", unit="m", note="of the step before the last")
     film_mass: DeviceArray = reals("world", 2, "film_point", unit="m", note="gap times rho/rho_0")
     film_power: DeviceArray = reals("world", 2, "film", 2, unit="W", note="taken by the flow, by sliding")
+    film_temperature: DeviceArray = reals("world", "film_heat_node", unit="degC", note="mean across the gap")
+    film_thinning: DeviceArray = reals("world", "film_heat_node", note="ln of the viscosity there, as heat_table")
+    film_heat: DeviceArray = reals("world", 2, "film", FILM_HEATS, note="see `films.heat`")
     film_step: DeviceArray = reals("world", unit="s", note="the last one, 0 where the history begins")
 
 

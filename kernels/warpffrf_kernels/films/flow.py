@@ -17,6 +17,7 @@ import warp as wp
 
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.film_scratch import FilmScratch
+from warpffrf_kernels.core.lanes import mosts, totals, values
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, real, sync, vec3
@@ -221,43 +222,48 @@ def balance_film(run: Run, trial: Trial, films: FilmState, oil: FilmScratch):
     sync()
     if lane == 0:
         turn_sums(w, film, axes_of(trial.axes, w, a), axes_of(trial.axes, w, b), from_b, oil)
-        worst = real(0.0)
-        largest = real(0.0)
-        sum = real(0.0)
-        taken = real(0.0)
-        i = first
-        while i < end:
-            largest = wp.max(largest, oil.film_size[w, i])
-            p = films.film_pressure[w, 1, i]
-            if model.elements[0].films[0].unknown_of[i] >= 0:
-                worst = wp.max(worst, wp.abs(oil.film_rest[w, i]))
-                if model.elements[0].films[0].rule[film] == HALF:
-                    p = wp.max(p, real(0.0))
-                taken -= p * oil.film_refill[w, i]
-            else:
-                taken -= p * (oil.film_rest[w, i] + oil.film_refill[w, i])
-            sum += oil.film_rest[w, i]
-            i += 1
-        apart = real(0.0)  # difference of asperity pressure and law, relative to the largest pressure
-        most = SMALL_PRESSURE
+    worst = real(0.0)
+    largest = real(0.0)
+    sum = real(0.0)
+    taken = real(0.0)
+    i = first + lane
+    while i < end:
+        largest = wp.max(largest, oil.film_size[w, i])
+        p = films.film_pressure[w, 1, i]
+        if model.elements[0].films[0].unknown_of[i] >= 0:
+            worst = wp.max(worst, wp.abs(oil.film_rest[w, i]))
+            if model.elements[0].films[0].rule[film] == HALF:
+                p = wp.max(p, real(0.0))
+            taken -= p * oil.film_refill[w, i]
+        else:
+            taken -= p * (oil.film_rest[w, i] + oil.film_refill[w, i])
+        sum += oil.film_rest[w, i]
+        i += wp.block_dim()
+    apart = real(0.0)  # difference of asperity pressure and law, relative to the largest pressure
+    pressed = SMALL_PRESSURE
+    stored = real(0.0)
+    if lane == 0:
         stored = oil.film_sums[w, film, STORED]
-        if model.elements[0].films[0].second_nodes[film] > 0:
-            m = model.elements[0].films[0].second_node_start[film]
-            while m < model.elements[0].films[0].second_node_start[film + 1]:
-                stored += oil.film_second_energy[w, m]
-                m += 1
-        if model.elements[0].films[0].rough[film] > 0:
-            m = model.elements[0].films[0].node_start[film]
-            while m < model.elements[0].films[0].node_start[film + 1]:
-                given = oil.film_node_line[w, m, PRESSED]
-                apart = wp.max(apart, wp.abs(films.film_asperity[w, 1, m] - given))
-                most = wp.max(most, given)
-                stored += model.elements[0].films[0].node_area[m] * oil.film_energy_now[w, m]
-                sum += given
-                m += 1
-        films.film_energy[w, 1, film] = stored
-        oil.film_off[w, film] = wp.max(worst / largest, apart / most) + real(0.0) * sum
-        films.film_power[w, 1, film, 0] = oil.film_sums[w, film, VISCOUS] + taken
+    if model.elements[0].films[0].second_nodes[film] > 0:
+        m = model.elements[0].films[0].second_node_start[film] + lane
+        while m < model.elements[0].films[0].second_node_start[film + 1]:
+            stored += oil.film_second_energy[w, m]
+            m += wp.block_dim()
+    if model.elements[0].films[0].rough[film] > 0:
+        m = model.elements[0].films[0].node_start[film] + lane
+        while m < model.elements[0].films[0].node_start[film + 1]:
+            given = oil.film_node_line[w, m, PRESSED]
+            apart = wp.max(apart, wp.abs(films.film_asperity[w, 1, m] - given))
+            pressed = wp.max(pressed, given)
+            stored += model.elements[0].films[0].node_area[m] * oil.film_energy_now[w, m]
+            sum += given
+            m += wp.block_dim()
+    sums = totals(values(sum, taken, stored, real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)))
+    tops = mosts(values(worst, largest, apart, pressed, real(0.0), real(0.0), real(0.0), real(0.0)))
+    if lane == 0:
+        films.film_energy[w, 1, film] = sums[2]
+        oil.film_off[w, film] = wp.max(tops[0] / tops[1], tops[2] / tops[3]) + real(0.0) * sums[0]
+        films.film_power[w, 1, film, 0] = oil.film_sums[w, film, VISCOUS] + sums[1]
         films.film_power[w, 1, film, 1] = oil.film_sums[w, film, SHEAR]
 
 
@@ -266,8 +272,8 @@ def push_films(
     run: Run, oil: FilmScratch, residuals: Residuals, film_pressure: wp.array(dtype=real),
     film_asperity: wp.array(dtype=real),
 ):  # fmt: skip
-    """Per world: subtract the forces of all films from the residuals of their bodies and of the modes."""
-    w = wp.tid()
+    """Per world, lanes over bodies, then over modes: subtract the forces of all films from their residuals."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
@@ -276,12 +282,12 @@ def push_films(
         a = model.surfaces.body[model.elements[0].films[0].first[film]]
         b = model.surfaces.body[model.elements[0].films[0].second[film]]
         for c in range(3):
-            if a >= 0:
+            if a >= 0 and a % wp.block_dim() == lane:
                 residuals.residual[w, 6 * a + c] = residuals.residual[w, 6 * a + c] - oil.film_sums[w, film, FORCE + c]
                 residuals.residual[w, 6 * a + 3 + c] = (
                     residuals.residual[w, 6 * a + 3 + c] - oil.film_sums[w, film, FORCE_MOMENT + c]
                 )
-            if b >= 0:
+            if b >= 0 and b % wp.block_dim() == lane:
                 residuals.residual[w, 6 * b + c] = residuals.residual[w, 6 * b + c] + oil.film_sums[w, film, FORCE + c]
                 residuals.residual[w, 6 * b + 3 + c] = (
                     residuals.residual[w, 6 * b + 3 + c] - oil.film_sums[w, film, SECOND_FORCE_MOMENT + c]
@@ -290,7 +296,7 @@ def push_films(
         functions = model.elements[0].films[0].function_start[film + 1] - first
         total = model.elements[0].films[0].function_start[model.elements[0].films[0].count]
         start = model.surfaces.modal_start[model.elements[0].films[0].first[film]]
-        m = int(0)
+        m = lane
         while m < model.elements[0].films[0].modes[film]:
             line = model.elements[0].films[0].moment_start[film] + m * functions
             at = (2 * w + 1) * total + first
@@ -309,14 +315,15 @@ def push_films(
             outwards += dot(rough, model.elements[0].films[0].rough_moment, line, film_asperity, at)
             residuals.modal_residual[w, start + m] = residuals.modal_residual[w, start + m] + outwards
             oil.film_modal[w, model.elements[0].films[0].column_start[film] + 12 + m] = -outwards
-            m += 1
+            m += wp.block_dim()
+        modes = model.elements[0].films[0].modes[film]
         grid_nodes = model.elements[0].films[0].second_nodes[film]
         more = model.elements[0].films[0].second_modes[film]
         start = model.surfaces.modal_start[model.elements[0].films[0].second[film]]
         line = model.elements[0].films[0].second_shape_start[film]
         at = w * model.elements[0].films[0].second_node_start[model.elements[0].films[0].count]
         at += model.elements[0].films[0].second_node_start[film]
-        c = int(0)
+        c = lane
         while c < more:
             outwards = real(0.0)
             i = int(0)
@@ -324,23 +331,23 @@ def push_films(
                 outwards += model.elements[0].films[0].second_shape[line + i * more + c] * oil.film_second_load[at + i]
                 i += 1
             residuals.modal_residual[w, start + c] = residuals.modal_residual[w, start + c] + outwards
-            oil.film_modal[w, model.elements[0].films[0].column_start[film] + 12 + m + c] = -outwards
-            c += 1
+            oil.film_modal[w, model.elements[0].films[0].column_start[film] + 12 + modes + c] = -outwards
+            c += wp.block_dim()
         film += 1
 
 
 @kernel
 def book_films(run: Run, films: FilmState, oil: FilmScratch):
-    """Per world: energy [J] dissipated by films in the attempt, by the trapezoidal rule."""
-    w = wp.tid()
+    """Per world, lanes over films: energy [J] dissipated by films in the attempt, by the trapezoidal rule."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0:
         return
     half = real(0.5) * run.clk[w].h
-    film = int(0)
+    film = lane
     while film < model.elements[0].films[0].count:
         for line in range(TAKEN):
             oil.film_taken[w, film, line] = half * (
                 films.film_power[w, 0, film, line] + films.film_power[w, 1, film, line]
             )
-        film += 1
+        film += wp.block_dim()

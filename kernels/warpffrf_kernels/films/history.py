@@ -9,6 +9,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.film_scratch import FilmScratch
+from warpffrf_kernels.core.films import HEATS
 from warpffrf_kernels.core.ring import SavedFilms
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
@@ -62,6 +63,8 @@ def keep_film(run: Run, oil: FilmScratch, films: FilmState):
             g += wp.block_dim()
     if lane == 0:
         films.film_energy[w, 0, film] = films.film_energy[w, 1, film]
+        for c in range(HEATS):
+            films.film_heat[w, 0, film, c] = films.film_heat[w, 1, film, c]
         for line in range(TAKEN):
             films.film_power[w, 0, film, line] = films.film_power[w, 1, film, line]
     if lane == 0 and film == 0:
@@ -102,8 +105,14 @@ def record_film(run: Run, trial: Trial, films: FilmState, oil: FilmScratch, save
         saved.saved_film_void[w, at, m] = films.film_void[w, 0, f]
         saved.saved_film_asperity[w, at, m] = films.film_asperity[w, 0, m]
         m += wp.block_dim()
+    m = model.elements[0].films[0].heat_start[film] + lane
+    while m < model.elements[0].films[0].heat_start[film + 1]:
+        saved.saved_film_temperature[w, at, m] = films.film_temperature[w, m]
+        m += wp.block_dim()
     sync()
     if lane == 0:
+        for c in range(HEATS):
+            saved.saved_film_heat[w, at, film, c] = films.film_heat[w, 0, film, c]
         a = model.surfaces.body[model.elements[0].films[0].first[film]]
         b = model.surfaces.body[model.elements[0].films[0].second[film]]
         moment = vec3(real(0.0))

@@ -9,6 +9,7 @@ import warp as wp
 
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.film_scratch import FilmScratch
+from warpffrf_kernels.core.lanes import total
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
 from warpffrf_kernels.core.scratch import RetainedSystem
@@ -190,17 +191,17 @@ def take_film(run_of_run: Run, oil: FilmScratch, films: FilmState):
     run = system_at(model, w, film)
     part = oil.film_part[w]
     none = -NO_VOID * model.elements[0].films[0].thickness[film]
+    switched = real(0.0)
     i = lane
     while i < n:
         f = first + model.elements[0].films[0].function_of[first_unknown + i]
-        oil.film_switch[w, first_unknown + i] = 0
         change = oil.film_change[run + i]
         if films.film_full[w, 1, f] != 0:
             p = films.film_pressure[w, 1, f]
             if model.elements[0].films[0].voids[f] != 0 and p + change <= real(0.0):
                 films.film_full[w, 1, f] = 0
                 films.film_pressure[w, 1, f] = real(0.0)
-                oil.film_switch[w, first_unknown + i] = 1
+                switched += real(1.0)
             else:
                 films.film_pressure[w, 1, f] = p + part * change
         else:
@@ -208,7 +209,7 @@ def take_film(run_of_run: Run, oil: FilmScratch, films: FilmState):
             if void + change < none:
                 films.film_full[w, 1, f] = 1
                 films.film_void[w, 1, f] = real(0.0)
-                oil.film_switch[w, first_unknown + i] = 1
+                switched += real(1.0)
             else:
                 films.film_void[w, 1, f] = void + part * change
         i += wp.block_dim()
@@ -219,13 +220,8 @@ def take_film(run_of_run: Run, oil: FilmScratch, films: FilmState):
             films.film_asperity[w, 1, grid_node] + part * oil.film_change[run + n + m], real(0.0)
         )
         m += wp.block_dim()
-    sync()
+    switched = total(switched)
+    if part < real(1.0):
+        switched += real(1.0)
     if lane == 0:
-        any = int(0)
-        if part < real(1.0):
-            any = int(1)
-        i = int(0)
-        while i < n:
-            any += oil.film_switch[w, first_unknown + i]
-            i += 1
-        oil.film_changed[w, film] = any
+        oil.film_changed[w, film] = int(switched)

@@ -24,11 +24,14 @@ class Oil:
 
 
 @wp.func
-def oil_at(model: Model, film: int, pressure: real) -> Oil:
-    """Oil of a film; below the cavitation pressure the properties at it."""
+def oil_at(model: Model, film: int, pressure: real, thinning: real) -> Oil:
+    """Oil of a film; below the cavitation pressure the properties at it. thinning: ln of the viscosity without pressure
+    over that at the oil's reference temperature; Roelands' exponent does not depend on it."""
     p = wp.max(pressure, real(0.0))
     found = Oil()
     found.viscosity = model.elements[0].films[0].oil[film, 0]
+    if thinning != real(0.0):
+        found.viscosity *= wp.exp(thinning)
     kind = model.elements[0].films[0].oil_kind[film]
     if kind == BARUS:
         found.thickening = model.elements[0].films[0].oil[film, 1]
@@ -36,8 +39,12 @@ def oil_at(model: Model, film: int, pressure: real) -> Oil:
     elif kind == ROELANDS:
         relative = real(1.0) + p / POLE_PRESSURE
         exponent = model.elements[0].films[0].oil[film, 3]
+        rise = model.elements[0].films[0].oil[film, 2]
         found.thickening = model.elements[0].films[0].oil[film, 1] * wp.pow(relative, exponent - real(1.0))
-        found.viscosity *= wp.exp(model.elements[0].films[0].oil[film, 2] * (wp.pow(relative, exponent) - real(1.0)))
+        if thinning != real(0.0):
+            found.thickening *= (rise + thinning) / rise
+            rise += thinning
+        found.viscosity *= wp.exp(rise * (wp.pow(relative, exponent) - real(1.0)))
     a = model.elements[0].films[0].oil[film, 4]
     b = model.elements[0].films[0].oil[film, 5]
     found.density = real(1.0) + a * p / (real(1.0) + b * p)

@@ -266,6 +266,8 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
         i += wp.block_dim()
     sync()
     a0 = film_now.film_rates[w, 0]
+    first_warm = model.elements[0].films[0].heat_start[film]
+    warm = model.elements[0].films[0].heat_start[film + 1] - first_warm
     # points: gap
     g = point + lane
     while g < point + points:
@@ -304,7 +306,10 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
         carried = carried_at(sides, place)
         u_x = wp.dot(carried, around)
         u_z = wp.dot(carried, along)
-        oil = oil_at(model, film, p)
+        thinning = real(0.0)
+        if warm > 0:
+            thinning = at_point(model, g, films.film_thinning, w, first_warm)
+        oil = oil_at(model, film, p, thinning)
         weight = model.elements[0].films[0].weight[g]
         over_h = real(1.0) / h
         conductance = h * h * h / (real(12.0) * oil.viscosity)

@@ -266,8 +266,8 @@ def assemble_film(
 
 @kernel
 def stiffen_by_films(run: Run, oil: FilmScratch, system: RetainedSystem):
-    """Per world: add the condensed contribution of all films to the retained system."""
-    w = wp.tid()
+    """Per world, lanes over rows: add the condensed contribution of all films to the retained system."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
@@ -277,7 +277,7 @@ def stiffen_by_films(run: Run, oil: FilmScratch, system: RetainedSystem):
         c = int(0)
         while c < columns:
             i = retained_column(model, film, c)
-            if i >= 0:
+            if i >= 0 and i % wp.block_dim() == lane:
                 system.rhs[w, i] = (
                     system.rhs[w, i] - oil.film_push[w, model.elements[0].films[0].column_start[film] + c]
                 )

@@ -17,6 +17,7 @@ import warp as wp
 from warpffrf_kernels.core.contact_scratch import ContactGeometry
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve
+from warpffrf_kernels.core.lanes import before, share, total
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
@@ -35,57 +36,76 @@ wp.set_module_options(MODULE_OPTIONS)
 ROUND_OFF = wp.constant(wp.float64(1.0e-14))  # of a cosine: tangents of parallel rollers are parallel up to this
 
 
+@wp.func
+def new_cells(w: int, pair: int, first: int, end: int, cells: FrictionCells, tangential: FrictionSolve) -> int:
+    """Active cells without a slot among those of a lane."""
+    count = int(0)
+    m = first
+    while m < end:
+        if cells.bound[w, pair, m] > real(0.0) and tangential.cell_slot_of[w, pair, m] < 0:
+            count += 1
+        m += 1
+    return count
+
+
 @kernel
 def take_cells(run: Run, cells: FrictionCells, tangential: FrictionSolve):
-    """Per world: assigns a slot in its pair's block to each active cell without one. All slots are released first if
-    the grids have moved, or if cells that are no longer under pressure occupy slots that others need."""
-    w = wp.tid()
+    """Per world, lanes over cells: assigns a slot in its pair's block to each active cell without one. All slots are
+    released first if the grids have moved, or if cells that are no longer under pressure occupy slots that others
+    need."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
     capacity = model.window.grid_nodes
+    first = share(capacity, lane)
+    end = share(capacity, lane + 1)
+    stale = run.ctl[w].stale
     pair = int(0)
-    while pair < model.pairs.count and run.ctl[w].stale == 0:
-        count = tangential.cell_block[w, pair, COUNT]
-        m = int(0)
-        while m < capacity and model.pairs.friction[pair] > real(0.0):
-            if cells.bound[w, pair, m] > real(0.0) and tangential.cell_slot_of[w, pair, m] < 0:
-                count += 1
-            m += 1
-        if count > model.capacity.cells:
-            run.ctl[w].stale = 1
+    while pair < model.pairs.count and stale == 0:
+        if model.pairs.friction[pair] > real(0.0):
+            found = new_cells(w, pair, first, end, cells, tangential)
+            if tangential.cell_block[w, pair, COUNT] + int(total(real(found))) > model.capacity.cells:
+                stale = 1
         pair += 1
+    sync()
     pair = int(0)
     while pair < model.pairs.count:
-        if run.ctl[w].stale != 0:
-            tangential.cell_block[w, pair, COUNT] = 0
-            m = int(0)
-            while m < capacity:
+        fresh = tangential.cell_block[w, pair, COUNT]
+        if stale != 0:
+            fresh = 0
+            m = first
+            while m < end:
                 tangential.cell_slot_of[w, pair, m] = -1
                 m += 1
-        count = tangential.cell_block[w, pair, COUNT]
-        tangential.cell_block[w, pair, FRESH] = count
+        found = int(0)
         if model.pairs.friction[pair] > real(0.0):
-            m = int(0)
-            while m < capacity:
+            found = new_cells(w, pair, first, end, cells, tangential)
+            at = fresh + before(found)
+            m = first
+            while m < end and found > 0:
                 if cells.bound[w, pair, m] > real(0.0) and tangential.cell_slot_of[w, pair, m] < 0:
-                    if count < model.capacity.cells:
-                        tangential.cell_slot_of[w, pair, m] = count
-                        tangential.cell_slot[w, pair, count] = m
-                        kind = (w * model.pairs.count + pair) * 2 * model.capacity.cells + count
+                    if at < model.capacity.cells:
+                        tangential.cell_slot_of[w, pair, m] = at
+                        tangential.cell_slot[w, pair, at] = m
+                        kind = (w * model.pairs.count + pair) * 2 * model.capacity.cells + at
                         tangential.cell_sliding[kind] = 0  # unknown
-                    count += 1
+                    at += 1
                 m += 1
-        if count > tangential.cell_block[w, pair, FRESH]:
-            run.ctl[w].factored = 0  # the factor lacks the new slots
-        if count > model.capacity.cells:
-            run.ctl[w].failure = run.ctl[w].failure | short_of(model)
-            run.ctl[w].spare = wp.max(run.ctl[w].spare, model.capacity.slots * count / model.capacity.cells + 1)
-            run.ctl[w].run = 0
-            count = model.capacity.cells
-        tangential.cell_block[w, pair, COUNT] = count
+        count = fresh + int(total(real(found)))
+        if lane == 0:
+            tangential.cell_block[w, pair, FRESH] = fresh
+            if count > fresh:
+                run.ctl[w].factored = 0  # the factor lacks the new slots
+            if count > model.capacity.cells:
+                run.ctl[w].failure = run.ctl[w].failure | short_of(model)
+                run.ctl[w].spare = wp.max(run.ctl[w].spare, model.capacity.slots * count / model.capacity.cells + 1)
+                run.ctl[w].run = 0
+                count = model.capacity.cells
+            tangential.cell_block[w, pair, COUNT] = count
         pair += 1
-    run.ctl[w].stale = 0
+    if lane == 0:
+        run.ctl[w].stale = 0
 
 
 @kernel

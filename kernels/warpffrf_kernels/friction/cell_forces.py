@@ -13,6 +13,7 @@ from warpffrf_kernels.core.contact_scratch import ContactGeometry
 from warpffrf_kernels.core.control import Clock
 from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.friction_scratch import FrictionCells
+from warpffrf_kernels.core.lanes import most, totals, values
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real
@@ -130,16 +131,16 @@ def creep_softness(model: Model, clk: wp.array(dtype=Clock), w: int, pair: int, 
 def add_friction(
     run: Run, geometry: ContactGeometry, cells: FrictionCells, friction: FrictionState, residuals: Residuals
 ):
-    """Per world: wrench, elastic energy and work of the tractions of every pair, and their defect with respect to their
-    slip, as a fraction of the largest bound of all pairs: slips have a round-off of 1e-17 m, which cannot be resolved
-    by a pair whose bound is 1e-7 of another's, and the traction of an idle roller is negligible, as in the force
-    balance.
+    """Per world, lanes over cells: wrench, elastic energy and work of the tractions of every pair, and their defect
+    with respect to their slip, as a fraction of the largest bound of all pairs: slips have a round-off of 1e-17 m,
+    which cannot be resolved by a pair whose bound is 1e-7 of another's, and the traction of an idle roller is
+    negligible, as in the force balance.
 
     A traction is correct if it is the projection of tau - (slip + k tau)/c onto the disc of its bound, for any c > 0; k
     is the softness of entering cells and of a regularised law. With c = k + own, own the displacement per traction of
     the cell itself, the defect is that of an isolated cell: a smaller c overstates it if the law is soft.
     """
-    w = wp.tid()
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
@@ -147,52 +148,57 @@ def add_friction(
     defect = real(0.0)
     pair = int(0)
     while pair < model.pairs.count:
-        energy = real(0.0)
-        for i in range(6):
-            cells.normal_wrench[w, pair, i] = geometry.pair_wrench[w, pair, i]
-        cells.friction_work[w, pair, 0] = real(0.0)
-        if model.pairs.friction[pair] > real(0.0):
-            A = model.pairs.first[pair]
-            rows = model.surfaces.rows[A]
-            m = (geometry.window[w, pair, 0] + model.window.half) * rows
-            while m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
-                i_1 = cell_at(rows, m, 0)
-                i_2 = cell_at(rows, m, 1)
-                t_1 = friction.traction[w, pair, i_1]
-                t_2 = friction.traction[w, pair, i_2]
-                cells.traction_base[w, pair, i_1] = t_1
-                cells.traction_base[w, pair, i_2] = t_2
-                cells.cell_state[w, pair, m] = OPEN
-                b = cells.bound[w, pair, m]
-                if b > real(0.0):
-                    largest = wp.max(largest, b)
-                    area = cells.cell_area[w, pair, m]
-                    for i in range(6):
-                        force = t_1 * cells.cell_wrench[w, pair, i_1, i] + t_2 * cells.cell_wrench[w, pair, i_2, i]
-                        geometry.pair_wrench[w, pair, i] = geometry.pair_wrench[w, pair, i] + force
-                    energy += (
-                        real(0.5)
-                        * area
-                        * (t_1 * cells.elastic_local[w, pair, i_1] + t_2 * cells.elastic_local[w, pair, i_2])
-                    )
-                    s_1 = cells.slip[w, pair, i_1]
-                    s_2 = cells.slip[w, pair, i_2]
-                    cells.friction_work[w, pair, 0] = cells.friction_work[w, pair, 0] + area * wp.min(
-                        t_1 * s_1 + t_2 * s_2, real(0.0)
-                    )
-                    soft = creep_softness(model, run.clk, w, pair, b) + cells.late[w, pair, m]
-                    c = cells.cell_own[w, pair, m] + soft
-                    y_1 = t_1 - (s_1 + soft * t_1) / c
-                    y_2 = t_2 - (s_2 + soft * t_2) / c
-                    size = wp.sqrt(y_1 * y_1 + y_2 * y_2)
-                    cells.cell_state[w, pair, m] = STICK
-                    if size > b:
-                        y_1 = y_1 * b / size
-                        y_2 = y_2 * b / size
-                        cells.cell_state[w, pair, m] = SLIP
-                    defect = wp.max(defect, wp.max(wp.abs(y_1 - t_1), wp.abs(y_2 - t_2)))
-                m += 1
-        friction.elastic_energy[w, pair, 1] = energy
+        rubs = model.pairs.friction[pair] > real(0.0)
+        sums = values(real(0.0))  # wrench, energy, work
+        if lane == 0:
+            for i in range(6):
+                sums[i] = geometry.pair_wrench[w, pair, i]
+        rows = model.surfaces.rows[model.pairs.first[pair]]
+        m = (geometry.window[w, pair, 0] + model.window.half) * rows + lane
+        while rubs and m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
+            i_1 = cell_at(rows, m, 0)
+            i_2 = cell_at(rows, m, 1)
+            t_1 = friction.traction[w, pair, i_1]
+            t_2 = friction.traction[w, pair, i_2]
+            cells.traction_base[w, pair, i_1] = t_1
+            cells.traction_base[w, pair, i_2] = t_2
+            cells.cell_state[w, pair, m] = OPEN
+            b = cells.bound[w, pair, m]
+            if b > real(0.0):
+                largest = wp.max(largest, b)
+                area = cells.cell_area[w, pair, m]
+                for i in range(6):
+                    sums[i] += t_1 * cells.cell_wrench[w, pair, i_1, i] + t_2 * cells.cell_wrench[w, pair, i_2, i]
+                sums[6] += (
+                    real(0.5)
+                    * area
+                    * (t_1 * cells.elastic_local[w, pair, i_1] + t_2 * cells.elastic_local[w, pair, i_2])
+                )
+                s_1 = cells.slip[w, pair, i_1]
+                s_2 = cells.slip[w, pair, i_2]
+                sums[7] += area * wp.min(t_1 * s_1 + t_2 * s_2, real(0.0))
+                soft = creep_softness(model, run.clk, w, pair, b) + cells.late[w, pair, m]
+                c = cells.cell_own[w, pair, m] + soft
+                y_1 = t_1 - (s_1 + soft * t_1) / c
+                y_2 = t_2 - (s_2 + soft * t_2) / c
+                size = wp.sqrt(y_1 * y_1 + y_2 * y_2)
+                cells.cell_state[w, pair, m] = STICK
+                if size > b:
+                    y_1 = y_1 * b / size
+                    y_2 = y_2 * b / size
+                    cells.cell_state[w, pair, m] = SLIP
+                defect = wp.max(defect, wp.max(wp.abs(y_1 - t_1), wp.abs(y_2 - t_2)))
+            m += wp.block_dim()
+        if rubs:
+            sums = totals(sums)
+        if lane == 0:
+            for i in range(6):
+                cells.normal_wrench[w, pair, i] = geometry.pair_wrench[w, pair, i]
+                geometry.pair_wrench[w, pair, i] = sums[i]
+            friction.elastic_energy[w, pair, 1] = sums[6]
+            cells.friction_work[w, pair, 0] = sums[7]
         pair += 1
-    if largest > real(0.0):
+    largest = most(largest)
+    defect = most(defect)
+    if lane == 0 and largest > real(0.0):
         residuals.gap_defect[w, 0] = wp.max(residuals.gap_defect[w, 0], defect / (largest * TRACTION_SLACK))

@@ -100,8 +100,8 @@ def is_new(model: Model, w: int, n: int, tangential: FrictionSolve, normal: Cont
 
 @kernel
 def open_answer(run: Run, normal: ContactSolve, tangential: FrictionSolve):
-    """Per world: whether Y is recomputed, for the active slots in the order of the last solution."""
-    w = wp.tid()
+    """Per world, lanes over slots: whether Y is recomputed, for the active slots in the order of the last solution."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
@@ -110,16 +110,16 @@ def open_answer(run: Run, normal: ContactSolve, tangential: FrictionSolve):
     renewed = run.ctl[w].iteration == 0 or is_new(model, w, n, tangential, normal)
     # so does the retained matrix with which the receptance of tractions is condensed, if it is inverted again
     renewed = renewed or run.ctl[w].refresh != 0
-    tangential.answer_state[w, ACTIVE] = n
-    tangential.answer_state[w, RENEWED] = 0
-    tangential.answer_state[w, OPEN] = 1
-    tangential.answer_state[w, ROUND] = 0
-    if renewed:
-        tangential.answer_state[w, RENEWED] = 1
-        a = int(0)
-        while a < n:
-            tangential.answer_node[w, a] = node_of(model, w, normal.order[w, a], normal.slot_node)
-            a += 1
+    sync()
+    if lane == 0:
+        tangential.answer_state[w, ACTIVE] = n
+        tangential.answer_state[w, RENEWED] = int(renewed)
+        tangential.answer_state[w, OPEN] = 1
+        tangential.answer_state[w, ROUND] = 0
+    a = lane
+    while renewed and a < n:
+        tangential.answer_node[w, a] = node_of(model, w, normal.order[w, a], normal.slot_node)
+        a += wp.block_dim()
 
 
 @wp.func

@@ -73,7 +73,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
 from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import ContactState, FrictionState, LoadState, MotionState
 from warpffrf_kernels.normal.contact_solve import push_by_slots
-from warpffrf_kernels.normal.pair_forces import force_on, is_closed, mean_of, modal_place, whole
+from warpffrf_kernels.normal.pair_forces import force_on, is_closed, mean_of, modal_place, surface_of, whole
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -182,33 +182,33 @@ def begin_contact(
         run.ctl[w].round = 0
         run.ctl[w].even = 0
         run.ctl[w].reweighed = 0
-        pair = int(0)
-        while pair < model.pairs.count:
-            kind = int(0)
-            if run.ctl[w].mode == k.DYNAMIC:
-                if model.modes.dynamic_count > 0:
-                    if run.ctl[w].impulsive == k.IMPULSIVE:
-                        kind = 1
-                elif run.ctl[w].again != 0:
-                    kind = contact.impulsive[w, pair]
-                elif not is_closed(contact.pair_force, w, pair, 0):
-                    kind = k.IMPULSIVE
-                elif is_idle(model, w, pair, contact.pair_energy[w, pair, 0], contact.pair_energy):
-                    kind = k.IDLE
-            contact.impulsive[w, pair] = kind
-            if model.modes.dynamic_count > 0 or run.ctl[w].again == 0:
-                impulses.theta[w, pair] = real(1.0)
-            impulses.bracket[w, pair, 0] = real(0.0)
-            impulses.bracket[w, pair, 1] = real(1.0)
-            impulses.bracket[w, pair, 2] = real(0.0)
-            impulses.bracket[w, pair, 3] = real(0.0)
-            impulses.bracket[w, pair, 4] = real(-1.0)
-            impulses.bracket[w, pair, 5] = real(-1.0)
-            impulses.bracket[w, pair, 7] = real(-1.0)
-            impulses.weight[w, pair] = real(1.0)
-            if kind != 0:
-                impulses.weight[w, pair] = weight_of(retained_kappa(model, run.clk, w), impulses.theta[w, pair])
-            pair += 1
+    pair = lane
+    while pair < model.pairs.count:
+        kind = int(0)
+        if run.ctl[w].mode == k.DYNAMIC:
+            if model.modes.dynamic_count > 0:
+                if run.ctl[w].impulsive == k.IMPULSIVE:
+                    kind = 1
+            elif run.ctl[w].again != 0:
+                kind = contact.impulsive[w, pair]
+            elif not is_closed(contact.pair_force, w, pair, 0):
+                kind = k.IMPULSIVE
+            elif is_idle(model, w, pair, contact.pair_energy[w, pair, 0], contact.pair_energy):
+                kind = k.IDLE
+        contact.impulsive[w, pair] = kind
+        if model.modes.dynamic_count > 0 or run.ctl[w].again == 0:
+            impulses.theta[w, pair] = real(1.0)
+        impulses.bracket[w, pair, 0] = real(0.0)
+        impulses.bracket[w, pair, 1] = real(1.0)
+        impulses.bracket[w, pair, 2] = real(0.0)
+        impulses.bracket[w, pair, 3] = real(0.0)
+        impulses.bracket[w, pair, 4] = real(-1.0)
+        impulses.bracket[w, pair, 5] = real(-1.0)
+        impulses.bracket[w, pair, 7] = real(-1.0)
+        impulses.weight[w, pair] = real(1.0)
+        if kind != 0:
+            impulses.weight[w, pair] = weight_of(retained_kappa(model, run.clk, w), impulses.theta[w, pair])
+        pair += wp.block_dim()
     sync()
     # initial accelerations of bodies, then of modes, minus the forces and the memory of impulsive pairs
     rubs = model.capacity.cells > 0
@@ -279,67 +279,69 @@ def push_bodies(
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     rubs = model.capacity.cells > 0
-    if lane == 0:
-        kappa = retained_kappa(model, run.clk, w)
-        pair = int(0)
-        while pair < model.pairs.count:
-            A = model.surfaces.body[model.pairs.first[pair]]
-            B = model.surfaces.body[model.pairs.second[pair]]
-            # trial forces on both bodies: normal (part 0), then friction
-            for part in range(2):
-                if part == 0 or rubs:
-                    f = vec3(
-                        geometry.pair_wrench[w, pair, 0], geometry.pair_wrench[w, pair, 1],
-                        geometry.pair_wrench[w, pair, 2],
+    pair = lane
+    while pair < model.pairs.count:
+        A = model.surfaces.body[model.pairs.first[pair]]
+        B = model.surfaces.body[model.pairs.second[pair]]
+        # trial forces on both bodies: normal (part 0), then friction
+        for part in range(2):
+            if part == 0 or rubs:
+                f = vec3(
+                    geometry.pair_wrench[w, pair, 0], geometry.pair_wrench[w, pair, 1],
+                    geometry.pair_wrench[w, pair, 2],
+                )  # fmt: skip
+                t = vec3(
+                    geometry.pair_wrench[w, pair, 3], geometry.pair_wrench[w, pair, 4],
+                    geometry.pair_wrench[w, pair, 5],
+                )  # fmt: skip
+                if rubs:
+                    f_n = vec3(
+                        cells.normal_wrench[w, pair, 0], cells.normal_wrench[w, pair, 1],
+                        cells.normal_wrench[w, pair, 2],
                     )  # fmt: skip
-                    t = vec3(
-                        geometry.pair_wrench[w, pair, 3], geometry.pair_wrench[w, pair, 4],
-                        geometry.pair_wrench[w, pair, 5],
+                    t_n = vec3(
+                        cells.normal_wrench[w, pair, 3], cells.normal_wrench[w, pair, 4],
+                        cells.normal_wrench[w, pair, 5],
                     )  # fmt: skip
-                    if rubs:
-                        f_n = vec3(
-                            cells.normal_wrench[w, pair, 0], cells.normal_wrench[w, pair, 1],
-                            cells.normal_wrench[w, pair, 2],
-                        )  # fmt: skip
-                        t_n = vec3(
-                            cells.normal_wrench[w, pair, 3], cells.normal_wrench[w, pair, 4],
-                            cells.normal_wrench[w, pair, 5],
-                        )  # fmt: skip
-                        if part == 0:
-                            f = f_n
-                            t = t_n
-                        else:
-                            f -= f_n
-                            t -= t_n
-                    t_a = wp.transpose(trial.axes[w, A]) * t
-                    t_b = vec3(real(0.0), real(0.0), real(0.0))  # the ground is fixed
-                    if B >= 0:
-                        t_b = -(wp.transpose(trial.axes[w, B]) * (t + wp.cross(trial.r1[w, A] - trial.r1[w, B], f)))
-                    for i in range(3):
-                        if part == 0:
-                            contact.pair_force[w, pair, 1, i] = f[i]
-                            contact.pair_force[w, pair, 1, 3 + i] = t_a[i]
-                            contact.pair_force[w, pair, 1, 6 + i] = -f[i]
-                            contact.pair_force[w, pair, 1, 9 + i] = t_b[i]
-                        else:
-                            friction.friction_force[w, pair, 1, i] = f[i]
-                            friction.friction_force[w, pair, 1, 3 + i] = t_a[i]
-                            friction.friction_force[w, pair, 1, 6 + i] = -f[i]
-                            friction.friction_force[w, pair, 1, 9 + i] = t_b[i]
-            # their effect in the step: for impulsive pairs kappa times the mean
-            for i in range(12):
-                before = whole(model, contact.pair_force, friction.friction_force, w, pair, 0, i)
-                after = whole(model, contact.pair_force, friction.friction_force, w, pair, 1, i)
-                force = after
-                if contact.impulsive[w, pair] != 0:
-                    force = kappa * mean_of(impulses.theta[w, pair], before, after)
-                body = A
-                if i >= 6:
-                    body = B
-                if body >= 0:
-                    at = 6 * body + i % 6
-                    residuals.residual[w, at] = residuals.residual[w, at] - force
-            pair += 1
+                    if part == 0:
+                        f = f_n
+                        t = t_n
+                    else:
+                        f -= f_n
+                        t -= t_n
+                t_a = wp.transpose(trial.axes[w, A]) * t
+                t_b = vec3(real(0.0), real(0.0), real(0.0))  # the ground is fixed
+                if B >= 0:
+                    t_b = -(wp.transpose(trial.axes[w, B]) * (t + wp.cross(trial.r1[w, A] - trial.r1[w, B], f)))
+                for i in range(3):
+                    if part == 0:
+                        contact.pair_force[w, pair, 1, i] = f[i]
+                        contact.pair_force[w, pair, 1, 3 + i] = t_a[i]
+                        contact.pair_force[w, pair, 1, 6 + i] = -f[i]
+                        contact.pair_force[w, pair, 1, 9 + i] = t_b[i]
+                    else:
+                        friction.friction_force[w, pair, 1, i] = f[i]
+                        friction.friction_force[w, pair, 1, 3 + i] = t_a[i]
+                        friction.friction_force[w, pair, 1, 6 + i] = -f[i]
+                        friction.friction_force[w, pair, 1, 9 + i] = t_b[i]
+        pair += wp.block_dim()
+    sync()
+    # their effect in the step, lanes over bodies: for impulsive pairs kappa times the mean
+    kappa = retained_kappa(model, run.clk, w)
+    pair = int(0)
+    while pair < model.pairs.count:
+        for side in range(2):
+            body = model.surfaces.body[surface_of(model, pair, side)]
+            if body >= 0 and body % wp.block_dim() == lane:
+                for c in range(6):
+                    i = 6 * side + c
+                    before = whole(model, contact.pair_force, friction.friction_force, w, pair, 0, i)
+                    after = whole(model, contact.pair_force, friction.friction_force, w, pair, 1, i)
+                    force = after
+                    if contact.impulsive[w, pair] != 0:
+                        force = kappa * mean_of(impulses.theta[w, pair], before, after)
+                    residuals.residual[w, 6 * body + c] = residuals.residual[w, 6 * body + c] - force
+        pair += 1
     n = lane
     while n < model.modes.count:
         load = real(0.0)

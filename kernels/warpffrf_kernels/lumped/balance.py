@@ -11,7 +11,7 @@ from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.ring import SavedLumped
 from warpffrf_kernels.core.run import Run
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
 from warpffrf_kernels.core.scratch import Residuals, RetainedSystem, Trial
 from warpffrf_kernels.core.state import LumpedState, MotionState
 from warpffrf_kernels.lumped.forces import Load, answer_to, motion_of, tangential
@@ -29,8 +29,8 @@ def push_lumped(
     run: Run, trial: Trial, residuals: Residuals, lumped: LumpedState, lumped_load: wp.array2d(dtype=Load),
     lumped_moment: wp.array2d(dtype=Moment),
 ):  # fmt: skip
-    """Per world: subtract the forces and moments of all points from the residuals of their bodies."""
-    w = wp.tid()
+    """Per world, lanes over bodies: subtract the forces and moments of all points from their residuals."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
@@ -51,7 +51,7 @@ def push_lumped(
                     f = -f
                     M = -M
                 b = model.surfaces.body[s]
-                if b >= 0:
+                if b >= 0 and b % wp.block_dim() == lane:
                     moment = wp.transpose(trial.axes[w, b]) * (wp.cross(load.touch.x - trial.r1[w, b], f) + M)
                     for c in range(3):
                         residuals.residual[w, 6 * b + c] = residuals.residual[w, 6 * b + c] - f[c]
@@ -103,26 +103,52 @@ def slope_share(model: Model, w: int, first: int, lumped_load: wp.array2d(dtype=
     return (real(1.0) - part) / (power * (real(1.0) - wp.pow(part, real(1.0) / power)))
 
 
+@wp.func
+def take_slope(
+    model: Model, w: int, first: int, lumped: LumpedState, lumped_load: wp.array2d(dtype=Load)
+):  # fmt: skip
+    """Slopes of the points of a contact, from its `first` on, towards the expected force."""
+    share = slope_share(model, w, first, lumped_load)
+    contact = model.elements[0].lumped.contact[first]
+    place = first
+    while place < model.elements[0].lumped.places and model.elements[0].lumped.contact[place] == contact:
+        if lumped.lumped_force[w, 1, place] > real(0.0):
+            lumped_load[w, place].by_approach = share * lumped_load[w, place].by_approach
+        place += 1
+
+
+@wp.func
+def has_column(model: Model, surface: int, lane: int) -> bool:
+    """Whether one of the six columns of the body of a surface is a lane's."""
+    b = model.surfaces.body[surface]
+    return b >= 0 and (lane - 6 * b % wp.block_dim() + wp.block_dim()) % wp.block_dim() < wp.min(6, wp.block_dim())
+
+
 @kernel
 def stiffen_lumped(
     run: Run, state: MotionState, trial: Trial, lumped: LumpedState, system: RetainedSystem,
     lumped_load: wp.array2d(dtype=Load), lumped_moment: wp.array2d(dtype=Moment),
 ):  # fmt: skip
-    """Per world: add the tangent of the forces and moments of all points in contact to the retained matrix."""
-    w = wp.tid()
+    """Per world, lanes over columns: add the tangent of the forces and moments of all points in contact to the retained
+    matrix."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
         return
     vel = run.clk[w].retained.vel
-    share = real(1.0)
-    place = int(0)
+    place = lane
     while place < model.elements[0].lumped.places:
         if place == 0 or model.elements[0].lumped.contact[place] != model.elements[0].lumped.contact[place - 1]:
-            share = slope_share(model, w, place, lumped_load)
-        if lumped.lumped_force[w, 1, place] > real(0.0):
-            lumped_load[w, place].by_approach = share * lumped_load[w, place].by_approach
+            take_slope(model, w, place, lumped, lumped_load)
+        place += wp.block_dim()
+    sync()
+    place = int(0)
+    while place < model.elements[0].lumped.places:
+        contact = model.elements[0].lumped.contact[place]
+        own_columns = has_column(model, model.elements[0].lumped.first[contact], lane)
+        own_columns = own_columns or has_column(model, model.elements[0].lumped.second[contact], lane)
+        if own_columns and lumped.lumped_force[w, 1, place] > real(0.0):
             load = lumped_load[w, place]
-            contact = model.elements[0].lumped.contact[place]
             first = side_in_world(model, w, model.elements[0].lumped.first[contact], trial)
             second = side_in_world(model, w, model.elements[0].lumped.second[contact], trial)
             known = int(0)
@@ -150,6 +176,10 @@ def stiffen_lumped(
                     sign = real(-1.0)
                 coordinate = int(0)
                 while side.body >= 0 and coordinate < 6:
+                    column = 6 * side.body + coordinate
+                    if column % wp.block_dim() != lane:
+                        coordinate += 1
+                        continue
                     by = answer_to(model, contact, old_normal, load, side, own, sign, spin, turn, coordinate, vel)
                     dM = vec3(real(0.0))
                     if resisting >= 0 and run.ctl[w].mode != k.STATIC:
@@ -160,7 +190,6 @@ def stiffen_lumped(
                         dr[coordinate] = real(1.0)
                     else:
                         phi = vec3(side.A[0, coordinate - 3], side.A[1, coordinate - 3], side.A[2, coordinate - 3])
-                    column = 6 * side.body + coordinate
                     on_first = real(0.5) * (real(1.0) + sign)
                     on_second = real(0.5) * (real(1.0) - sign)
                     if first.body >= 0:

@@ -16,6 +16,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.contact_scratch import ContactGeometry, ContactSolve
 from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.lanes import before, share, total
 from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync, vec3
@@ -37,96 +38,143 @@ def short_of(model: Model) -> int:
 
 
 @wp.func
-def lacks_rows(model: Model, w: int, contact: ContactState, normal: ContactSolve) -> bool:
-    """Whether an active node has no slot."""
-    lacking = bool(False)
+def lacks_rows(model: Model, w: int, lane: int, contact: ContactState, normal: ContactSolve) -> bool:
+    """Whether an active node has no slot; all lanes must call."""
+    lacking = real(0.0)
     pair = int(0)
     while pair < model.pairs.count:
-        m = int(0)
+        m = lane
         while m < model.window.grid_nodes:
             if contact.active[w, pair, m] != 0 and normal.slot_of[w, pair, m] < 0:
-                lacking = True
-            m += 1
+                lacking = real(1.0)
+            m += wp.block_dim()
         pair += 1
-    return lacking
+    return total(lacking) > real(0.0)
+
+
+@wp.func
+def new_nodes(
+    model: Model, w: int, pair: int, first: int, end: int, contact: ContactState, normal: ContactSolve
+) -> int:
+    """Active nodes without a slot among those of a lane; with one lane, 0: none comes before it."""
+    count = int(0)
+    m = first
+    while m < end and wp.block_dim() > 1:
+        if contact.active[w, pair, m] != 0 and normal.slot_of[w, pair, m] < 0:
+            count += 1
+        m += 1
+    return count
+
+
+@wp.func
+def free_cells(w: int, pair: int, first: int, end: int, geometry: ContactGeometry, normal: ContactSolve) -> int:
+    """Cells of a patch without a slot among those of a lane; with one lane, 0: none comes before it."""
+    count = int(0)
+    m = first
+    while m < end and wp.block_dim() > 1:
+        if normal.slot_of[w, pair, m] < 0 and geometry.area[w, pair, m] > real(0.0):
+            count += 1
+        m += 1
+    return count
 
 
 @kernel
 def take_slots(run: Run, contact: ContactState, geometry: ContactGeometry, normal: ContactSolve):
-    """Per world: assigns a slot to each active node without one. All slots are released first if the grids have moved,
-    or if rows of an earlier attempt are not accurate enough. If rows are kept from step to step, all cells of a patch
-    then receive a slot, as far as the capacity allows, because cells at its edge become active and inactive.
+    """Per world, lanes over nodes: assigns a slot to each active node without one. All slots are released first if the
+    grids have moved, or if rows of an earlier attempt are not accurate enough. If rows are kept from step to step, all
+    cells of a patch then receive a slot, as far as the capacity allows, because cells at its edge become active and
+    inactive.
     """
-    w = wp.tid()
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:
         return
-    capacity = model.window.grid_nodes
-    spare = int(0)
-    if normal.lasting[w, OLDER] != 0 and (run.ctl[w].iteration >= PATIENCE or lacks_rows(model, w, contact, normal)):
-        run.ctl[w].reassemble = 1
-        if normal.lasting[w, AGE] <= 1:
-            normal.lasting[w, RESTS] = REST
-    normal.lasting[w, BEGUN] = 0
-    if run.ctl[w].reassemble != 0:
-        normal.lasting[w, OLDER] = 0
-        normal.lasting[w, ROWS] = 1
-        normal.lasting[w, AGE] = 0
-        spare = int(run.ctl[w].mode == k.DYNAMIC and model.elements[0].patches.lasting != 0)
-        run.ctl[w].slots = 0
+    nodes = model.window.grid_nodes
+    anew = run.ctl[w].reassemble
+    unfit = bool(False)  # rows of an earlier attempt
+    if normal.lasting[w, OLDER] != 0:
+        unfit = run.ctl[w].iteration >= PATIENCE or lacks_rows(model, w, lane, contact, normal)
+    if unfit:
+        anew = 1
+    spare = int(anew != 0 and run.ctl[w].mode == k.DYNAMIC and model.elements[0].patches.lasting != 0)
+    begun = run.ctl[w].slots
+    if anew != 0:
+        begun = 0
+    count = begun
+    sync()
+    if anew != 0:
         pair = int(0)
         while pair < model.pairs.count:
-            m = int(0)
-            while m < capacity:
+            m = lane
+            while m < nodes:
                 normal.slot_of[w, pair, m] = -1
-                m += 1
-            for i in range(4):
-                geometry.phase[w, pair, i] = geometry.phase[w, pair, 4 + i]
-            for i in range(2):
-                geometry.phase[w, pair, 8 + i] = geometry.phase[w, pair, 10 + i]
+                m += wp.block_dim()
+            if lane == 0:
+                for i in range(4):
+                    geometry.phase[w, pair, i] = geometry.phase[w, pair, 4 + i]
+                for i in range(2):
+                    geometry.phase[w, pair, 8 + i] = geometry.phase[w, pair, 10 + i]
             pair += 1
-        run.ctl[w].reassemble = 0
-        run.ctl[w].recenter = 0
-    count = run.ctl[w].slots
-    run.ctl[w].fresh = count
-    if run.ctl[w].reweighed != 0:
-        run.ctl[w].fresh = 0
-        run.ctl[w].reweighed = 0
+    sync()
     number = int(0)
+    first = share(nodes, lane)
+    end = share(nodes, lane + 1)
     pair = int(0)
     while pair < model.pairs.count:
-        m = int(0)
-        while m < capacity:
+        at = count + before(new_nodes(model, w, pair, first, end, contact, normal))
+        start = at
+        m = first
+        while m < end:
             if contact.active[w, pair, m] != 0:
                 number += 1
                 if normal.slot_of[w, pair, m] < 0:
-                    if count < model.capacity.slots:
-                        normal.slot_of[w, pair, m] = count
-                        normal.slot_node[w, count, 0] = pair
-                        normal.slot_node[w, count, 1] = m
-                    count += 1
+                    if at < model.capacity.slots:
+                        normal.slot_of[w, pair, m] = at
+                        normal.slot_node[w, at, 0] = pair
+                        normal.slot_node[w, at, 1] = m
+                    at += 1
             m += 1
+        count += int(total(real(at - start)))
         pair += 1
+    number = int(total(real(number)))
     pair = int(0)
     while pair < model.pairs.count and spare != 0:
-        m = int(0)
         cells = model.elements[0].patches.columns[pair] * model.surfaces.rows[model.pairs.first[pair]]
-        while m < cells and count < model.capacity.slots:
+        end = share(cells, lane + 1)
+        at = count + before(free_cells(w, pair, share(cells, lane), end, geometry, normal))
+        start = at
+        m = share(cells, lane)
+        while m < end and at < model.capacity.slots:
             if normal.slot_of[w, pair, m] < 0 and geometry.area[w, pair, m] > real(0.0):
-                normal.slot_of[w, pair, m] = count
-                normal.slot_node[w, count, 0] = pair
-                normal.slot_node[w, count, 1] = m
-                count += 1
+                normal.slot_of[w, pair, m] = at
+                normal.slot_node[w, at, 0] = pair
+                normal.slot_node[w, at, 1] = m
+                at += 1
             m += 1
+        count += int(total(real(wp.max(at - start, 0))))
         pair += 1
-    if count > model.capacity.slots:
-        run.ctl[w].failure = run.ctl[w].failure | short_of(model)
-        run.ctl[w].spare = wp.max(run.ctl[w].spare, count)
-        run.ctl[w].run = 0
-        count = model.capacity.slots
-    run.ctl[w].slots = count
-    run.ctl[w].active = number
-    normal.lasting[w, COUNT] = count
+    if lane == 0:
+        if unfit and normal.lasting[w, AGE] <= 1:
+            normal.lasting[w, RESTS] = REST
+        normal.lasting[w, BEGUN] = 0
+        if anew != 0:
+            normal.lasting[w, OLDER] = 0
+            normal.lasting[w, ROWS] = 1
+            normal.lasting[w, AGE] = 0
+            run.ctl[w].reassemble = 0
+            run.ctl[w].recenter = 0
+        run.ctl[w].fresh = begun
+        if run.ctl[w].reweighed != 0:
+            run.ctl[w].fresh = 0
+            run.ctl[w].reweighed = 0
+        if count > model.capacity.slots:
+            run.ctl[w].failure = run.ctl[w].failure | short_of(model)
+            run.ctl[w].spare = wp.max(run.ctl[w].spare, count)
+            run.ctl[w].run = 0
+            count = model.capacity.slots
+        run.ctl[w].slots = count
+        run.ctl[w].active = number
+        normal.lasting[w, COUNT] = count
 
 
 @wp.func

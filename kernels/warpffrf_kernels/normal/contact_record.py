@@ -4,6 +4,7 @@ import warp as wp
 
 from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry
 from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.lanes import total
 from warpffrf_kernels.core.model import LINE_OF_CENTRES
 from warpffrf_kernels.core.ring import SavedContact
 from warpffrf_kernels.core.run import Run
@@ -76,10 +77,12 @@ def record_pairs(
     if run.ctl[w].record == 0:
         return
     at = run.ctl[w].saved % saved.saved_active.shape[1]
+    number = real(0.0)
     m = lane
     while m < model.window.grid_nodes:
         value = real(0.0)
         if contact.active[w, pair, m] != 0:
+            number += real(1.0)
             value = contact.pressure[w, pair, m]
         saved.saved_pressure[w, at, pair, m] = value
         m += wp.block_dim()
@@ -87,6 +90,7 @@ def record_pairs(
     while m < model.window.nodes:
         saved.saved_second_load[w, at, pair, m] = second_load[w, pair, m]
         m += wp.block_dim()
+    number = total(number)
     if lane == 0:
         last = (model.surfaces.rows[model.pairs.first[pair]] - 1) * model.quadrature.z_points - 1
         saved.saved_center[w, at, pair, 0] = geometry.center[w, pair, 0]
@@ -100,10 +104,4 @@ def record_pairs(
         for i in range(6):
             saved.saved_pair_wrench[w, at, pair, i] = geometry.pair_wrench[w, pair, i]
             saved.saved_second_wrench[w, at, pair, i] = fields.second_wrench[w, pair, i]
-        number = int(0)
-        m = int(0)
-        while m < model.window.grid_nodes:
-            if contact.active[w, pair, m] != 0:
-                number += 1
-            m += 1
-        saved.saved_active[w, at, pair] = number
+        saved.saved_active[w, at, pair] = int(number)

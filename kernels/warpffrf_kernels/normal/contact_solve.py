@@ -34,6 +34,7 @@ from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry, ContactSolve
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.lanes import most, total
 from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
@@ -169,52 +170,78 @@ def correct_set(
         m += wp.block_dim()
 
 
+@wp.func
+def first_change(w: int, pair: int, m: int, end: int, contact: ContactState, fields: ContactFields) -> int:
+    """First node from m to `end` whose proposed state differs, `end` if none does; all lanes must call."""
+    found = end
+    while m < end:
+        if fields.proposed[w, pair, m] != contact.active[w, pair, m]:
+            found = wp.min(found, m)
+        m += wp.block_dim()
+    return -int(most(real(-found)))
+
+
 @kernel
 def accept_set(run: Run, geometry: ContactGeometry, fields: ContactFields, contact: ContactState):
-    """Per world: adopts the corrected set, counts the changes, widens a window whose limits its patch has reached,
-    checks the guards.
+    """Per world, lanes over nodes: adopts the corrected set, counts the changes, widens a window whose limits its patch
+    has reached, checks the guards.
 
     The pressures of nodes that leave are set to zero. After `max_inner` solutions of one linearisation only the first
     node on the wrong side changes (Murty's least index, which cannot cycle if G is positive definite).
     """
-    w = wp.tid()
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:
         return
     H = model.window.half
+    only_first = run.ctl[w].inner >= model.limits.max_inner
     changes = int(0)
     number = int(0)
     pair = int(0)
     while pair < model.pairs.count:
         A = model.pairs.first[pair]
         rows = model.surfaces.rows[A]
+        left = geometry.window[w, pair, 0]
+        right = geometry.window[w, pair, 1]
+        m = (left + H) * rows + lane
+        end = (right + H + 1) * rows
+        only = int(-1)  # the node that may change; -1: all
+        if only_first:
+            only = end
+            if changes == 0:
+                only = first_change(w, pair, m, end, contact, fields)
         low = H + 1
         high = -H - 1
-        m = (geometry.window[w, pair, 0] + H) * rows
-        while m < (geometry.window[w, pair, 1] + H + 1) * rows:
-            if fields.proposed[w, pair, m] != contact.active[w, pair, m] and (
-                changes == 0 or run.ctl[w].inner < model.limits.max_inner
-            ):
-                changes += 1
+        changed = int(0)
+        closed = int(0)
+        while m < end:
+            if fields.proposed[w, pair, m] != contact.active[w, pair, m] and (only < 0 or m == only):
+                changed += 1
                 contact.active[w, pair, m] = fields.proposed[w, pair, m]
                 if fields.proposed[w, pair, m] == 0:
                     contact.pressure[w, pair, m] = real(0.0)
             if contact.active[w, pair, m] != 0:
-                number += 1
+                closed += 1
                 o = m / rows - H
                 low = wp.min(low, o)
                 high = wp.max(high, o)
-            m += 1
+            m += wp.block_dim()
+        changes += int(total(real(changed)))
+        number += int(total(real(closed)))
+        low = -int(most(real(-low)))
+        high = int(most(real(high)))
         if low <= high and model.pairs.family[pair] != PATCH:  # a patch grows by its width
-            if low < geometry.window[w, pair, 0] + GUARD and geometry.window[w, pair, 0] > -H:
-                geometry.window[w, pair, 0] = wp.max(low - GUARD - 1, -H)
+            if low < left + GUARD and left > -H:
                 changes += 1
-                run.ctl[w].reassemble = 1
-            if high > geometry.window[w, pair, 1] - GUARD and geometry.window[w, pair, 1] < H:
-                geometry.window[w, pair, 1] = wp.min(high + GUARD + 1, H)
+                if lane == 0:
+                    geometry.window[w, pair, 0] = wp.max(low - GUARD - 1, -H)
+                    run.ctl[w].reassemble = 1
+            if high > right - GUARD and right < H:
                 changes += 1
-                run.ctl[w].reassemble = 1
-            if changes == 0:
+                if lane == 0:
+                    geometry.window[w, pair, 1] = wp.min(high + GUARD + 1, H)
+                    run.ctl[w].reassemble = 1
+            if changes == 0 and lane == 0:
                 if low < -H + GUARD and goes_on(model, A, geometry.center[w, pair, 0] - H - 1):
                     overflow(model, run.ctl, w, rows)
                 if high > H - GUARD and goes_on(model, A, geometry.center[w, pair, 0] + H + 1):
@@ -226,8 +253,9 @@ def accept_set(run: Run, geometry: ContactGeometry, fields: ContactFields, conta
                     ):
                         run.ctl[w].edge = 1
         pair += 1
-    run.ctl[w].changes = changes
-    run.ctl[w].active = number
+    if lane == 0:
+        run.ctl[w].changes = changes
+        run.ctl[w].active = number
 
 
 @wp.func

@@ -27,6 +27,7 @@ from warpffrf_kernels.core.contact_scratch import (
     PatchScratch,
 )
 from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.lanes import total
 from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
@@ -52,10 +53,10 @@ LINES = wp.constant(2)
 
 @kernel
 def order_slots(run: Run, contact: ContactState, fields: ContactFields, normal: ContactSolve, patch: PatchScratch):
-    """Per world: the active slots, pair by pair, then those that have left the set; and the parts of the elimination
-    that are reused from the last solution with the same rows of G: U (FACTOR), with unchanged L and retained matrix
-    also W, W^T W and its factor (LINES)."""
-    w = wp.tid()
+    """Per world, lanes over pairs: the active slots, pair by pair, then those that have left the set; and the parts of
+    the elimination that are reused from the last solution with the same rows of G: U (FACTOR), with unchanged L and
+    retained matrix also W, W^T W and its factor (LINES)."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:
         return
@@ -67,42 +68,50 @@ def order_slots(run: Run, contact: ContactState, fields: ContactFields, normal: 
     count = int(0)
     if same != NOTHING:
         count = normal.block[w, 0, LEFT_START]
-    pair = int(0)
+    sync()
+    pair = lane
     while pair < model.pairs.count:
         normal.block[w, pair, COUNT] = 0
         normal.block[w, pair, LEFT_COUNT] = 0
         normal.row_scale[w, pair] = real(1.0)
         if model.elements[0].patches.lasting != 0:
             normal.row_scale[w, pair] = patch.patch_made[w, pair, WIDTH] / contact.patch_width[w, pair]
-        pair += 1
+        pair += wp.block_dim()
     slot = int(0)
     while slot < run.ctl[w].slots:
         pair = normal.slot_node[w, slot, 0]
         m = normal.slot_node[w, slot, 1]
-        if contact.active[w, pair, m] != 0:
-            normal.block[w, pair, COUNT] = normal.block[w, pair, COUNT] + 1
-        elif fields.base[w, pair, m] != real(0.0):
-            normal.block[w, pair, LEFT_COUNT] = normal.block[w, pair, LEFT_COUNT] + 1
+        if pair % wp.block_dim() == lane:
+            if contact.active[w, pair, m] != 0:
+                normal.block[w, pair, COUNT] = normal.block[w, pair, COUNT] + 1
+            elif fields.base[w, pair, m] != real(0.0):
+                normal.block[w, pair, LEFT_COUNT] = normal.block[w, pair, LEFT_COUNT] + 1
         slot += 1
-    at = int(0)
-    for kind in range(2):
-        pair = int(0)
-        while pair < model.pairs.count:
-            normal.block[w, pair, 2 * kind + START] = at
-            at += normal.block[w, pair, 2 * kind + COUNT]
-            normal.block[w, pair, 2 * kind + COUNT] = 0
-            pair += 1
-        if kind == 0 and at != count:
-            same = int(NOTHING)
+    sync()
+    active = int(0)
+    if lane == 0:
+        at = int(0)
+        for kind in range(2):
+            pair = int(0)
+            while pair < model.pairs.count:
+                normal.block[w, pair, 2 * kind + START] = at
+                at += normal.block[w, pair, 2 * kind + COUNT]
+                normal.block[w, pair, 2 * kind + COUNT] = 0
+                pair += 1
+            if kind == 0:
+                active = at
+    if int(total(real(active))) != count:
+        same = int(NOTHING)
     slot = int(0)
     while slot < run.ctl[w].slots:
         pair = normal.slot_node[w, slot, 0]
         m = normal.slot_node[w, slot, 1]
         kind = int(-1)
-        if contact.active[w, pair, m] != 0:
-            kind = int(0)
-        elif fields.base[w, pair, m] != real(0.0):
-            kind = int(1)
+        if pair % wp.block_dim() == lane:
+            if contact.active[w, pair, m] != 0:
+                kind = int(0)
+            elif fields.base[w, pair, m] != real(0.0):
+                kind = int(1)
         if kind >= 0:
             n = normal.block[w, pair, 2 * kind + COUNT]
             place = normal.block[w, pair, 2 * kind + START] + n
@@ -111,7 +120,11 @@ def order_slots(run: Run, contact: ContactState, fields: ContactFields, normal: 
             normal.order[w, place] = slot
             normal.block[w, pair, 2 * kind + COUNT] = n + 1
         slot += 1
-    normal.kept[w] = same
+    changed = total(real(same == NOTHING))
+    if changed > real(0.0):
+        same = int(NOTHING)
+    if lane == 0:
+        normal.kept[w] = same
 
 
 # Gathers the block of G of n slots from place `start` of `order` on into the lines and columns of these places.

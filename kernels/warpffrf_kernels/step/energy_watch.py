@@ -15,6 +15,7 @@ import warp as wp
 
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.lanes import total
 from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.core.state import ContactState
@@ -27,35 +28,38 @@ PATIENCE = wp.constant(30)  # steps: a starting drive has moved the machine by t
 
 @kernel
 def watch_energy(run: Run, contact: ContactState):
-    """Per world, after an accepted step: `made` (W, pairs), the energy certainly created by each pair."""
-    w = wp.tid()
+    """Per world after an accepted step, lanes over pairs: `made` (W, pairs), the energy that each certainly created."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].accept == 0 or run.ctl[w].mode != k.DYNAMIC:
         return
-    line = int(0)
-    while line < k.LINES:
-        if line != k.POTENTIAL and line != k.NUMERICAL and line != k.CONTACT_GRID:
-            run.clk[w].most = wp.max(run.clk[w].most, wp.abs(run.energy[w, 0, line]))
-        line += 1
     by_pairs = real(0.0)
-    pair = int(0)
+    pair = lane
     while pair < model.pairs.count:
         doubt = contact.pair_energy[w, pair, 0]
         contact.made[w, pair] = wp.clamp(
             contact.made[w, pair], contact.created[w, pair] - doubt, contact.created[w, pair] + doubt
         )
         by_pairs += contact.made[w, pair]
-        pair += 1
+        pair += wp.block_dim()
+    by_pairs = total(by_pairs)
+    if lane != 0:
+        return
+    line = int(0)
+    while line < k.LINES:
+        if line != k.POTENTIAL and line != k.NUMERICAL and line != k.CONTACT_GRID:
+            run.clk[w].most = wp.max(run.clk[w].most, wp.abs(run.energy[w, 0, line]))
+        line += 1
     run.clk[w].least = wp.min(run.clk[w].least, by_pairs)
     rise = by_pairs - run.clk[w].least
-    total = by_pairs + run.energy[w, 0, k.NUMERICAL]
-    run.clk[w].made = wp.max(rise, total)
+    made = by_pairs + run.energy[w, 0, k.NUMERICAL]
+    run.clk[w].made = wp.max(rise, made)
     if model.limits.gain_limit == real(0.0):
         return
     limit = wp.max(model.limits.gain_limit * run.clk[w].most, run.clk[w].noise)
     if run.ctl[w].sub == 0:  # a whole step
         run.ctl[w].gaining_steps = run.ctl[w].gaining_steps + 1
-    if total <= limit:
+    if made <= limit:
         run.ctl[w].gaining_steps = 0
     if rise > limit or run.ctl[w].gaining_steps > PATIENCE:
         run.ctl[w].status = run.ctl[w].status | k.GAIN

@@ -13,6 +13,7 @@ import warp as wp
 
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.lanes import total
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import matrix
 from warpffrf_kernels.core.run import Run
@@ -52,30 +53,34 @@ def line_between(model: Model, first: int, second: int, r_1: vec3, A_1: mat33, r
 
 @kernel
 def refuse_leaps_of_places(run: Run, lumped: LumpedState):
-    """Per world: fail an attempt in which the surfaces of a lumped contact have passed through each other."""
-    w = wp.tid()
+    """Per world, lanes over points: fail an attempt in which surfaces of a lumped contact passed through each other."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC:
         return
-    place = int(0)
+    leapt = real(0.0)
+    place = lane
     while place < model.elements[0].lumped.places:
         contact = model.elements[0].lumped.contact[place]
         both = convex(model, model.elements[0].lumped.first[contact])
         both = both and convex(model, model.elements[0].lumped.second[contact])
         apart = lumped.lumped_force[w, 0, place] == real(0.0) and lumped.lumped_force[w, 1, place] == real(0.0)
         if both and apart and wp.dot(lumped.lumped_normal[w, 0, place], lumped.lumped_normal[w, 1, place]) < real(0.0):
-            run.ctl[w].failure = run.ctl[w].failure | k.LEAPT
-        place += 1
+            leapt = real(1.0)
+        place += wp.block_dim()
+    if total(leapt) > real(0.0) and lane == 0:
+        run.ctl[w].failure = run.ctl[w].failure | k.LEAPT
 
 
 @kernel
 def refuse_leaps_of_pairs(run: Run, contact: ContactState, state: MotionState, trial: Trial):
-    """Per world: fail an attempt in which the surfaces of a pair have passed through each other."""
-    w = wp.tid()
+    """Per world, lanes over pairs: fail an attempt in which the surfaces of a pair passed through each other."""
+    w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC:
         return
-    pair = int(0)
+    leapt = real(0.0)
+    pair = lane
     while pair < model.pairs.count:
         first = model.pairs.first[pair]
         second = model.pairs.second[pair]
@@ -92,5 +97,7 @@ def refuse_leaps_of_pairs(run: Run, contact: ContactState, state: MotionState, t
             )  # fmt: skip
             if wp.dot(before, after) < real(0.0):
                 if not is_closed(contact.pair_force, w, pair, 0) and not is_closed(contact.pair_force, w, pair, 1):
-                    run.ctl[w].failure = run.ctl[w].failure | k.LEAPT
-        pair += 1
+                    leapt = real(1.0)
+        pair += wp.block_dim()
+    if total(leapt) > real(0.0) and lane == 0:
+        run.ctl[w].failure = run.ctl[w].failure | k.LEAPT

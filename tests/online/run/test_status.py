@@ -207,7 +207,8 @@ def test_forces_at_interfaces_balance(plain_body: ReducedBody) -> None:
 def test_every_failure_bit_has_a_message() -> None:
     """Bits are powers of two; UNDERFLOW only goes with another one."""
     names = ("NOT_CONVERGED", "CYCLING", "CAPACITY", "NOT_FINITE", "SINGULAR", "ENERGY", "INDEFINITE", "STENCIL",
-             "STEP_ERROR", "ROOM", "GAIN", "PASSED", "LEAPT", "NOT_AT_REST", "TRACTIONS")  # fmt: skip
+             "STEP_ERROR", "ROOM", "GAIN", "PASSED", "LEAPT", "NOT_AT_REST", "TRACTIONS",
+             "TOO_HOT")  # fmt: skip
     bits = {int(getattr(k, name)) for name in names}
     assert bits == {int(bit) for bit in MESSAGES}
     assert bits | {int(k.UNDERFLOW)} == {1 << i for i in range(len(names) + 1)}

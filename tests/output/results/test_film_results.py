@@ -28,12 +28,12 @@ from warpffrf.online.history.history import ENERGY_LINES, BodyHistory, FilmHisto
 from warpffrf.online.stages import joined_parts
 from warpffrf.output.bodies.normal_loads import node_forces
 from warpffrf.output.budget.quantities import quantities
-from warpffrf.output.files.fields import FILM_FIELDS, FILM_SECOND_FIELDS
+from warpffrf.output.files.fields import FILM_FIELDS, FILM_HEAT_FIELDS, FILM_SECOND_FIELDS
 from warpffrf.output.plots.figure import write_figure
 from warpffrf.output.plots.films import FILM_PLOTS
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result
-from warpffrf_kernels.core.films import NUMBERS
+from warpffrf_kernels.core.films import HEATS, NUMBERS
 
 R, CLEARANCE, WALL = 0.03, 40e-6, 1.5  # m, m, outer over inner radius
 COLUMNS, ROWS, STEPS = 24, 7, 6
@@ -81,7 +81,13 @@ def bearing() -> Scene:
         surfaces={"journal": SHAFT},
     )["journal"]  # fmt: skip
     feeds = [films.AxialGroove(0.0, 1e-3, 2e5)]
-    scene.add(Film(bore, journal, oil=oils.Newtonian(0.04), feeds=feeds, ambient_pressure=1e5, name="bearing"))
+    oil = oils.iso_vg(46, temperature=40.0, heat_capacity=2000.0)
+    scene.add(
+        Film(
+            bore, journal, oil=oil, feeds=feeds, ambient_pressure=1e5, name="bearing",
+            temperature=films.FilmTemperature(45.0, wall_b=50.0),
+        )
+    )  # fmt: skip
     return scene
 
 
@@ -126,19 +132,25 @@ def made_rows() -> dict[str, np.ndarray]:
     void = np.where(np.sin(lean) > 0.5, 0.3 * gap * bell, 0.0)
     flat = {n: v.reshape(STEPS, -1) for n, v in (("pressure", pressure), ("gap", gap), ("void", void))}
     flat["asperity"] = 0.25 * flat["pressure"]
+    flat["temperature"] = 45.0 + 1e-6 * flat["pressure"]
     saved = np.zeros((STEPS, 1, NUMBERS))
     saved[:, 0, :3] = PRESSED * (1.0 + 0.1 * np.arange(STEPS))[:, None]
     saved[:, 0, 3:9] = [1.0, -2.0, 0.5, 0.25, 3.0, -0.75]
     saved[:, 0, 9] = gap.min(axis=(1, 2))
     saved[:, 0, 10] = pressure.max(axis=(1, 2))
     saved[:, 0, 11:] = np.array([12.0, 80.0, 3e-6, 2.5e-6, 0.04, 1e-7, 5.0, 1e4]) * (1.0 + np.arange(STEPS))[:, None]
-    return {"saved_film": saved, **{f"saved_film_{name}": values for name, values in flat.items()}}
+    heat = np.tile(np.arange(10.0, 10.0 + HEATS), (STEPS, 1, 1))
+    return {
+        "saved_film": saved,
+        "saved_film_heat": heat,
+        **{f"saved_film_{name}": values for name, values in flat.items()},
+    }
 
 
 def compiled(found: list[Film]) -> Any:
     """As far as histories of films look at a compiled scene."""
     starts = np.cumsum([0, *[film.grid.columns * film.grid.rows for film in found]])
-    topic = SimpleNamespace(node_start=SimpleNamespace(numpy=lambda: starts))
+    topic = SimpleNamespace(**dict.fromkeys(("node_start", "heat_start"), SimpleNamespace(numpy=lambda: starts)))
     return SimpleNamespace(scene=SimpleNamespace(films=found), films=topic)
 
 
@@ -324,7 +336,7 @@ def test_files_bring_everything_back(result: Result, tmp_path: Path) -> None:
     found, film = again.film("bearing"), result.film("bearing")
     for field in fields(FilmHistory):
         np.testing.assert_array_equal(getattr(found, field.name), getattr(film, field.name))
-    assert {field.attribute for field in (*FILM_FIELDS, *FILM_SECOND_FIELDS)} == {
+    assert {field.attribute for field in (*FILM_FIELDS, *FILM_HEAT_FIELDS, *FILM_SECOND_FIELDS)} == {
         field.name for field in fields(FilmHistory)
     }
     assert found.clearance == film.clearance and found.view.second.shape.kind == "cylinder"
@@ -425,6 +437,9 @@ def test_report(result: Result) -> None:
     assert f"peak pressure {pressure[-1]:.5g} MPa (largest {pressure.max():.5g})" in line
     assert f"smallest film {gap[-1]:.5g} um (least {gap.min():.5g})" in line
     assert line.endswith("friction power 480 W (largest 480); feeds 10.5 cm3/s on average")
+    hottest = film.temperature[-1].max()
+    assert f"temperature     {hottest:.5g} degC at the hottest place" in result.report()
+    assert "heat            10 W, to oil 11, a 12, b 13, stored 14" in result.report()
 
 
 def test_maps_show_the_fields_all_around(result: Result, tmp_path: Path) -> None:
@@ -432,6 +447,7 @@ def test_maps_show_the_fields_all_around(result: Result, tmp_path: Path) -> None
     for kind, values in (
         ("film_pressure", result.film("bearing").pressure * 1e-6),
         ("film_gap", result.film("bearing").gap * 1e6),
+        ("film_temperature", result.film("bearing").temperature),
     ):
         ax: Any = again.plot(kind, row=2)
         mesh = ax.collections[0]
@@ -467,7 +483,8 @@ def test_the_summary_has_every_plot(result: Result, tmp_path: Path) -> None:
     assert "Film force" in [axes.get_title() for axes in labelled]
     assert write_figure(result, tmp_path / "run.png").stat().st_size > 20_000
     flat = on_a_floor()
-    assert len([axes for axes in flat.summary().axes if axes.get_xlabel()]) == len(FILM_PLOTS) + 1
+    isothermal = 1  # and no orbit
+    assert len([axes for axes in flat.summary().axes if axes.get_xlabel()]) == len(FILM_PLOTS) + 1 - isothermal
     assert flat.plot("film_pressure").get_xlabel() == "along e_1 [mm]"
 
 

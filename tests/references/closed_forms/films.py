@@ -130,3 +130,28 @@ def squeezed_disc(radius: float) -> float:
 def falling_time(shape: float, force: float, viscosity: float, start: float, end: float) -> float:
     """Time [s] in which a plate falls from `start` to `end` [m] under `force` [N]; shape: F h^3/(mu V) [m4]."""
     return float(shape * viscosity / (2.0 * force) * (1.0 / end**2 - 1.0 / start**2))
+
+
+def adiabatic_rise(mu: float, speed: float, breadth: float, inlet: float, outlet: float, capacity: float) -> float:
+    """Rise of the temperature [K] along a wide plane slider with adiabatic walls and constant viscosity: the heat of
+    shear and of the flow by pressure over the capacity rho c [J/(m3 K)] of the oil that flows,
+
+        [int mu U^2/h + h^3 p'^2/(12 mu) dx]/(rho c q),   p' = 6 mu U (h - h_m)/h^3,  q = U h_m/2,
+
+    h_m the gap at the largest pressure."""
+    x, w = np.polynomial.legendre.leggauss(32)
+    h = inlet + (outlet - inlet) * 0.5 * (x + 1.0)
+    w = 0.5 * breadth * w
+    h_m = float(w @ h**-2.0 / (w @ h**-3.0))
+    slope = 6.0 * mu * speed * (h - h_m) / h**3
+    return float(w @ (mu * speed**2 / h + h**3 * slope**2 / (12.0 * mu)) / (capacity * 0.5 * speed * h_m))
+
+
+def couette_stress(brinkman: float) -> float:
+    """Shear stress over mu_0 U/h of Couette flow between walls of one temperature, viscosity mu_0 exp(-beta (T - T_w)):
+
+        arsinh(b)/(b sqrt(1 + b^2)),   b^2 = Br/8,   Br = beta mu_0 U^2/k       (S. Nahme, Ing.-Arch. 11, 1940, 191)
+
+    With one adiabatic wall it is half of a flow of twice the gap and speed: Br is four times as large."""
+    b = np.sqrt(brinkman / 8.0)
+    return float(np.arcsinh(b) / (b * np.sqrt(1.0 + b * b)))

@@ -6,6 +6,7 @@
                     shape that add up, `warpffrf.model.surfaces.form_deviations`
     bearings        Pad, Dam, pads, JournalBearing: `scene.add_journal_bearing`, `journal_bearing`
     roughness       Roughness of a wall, with flow factors; MixedLubrication, asperities in addition, `roughness`
+    temperature     FilmTemperature, `heat`
     CAVITATIONS     treatment of pressures below that of cavitation, `cavitation`
 
 The oils are in `warpffrf.model.oils`.
@@ -18,6 +19,7 @@ from typing import TYPE_CHECKING
 from warpffrf.model.errors import no_attribute
 from warpffrf.model.films.feeds import FEEDS, AxialGroove, CircumferentialGroove, Feed, SupplyHole
 from warpffrf.model.films.film import CAVITATIONS, QUADRATURES, Film
+from warpffrf.model.films.heat import FilmTemperature
 from warpffrf.model.films.journal_bearing import Dam, JournalBearing, Pad, pads
 from warpffrf.model.films.roughness import ROUGHNESSES, MixedLubrication, Roughness
 from warpffrf.model.surfaces.form_deviations import (
@@ -34,7 +36,7 @@ from warpffrf.model.surfaces.form_deviations import (
 
 __all__ = [
     "CAVITATIONS", "QUADRATURES", "FEEDS", "FORMS", "ROUGHNESSES", "BarrelForm", "Feed", "Film", "Form",
-    "AxialGroove", "SupplyHole",
+    "AxialGroove", "SupplyHole", "FilmTemperature",
     "LobedForm", "MeasuredForm", "MixedLubrication", "CircumferentialGroove", "Roughness", "CompositeForm", "WornForm",
     "PadForm", "PocketForm", "Pad", "Dam", "pads", "JournalBearing",
 ]  # fmt: skip

@@ -19,6 +19,7 @@ import numpy as np
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_number, unknown_name
 from warpffrf.model.films.feeds import FEEDS, Feed
+from warpffrf.model.films.heat import FilmTemperature, require_heat_path
 from warpffrf.model.films.roughness import MixedLubrication
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
@@ -46,7 +47,8 @@ class Film(reprs.Item):
     the cavitation pressure. mixed: `films.MixedLubrication(...)`, asperities and roughness of the walls; None for
     smooth walls. form_a, form_b: form deviations of the two surfaces (`warpffrf.films`). quadrature: "full", all nodes
     of the contact grid at all points, or "reduced", in each column a few axial profiles (1 - zeta^2) zeta^m with m
-    of `axial_degrees`, 0 first, at few points. name: default "<first body>-<second body>". Raises `InputError`.
+    of `axial_degrees`, 0 first, at few points. temperature: `films.FilmTemperature(...)`, None for an isothermal film.
+    name: default "<first body>-<second body>". Raises `InputError`.
     """
 
     scene_list = "films"
@@ -66,6 +68,7 @@ class Film(reprs.Item):
         form_b: Form | None = None,
         quadrature: str = "full",
         axial_degrees: Sequence[int] = PROFILES,
+        temperature: FilmTemperature | None = None,
         name: str | None = None,
     ) -> None:
         for port, place in ((a, "first"), (b, "second")):
@@ -100,6 +103,9 @@ class Film(reprs.Item):
                 f"{label}: the film has no supply, and oil leaves at its ends; give it "
                 "feeds=[films.AxialGroove(theta, width, pressure)], or an ambient_pressure above 0 at the ends"
             )
+        self.temperature: FilmTemperature | None = temperature
+        if temperature is not None:
+            require_heat_path(self)
 
     @property
     def label(self) -> str:
@@ -175,6 +181,7 @@ class Film(reprs.Item):
             "ambient_pressure": self.ambient_pressure,
             "quadrature": self.quadrature,
             "axial_degrees": list(self.axial_degrees) if self.quadrature == "reduced" else None,
+            **({} if self.temperature is None else {"temperature": self.temperature.describe()}),
             **self.mixed.describe(),
         }
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,6 +28,7 @@ from warpffrf.model.bodies import Body, Ground, SurfacePort
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
 from warpffrf.model.films.feeds import AxialGroove
 from warpffrf.model.films.film import Film
+from warpffrf.model.films.heat import FilmTemperature
 from warpffrf.model.films.roughness import MixedLubrication
 from warpffrf.model.forces import Bushing
 from warpffrf.model.joints import Fixed, Joint, Revolute, Universal
@@ -165,6 +166,7 @@ def add_journal_bearing(
     ambient_pressure: float = 0.0,
     cavitation: str = "jfo",
     mixed: MixedLubrication | None = None,
+    temperature: FilmTemperature | None = None,
 ) -> JournalBearing:
     """Add a journal bearing with fixed pads: a rigid bore with the form of the pads, held in `support`, its film, and
     grooves between the pads. Returns it, with the film and the body of its `name`.
@@ -175,8 +177,8 @@ def add_journal_bearing(
     first (3,): direction from which angles count, to `axis` x first; world axes at the initial pose; first None: +x
     made perpendicular to the axis. sense: 1 if the shaft rotates to greater angles, -1 otherwise, which decides where
     pads begin. support: a rigid body or the ground, None: the ground. nodes: (columns, rows) of the film; edges of pads
-    and dams should lie on columns. feed_pressure [Pa]: in the grooves. ambient_pressure [Pa], cavitation, mixed: as of
-    `Film`. Raises `InputError`.
+    and dams should lie on columns. feed_pressure [Pa]: in the grooves. ambient_pressure [Pa], cavitation, mixed,
+    temperature: as of `Film`. Raises `InputError`.
 
     >>> scene = wf.Scene()
     >>> round_ = wf.surfaces.Cylinder(radius=0.05, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
@@ -210,7 +212,7 @@ def add_journal_bearing(
     scene.add(Fixed(held.at(held.to_user(at.place.center)), body["center"], name=name))
     film = Film(
         body["bore"], journal, oil=oil, name=name, form_a=form, ambient_pressure=ambient_pressure,
-        cavitation=cavitation, mixed=mixed,
+        cavitation=cavitation, mixed=mixed, temperature=temperature,
         feeds=[AxialGroove(middle, width * at.radius * (1.0 + SLACK), feed_pressure) for middle, width in at.grooves()],
     )  # fmt: skip
     bearing = JournalBearing(name, at.pads, at.place, [body], [scene.add(film)])
@@ -242,6 +244,7 @@ def add_tilting_pad_bearing(
     ambient_pressure: float = 0.0,
     cavitation: str = "jfo",
     mixed: MixedLubrication | None = None,
+    temperature: FilmTemperature | None = None,
 ) -> JournalBearing:
     """Add a journal bearing of rigid tilting pads, each with its body, film and pivot, called "NAME pad 1" and so on,
     on `support`; returns it.
@@ -253,7 +256,7 @@ def add_tilting_pad_bearing(
     the pads, before assembly, (1 - preload) of it remains at the pivots. nodes: (columns, rows) of each film.
     feed_pressure [Pa]: at the leading edges; ambient_pressure [Pa]: at the other ones. name of the bearing, its length
     [m], position (3,) [m], axis (3,), first (3,), sense, oil, cavitation, mixed: as of `scene.add_journal_bearing`.
-    Raises `InputError`.
+    temperature: `films.FilmTemperature(...)` of all pads, each downstream of the one before it. Raises `InputError`.
     """
     at = _Frame.of(f"tilting-pad bearing {name!r}", journal, pads, clearance, length, (position, axis, first), sense)
     _refuse_overlap(at.pads, at.label)
@@ -268,6 +271,14 @@ def add_tilting_pad_bearing(
         tilt_stiffness = SOFT * float(oil.viscosity) * speed * at.radius**5 * at.length / at.clearance**3
     k = require_number(tilt_stiffness, f"{at.label}: tilt_stiffness [N m/rad]", non_negative=True)
     bearing.tilt_stiffness = k
+    order = sorted(range(1, len(at.pads) + 1), key=lambda number: at.pads[number - 1].middle)
+
+    def downstream(number: int) -> FilmTemperature | None:
+        if temperature is None or len(order) == 1:
+            return temperature
+        before = order[(order.index(number) - sense) % len(order)]
+        return replace(temperature, upstream=f"{name} pad {before}")
+
     for number, pad in enumerate(at.pads, start=1):
         called = f"{name} pad {number}"
         if pad.dam is not None:
@@ -296,7 +307,7 @@ def add_tilting_pad_bearing(
         inlet = AxialGroove(pad.middle - 0.5 * sense * pad.arc, SLACK * at.radius, feed_pressure)
         film = Film(
             body["pad"], journal, oil=oil, name=called, ambient_pressure=ambient_pressure, cavitation=cavitation,
-            mixed=mixed, feeds=[inlet],
+            mixed=mixed, feeds=[inlet], temperature=downstream(number),
         )  # fmt: skip
         bearing.bodies.append(body)
         bearing.films.append(scene.add(film))

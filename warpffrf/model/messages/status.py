@@ -24,6 +24,7 @@ class Status(StrEnum):
     PASSED = "passed"  # a patch advances by more than its length in a step
     LEAPT = "leapt"  # surfaces pass through each other in a step
     ENERGY = "energy"  # the ledger does not close
+    TOO_HOT = "too_hot"  # a film
     STEP_ERROR = "step_error"  # exceeds `RunOptions.step_error` at the shortest step
     STEP_UNDERFLOW = "step_underflow"
 

@@ -107,6 +107,7 @@ NAMES = {
     "film_unknown": "those with unknown pressure",
     "film_system": "unknowns of films: pressures or cavity fractions, and pressures of asperities",
     "film_point": "points of films",
+    "film_heat_node": "nodes of films with a temperature",
     "film_near": "nodes around the points of each function",
     "film_number": "numbers of the linear systems of films",
     "film_column": "retained unknowns coupled to films, film by film",
@@ -205,6 +206,7 @@ NAMES = {
             "film_second_smooth_motion_entry",
             "film_force_entry",
             "film_table_entry",
+            "film_heat_entry",
             "film_factor_entry",
             "matched_compliance_entry",
             "matched_motion_entry",
@@ -368,10 +370,11 @@ def film_sizes(compiled: CompiledScene) -> dict[str, int]:
     if not films.count:
         more = (
             "", "_near", "_place", "_number", "_system", "_seat", "_press", "_room", "_smooth",
-            "_smooth_column", "_port_number", "_load_number",
+            "_smooth_column", "_port_number", "_load_number", "_heat_node",
         )  # fmt: skip
         return dict.fromkeys((*(f"film{name}" for name in more), *(f"film_{name}" for name in FILM_STARTS)), 0)
     found = {f"film_{name}": int(getattr(films, f"{name}_start").numpy()[-1]) for name in FILM_STARTS}
+    found["film_heat_node"] = int(films.heat_start.numpy()[-1])
     for name in ("system", "seat", "press"):
         found[f"film_{name}"] = int(getattr(films, f"{name}_start").numpy()[-1])
     smooth = films.count * films.most_smooth

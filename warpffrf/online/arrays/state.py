@@ -11,6 +11,7 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.scene import Scene
 from warpffrf.online.arrays.axes import Sizes
 from warpffrf.online.arrays.declaration import Arrays
+from warpffrf.online.compile.films.tables import heat_at_start
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf_kernels.core.declaration import declared_in
 from warpffrf_kernels.core.state import (
@@ -74,3 +75,6 @@ def _fill_films(worlds: Sequence[CompiledScene], state: State) -> None:
         values = np.stack([getattr(compiled.films, name).numpy() for compiled in worlds])
         array.assign(np.repeat(values[:, None], 2, axis=1))
     state.film_full.fill_(1)
+    for array, name in ((state.film_temperature, "temperature"), (state.film_thinning, "thinning")):
+        array.assign(np.stack([heat_at_start(compiled)[name] for compiled in worlds]))
+    state.film_heat.assign(np.stack([heat_at_start(compiled)["heat"] for compiled in worlds]))

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from warpffrf.model.films.heat import missing_path
+from warpffrf.model.oil_temperature import HOTTEST
 from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.engine import Engine
 from warpffrf_kernels.core import control as k
@@ -36,6 +38,8 @@ class Residual:
 def failure_owner(engine: Engine, bits: int, world: int = 0) -> str:
     """A clause that names the body, the joint or force, and the pair with the largest residual of `world` after the
     failure `bits`, the worst of them first; "" if none is left."""
+    if bits & int(k.TOO_HOT):
+        return hottest_film(engine, world)
     with np.errstate(all="ignore"):  # what diverged may overflow
         kinds = [_bodies(engine, world), _rows(engine, world), _pairs(engine, world), _tractions(engine, world)]
     lost = [residual.text for kind in kinds for residual in kind if not np.isfinite(residual.share)]
@@ -50,6 +54,19 @@ def failure_owner(engine: Engine, bits: int, world: int = 0) -> str:
     worst = [max(kind, key=lambda residual: residual.share) for kind in kinds if kind]
     told = sorted((r for r in worst if r.share > TOLD), key=lambda residual: -residual.share)
     return f"the largest residual: {', '.join(residual.text for residual in told)}" if told else ""
+
+
+def hottest_film(engine: Engine, world: int) -> str:
+    """The hottest film if it exceeds the temperatures of oils, and by which way its heat could leave; else ""."""
+    starts, T = engine.compiled.films.heat_start.numpy(), _array(engine.state, "film_temperature", world)
+    hottest = {
+        i: float(np.nan_to_num(T[starts[i] : starts[i + 1]], nan=np.inf).max())
+        for i, film in enumerate(engine.scene.films) if film.temperature is not None
+    }  # fmt: skip
+    if max(hottest.values(), default=0.0) <= HOTTEST:
+        return ""
+    film = engine.scene.films[max(hottest, key=lambda i: hottest[i])]
+    return f"{film.label} exceeds {HOTTEST:g} degrees Celsius: {missing_path(film)}"
 
 
 def row_owners(engine: Engine) -> list[str]:

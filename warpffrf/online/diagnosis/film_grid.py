@@ -191,19 +191,22 @@ def film_figures(
         for v in (basis.value, basis.around, basis.along)
     )
     w, u_x, u_z = basis.weight, *(value @ carried).T
+    warm, thin = slice(*(int(n) for n in films.heat_start.numpy()[i : i + 2])), np.zeros(len(h))
+    if warm.stop > warm.start:
+        thin = value @ nodes(state.film_thinning.numpy()[0, warm])
     p = nodes(state.film_pressure.numpy()[0, 0, functions])
     p[basis.held] = basis.given[basis.held]
     full, D = basis.held | (p > 0.0) | (not may_void), np.where((p > 0.0) | basis.held, 0.0, began)
     free, settled = np.flatnonzero(~basis.held), False
     for _ in range(MOST_ITERATIONS):
         at = np.maximum(value @ p, 0.0)
-        mu, r, p_x, p_z = film.oil.viscosity_at(at), film.oil.density_at(at), x @ p, z @ p
+        mu, r, p_x, p_z = film.oil.thinned(at, thin), film.oil.density_at(at), x @ p, z @ p
         k = h**3 / (12.0 * mu)
         rest = x.T @ (w * r * (k * p_x - h * u_x)) + z.T @ (w * r * (k * p_z - h * u_z)) + value.T @ (w * filling)
         rest -= basis.area * rate + keeps * (D - began) + T @ D
         if settled:
             break
-        thinner = r * k * film.oil.viscosity_slope(at) / mu
+        thinner = r * k * film.oil.viscosity_slope(at) / film.oil.viscosity_at(at)
         by_x = w * (film.oil.density_slope(at) * (k * p_x - h * u_x) - thinner * p_x)
         by_z = w * (film.oil.density_slope(at) * (k * p_z - h * u_z) - thinner * p_z)
         A = x.T @ (sp.diags(w * r * k) @ x + sp.diags(by_x) @ value)

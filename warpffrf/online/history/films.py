@@ -10,7 +10,7 @@ from warpffrf.model.films import Film
 from warpffrf.online.arrays.ring import SavedRows
 from warpffrf.online.history.history import BodyHistory, FilmHistory
 from warpffrf.online.history.interface_motion import turned
-from warpffrf_kernels.films import history
+from warpffrf_kernels.films import heat, history
 
 Array = np.ndarray
 FORCE, MOMENT, MOMENT_SECOND = (slice(3 * n, 3 * n + 3) for n in range(3))  # of the numbers saved of a film
@@ -19,6 +19,10 @@ NUMBERS = {
     "friction_power": history.BY_SLIDING, "feed_flow": history.FED, "end_flow": history.ENDS,
     "void_fraction": history.VOIDS, "oil_volume": history.OIL,
     "asperity_force": history.ROUGH, "largest_asperity_pressure": history.ROUGHEST,
+}  # fmt: skip
+HEATS = {
+    "inlet_temperature": heat.INLET, "heat_generated": heat.GENERATED, "heat_carried": heat.CARRIED,
+    "heat_to_a": heat.TO_A, "heat_to_b": heat.TO_B, "heat_stored": heat.STORED,
 }  # fmt: skip
 FIELDS = ("pressure", "gap", "void", "asperity")
 TURNED_BACK = np.array([-1.0, -1.0, -1.0, 1.0])  # times a unit quaternion: its inverse
@@ -36,6 +40,11 @@ def film_histories(compiled: Any, rows: SavedRows, bodies: dict[str, BodyHistory
             grid = film.b.surface.grid
             loads = rows["saved_film_second"][:, first:end]
             history.load_second = loads.reshape(-1, grid.columns, grid.rows).copy()
+        if film.temperature is not None:
+            first, end = compiled.films.heat_start.numpy()[i : i + 2]
+            history.temperature = rows["saved_film_temperature"][:, first:end].reshape(history.gap.shape).copy()
+            for name, n in HEATS.items():
+                setattr(history, name, rows["saved_film_heat"][:, i, int(n)].copy())
         found[str(film.name)] = history
     return found
 

@@ -249,6 +249,14 @@ class FilmHistory(reprs.Rows):
     void: np.ndarray  # (T, columns, rows) m, cavity volume per area
     asperity: np.ndarray  # (T, columns, rows) Pa, pressure of the asperities, in addition to that of the oil
     load_second: np.ndarray | None = None  # (T, columns2, rows2) N, nodal forces on a flexible second surface, inwards
+    # --- of films with a temperature, None of isothermal ones
+    temperature: np.ndarray | None = None  # (T, columns, rows) degC, mean across the gap
+    inlet_temperature: np.ndarray | None = None  # (T,) degC, of oil that enters at feeds and leading edges
+    heat_generated: np.ndarray | None = None  # (T,) W, by sliding, flow, closing cavities and asperities
+    heat_carried: np.ndarray | None = None  # (T,) W, by oil that leaves, above the supply's, less that of oil entering
+    heat_to_a: np.ndarray | None = None  # (T,) W, conducted into the first surface
+    heat_to_b: np.ndarray | None = None  # (T,) W, into the second surface
+    heat_stored: np.ndarray | None = None  # (T,) W, by the oil in the film
 
     @property
     def fill(self) -> np.ndarray:

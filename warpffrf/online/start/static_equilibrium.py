@@ -64,12 +64,13 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.forces import SlipLaw
-from warpffrf.online.diagnosis.failure_report import largest_force
+from warpffrf.online.diagnosis.failure_report import hottest_film, largest_force
 from warpffrf.online.diagnosis.no_equilibrium import ROUND_OFF, gross_slip
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.free_motions import HOLD, LEANS, FreeMotions
 from warpffrf.online.start.motions import stretch
 from warpffrf_kernels.core import control as k
+from warpffrf_kernels.films.heat import CHANGE
 
 MOST_STEPS = 150  # a snap-through takes about a hundred
 GROWTH = 10.0  # of the proximal step from one to the next, ...
@@ -91,6 +92,8 @@ LAST = 10.0
 LONGER = 1e6
 TOLERANCE = 1e-11  # of the scene's length, movement of the last proximal step: round-off of positions times 1e5
 VOIDS_STAY = 1e-9  # of the clearance
+TEMPERATURES_STAY = 1e-6  # K: 1e-7 of the heat that is generated, which falls by a few per cent per kelvin
+TEMPERATURES_CREEP = 1e-3  # K: of a pad without load, which moves by as much as the tolerance of Newton's method allows
 CREEP = 0.5  # of the movement of the previous step: motion towards rest decreases from one long step to the next
 # of the largest force: energy differences are then within the errors of contact grids; second, of travelling cells,
 # whose width follows from the pressures of the previous step
@@ -110,6 +113,9 @@ def settle(engine: Engine, free: FreeMotions | None = None) -> bool:
     engine.scratch.film_stretch.fill_(stretch(engine.scene, LAST * float(engine.compiled.model.length)))
     try:
         at_rest = _stepped(engine, free)
+        if any(hottest_film(engine, world) for world in range(engine.worlds)):
+            at_rest = False
+            engine.control(status=int(k.TOO_HOT))
         engine.unconverged = "" if at_rest else free.unconverged
         engine.not_at_rest = "" if at_rest else free.unbalanced() or gross_slip(engine) or free.driven
         return at_rest
@@ -182,7 +188,9 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
         longer = next(t for t in longer if t < too_long)
         settled = bool(np.all(_moved_else(engine, free) <= TOLERANCE * length)) and _films_steady(engine)
         still = tau >= FIRST * length and bool(np.all(moved <= ROUND_OFF * length))
-        balanced = bool(np.all(left <= model.limits.residual_tolerance))
+        balanced = bool(np.all(left <= model.limits.residual_tolerance)) and _temperatures_steady(
+            engine, TEMPERATURES_CREEP
+        )
         creeping = balanced and bool(np.any(moved > CREEP * before))
         if longer == tau and (creeping or (settled and (balanced or tau >= last))):
             return _at_rest(engine, free, creeping=not settled)
@@ -241,7 +249,12 @@ def _films_steady(engine: Engine) -> bool:
     if not films.count:
         return True
     moved = np.abs(engine.state.film_void.numpy()[:, 0] - engine.state.film_void_before.numpy()).max()
-    return bool(moved <= VOIDS_STAY * films.thickness.numpy().min())
+    return bool(moved <= VOIDS_STAY * films.thickness.numpy().min()) and _temperatures_steady(engine, TEMPERATURES_STAY)
+
+
+def _temperatures_steady(engine: Engine, within: float) -> bool:
+    """Whether the temperatures of films have not changed by more than `within` [K] in the last step."""
+    return bool(np.all(engine.state.film_heat.numpy()[:, 0, :, int(CHANGE)] <= within))
 
 
 def _at_rest(engine: Engine, free: FreeMotions, *, creeping: bool) -> bool:

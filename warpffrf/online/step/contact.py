@@ -78,7 +78,7 @@ CONTACT = Participant(
     mean=[threads(impulsive_means.balance_means)],
     assemble_compliance=[
         blocks(impulsive_contact.compare_receptances, when="dynamic_mode"),
-        threads(contact_compliance.take_slots),
+        blocks(contact_compliance.take_slots),
         threads(compliance_reuse.note_rows, "pair", when=MATRIX),
         blocks(contact_compliance.respond, when=GRID_NODES),
         blocks(contact_compliance.modal_rows, when=GRID_NODES),
@@ -91,7 +91,7 @@ CONTACT = Participant(
     ],
     condense=[
         blocks(contact_compliance.retained_rows),
-        threads(pair_elimination.order_slots),
+        blocks(pair_elimination.order_slots),
         blocks(pair_elimination.place_cells, "pair", when=PATCH),
     ],
     solve_normal=[
@@ -104,10 +104,10 @@ CONTACT = Participant(
         blocks(contact_fields.modal_fields, "pair", when=GRID_NODES, **STEP),
         blocks(fields.modal_cells, "pair", when=PATCH, amplitude="modal_step", of_state=0, first_field="first_step"),
     ],
-    correct=[blocks(contact_solve.correct_set, "pair"), threads(contact_solve.accept_set)],
+    correct=[blocks(contact_solve.correct_set, "pair"), blocks(contact_solve.accept_set)],
     finish=[blocks(impulsive_memory.finish_rates)],
     judge=[
-        threads(missed_contact.refuse_leaps_of_pairs),
+        blocks(missed_contact.refuse_leaps_of_pairs),
         threads(impulsive_means.judge_pairs, "pair"),
         threads(impulsive_means.find_unsettled, "pair", when="dynamic_mode"),
     ],

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from warpffrf.online.step.launches import blocks, threads
+from warpffrf.online.step.launches import blocks
 from warpffrf.online.step.phases import Participant
-from warpffrf_kernels.films import flow, history, increments, sampling, second_surface, system
+from warpffrf_kernels.films import flow, heat, history, increments, sampling, second_surface, system
+
+WARM = Participant("temperatures of films", when="film_heat_node", keep=[blocks(heat.warm_film, "film")])
 
 SECOND = Participant(
     "second surfaces of films that yield",
@@ -17,11 +19,11 @@ FILM = Participant(
     "films",
     when="film",
     predict=[blocks(sampling.open_film, "film"), blocks(sampling.guard_prediction)],
-    load=[blocks(sampling.sample_film, "film"), blocks(flow.balance_film, "film"), threads(flow.push_films)],
-    assemble=[blocks(system.assemble_film, "film"), threads(system.stiffen_by_films)],
+    load=[blocks(sampling.sample_film, "film"), blocks(flow.balance_film, "film"), blocks(flow.push_films)],
+    assemble=[blocks(system.assemble_film, "film"), blocks(system.stiffen_by_films)],
     recover=[blocks(increments.limit_films)],
     advance=[blocks(increments.take_film, "film")],
-    book=[threads(flow.book_films)],
+    book=[blocks(flow.book_films)],
     keep=[blocks(history.keep_film, "film")],
     record=[blocks(history.record_film, "film")],
 )

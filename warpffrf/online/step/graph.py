@@ -124,10 +124,7 @@ class StepGraph(Parts):
         program = Program(worlds[0], sizes, (state, ring, scratch), constants)
         super().__init__(worlds[0], state, scratch, pattern, program)
         load((launch.kernel.module for launch in self.program.launches()), self.device, progress=progress)
-        more: Any = scratch.more
-        with wp.ScopedCapture(device=self.device) as capture:
-            wp.capture_while(more, self._attempt)
-        self.graph: Any = capture.graph
+        self.graph: Any = self._recorded()
 
     def replay(self, budget: int | np.ndarray) -> float:
         """Run the graph."""
@@ -135,12 +132,25 @@ class StepGraph(Parts):
         self.scratch.budget.assign(np.full(self.state.ctl.shape, budget, dtype=np.int32) + 1)
         self.program.run(("count",))
         with WARP_LOCK.left() if replays_side_by_side(self.device) else nullcontext():
-            wp.capture_launch(self.graph)
+            self._run()
         if wp.get_device(self.device).is_cuda:
             wp.synchronize_device(self.device)
         return time.perf_counter() - begin
 
+    def _run(self) -> None:
+        wp.capture_launch(self.graph)
+
     # --- recording
+
+    def _recorded(self) -> Any:
+        """The graph of the loop over attempts."""
+        with wp.ScopedCapture(device=self.device) as capture:
+            self._loop()
+        return capture.graph
+
+    def _loop(self) -> None:
+        more: Any = self.scratch.more
+        wp.capture_while(more, self._attempt)
 
     def _attempt(self) -> None:
         self.program.run(phases.ATTEMPT)
@@ -148,3 +158,13 @@ class StepGraph(Parts):
         running.fill_(1)
         wp.capture_while(running, self.iterate)
         self.program.run(phases.DECISION)
+
+
+class LaunchByLaunch(StepGraph):
+    """The same loop, one launch after another, for profiles and checks of single launches."""
+
+    def _recorded(self) -> None:
+        pass
+
+    def _run(self) -> None:
+        self._loop()

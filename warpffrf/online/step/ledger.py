@@ -9,7 +9,7 @@ from warpffrf_kernels.step import energy_watch, ledger, record, step_control
 LEDGER = Participant(
     "ledger",
     book=[blocks(ledger.balance_energy)],
-    watch=[threads(energy_watch.watch_energy)],
+    watch=[blocks(energy_watch.watch_energy)],
     close_row=[threads(record.close_row)],
     count=[once(step_control.count_attempts)],
 )

@@ -16,10 +16,10 @@ LUMPED = Participant(
     load=[
         blocks(forces.find_forces),
         threads(moments.find_moments, RESISTING, when=RESISTING),
-        threads(balance.push_lumped),
+        blocks(balance.push_lumped),
     ],
-    assemble=[threads(balance.stiffen_lumped)],
-    judge=[threads(missed_contact.refuse_leaps_of_places)],
+    assemble=[blocks(balance.stiffen_lumped)],
+    judge=[blocks(missed_contact.refuse_leaps_of_places)],
     keep=[blocks(balance.keep_lumped)],
     record=[blocks(balance.record_lumped), threads(balance.record_moments, RESISTING, when=RESISTING)],
 )

@@ -22,7 +22,7 @@ MOTION = Participant(
     ],
     move=[
         blocks(motion.move_bodies),
-        threads(motion.hold_motions, when="held_body"),
+        blocks(motion.hold_motions, when="held_body"),
         blocks(motion.move_modes, when="mode"),
         blocks(inertia.uncondense, when="dense"),
         blocks(inertia.sum_modes, when="inertia_mode"),
@@ -33,7 +33,7 @@ MOTION = Participant(
         blocks(interfaces.move_interfaces, when="interface"),
     ],
     load=[
-        threads(rows.apply_forces, when="force"),
+        blocks(rows.apply_forces, when="force"),
         threads(forces.apply_loads, when="load"),
         blocks(rows.evaluate_rows, when="row"),
         blocks(forces.couple_springs, when="group"),

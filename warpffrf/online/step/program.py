@@ -11,7 +11,7 @@ from warpffrf.online.arrays.declaration import Arrays, Bound
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.step import phases
 from warpffrf.online.step.contact import CONTACT
-from warpffrf.online.step.film import FILM, SECOND
+from warpffrf.online.step.film import FILM, SECOND, WARM
 from warpffrf.online.step.friction import FRICTION
 from warpffrf.online.step.joint_friction import JOINT_FRICTION
 from warpffrf.online.step.launches import Launch
@@ -25,7 +25,7 @@ from warpffrf.online.step.retained import OUTER
 from warpffrf.online.step.snapshot import SNAPSHOT
 
 PARTICIPANTS = (
-    MOTION, OUTER, JOINT_FRICTION, PRETENSION, LUMPED, SECOND, FILM, MATCHED, CONTACT, FRICTION, LAYERS,
+    MOTION, OUTER, JOINT_FRICTION, PRETENSION, LUMPED, SECOND, WARM, FILM, MATCHED, CONTACT, FRICTION, LAYERS,
     SNAPSHOT, LEDGER,
 )  # fmt: skip
 WHOLE = (*phases.ATTEMPT, *phases.ITERATION, *phases.DECISION)

@@ -207,7 +207,10 @@ class FilmResult(reprs.Shown):
     second. Fields are given at the nodes (columns, rows) of the contact grid of the first surface, at `theta` and `z`.
     """
 
-    _hidden = frozenset({"history", "view", "load_second", "result"})
+    _hidden = frozenset(
+        {"history", "view", "load_second", "result", "temperature", "inlet_temperature", "heat_generated",
+         "heat_carried", "heat_to_a", "heat_to_b", "heat_stored"}
+    )  # fmt: skip
 
     force = Recorded("(T, 3) N, on the first body, shear included, world axes.")
     torque = Recorded("(T, 3) N m, on the first body about its user origin, world axes.")
@@ -237,6 +240,14 @@ class FilmResult(reprs.Shown):
         self.clearance = view.clearance  # m, radius of the bore minus that of the shaft; None for planes and cones
         # (T, columns2, rows2) N, nodal forces on a flexible second surface, inwards; None for a rigid one
         self.load_second = history.load_second
+        # of films with a temperature, None of isothermal ones
+        self.temperature: Any = history.temperature  # (T, columns, rows) degC, mean across the gap
+        self.inlet_temperature: Any = history.inlet_temperature  # (T,) degC, of oil entering at feeds and leading edges
+        self.heat_generated: Any = history.heat_generated  # (T,) W, by sliding, flow, closing cavities and asperities
+        self.heat_carried: Any = history.heat_carried  # (T,) W, by oil that leaves, less that of oil entering
+        self.heat_to_a: Any = history.heat_to_a  # (T,) W, conducted into the first surface
+        self.heat_to_b: Any = history.heat_to_b  # (T,) W, into the second surface
+        self.heat_stored: Any = history.heat_stored  # (T,) W, by the oil in the film
 
     def _facts(self) -> dict[str, Any]:
         rows, *grid = self.pressure.shape

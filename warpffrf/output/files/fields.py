@@ -154,6 +154,15 @@ FILM_SECOND_FIELDS = (
         "film_load_second", "load_second", "N", "contact grid of the second surface, inwards", FILM_NODES, stacked=False
     ),
 )
+FILM_HEAT_FIELDS = (
+    Field("film_inlet_temperature", "inlet_temperature", "degC", "of oil that enters at feeds and leading edges"),
+    Field("film_heat_generated", "heat_generated", "W", "by sliding, flow, closing cavities and asperities"),
+    Field("film_heat_carried", "heat_carried", "W", "by oil that leaves, less that of oil entering, above the supply"),
+    Field("film_heat_to_a", "heat_to_a", "W", "conducted into the first surface"),
+    Field("film_heat_to_b", "heat_to_b", "W", "conducted into the second surface"),
+    Field("film_heat_stored", "heat_stored", "W", "by the oil in the film"),
+    Field("film_temperature", "temperature", "degC", f"{FILM_GRID}, mean across the gap", FILM_NODES, stacked=False),
+)
 
 MATCHED_CELL = "small_sliding_cell"
 ON_CELLS, ALONG_CELLS = (MATCHED_CELL,), (MATCHED_CELL, "along")  # along: t_1 and t_2 of the frame of a cell

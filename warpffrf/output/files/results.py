@@ -75,6 +75,7 @@ from warpffrf.output.files.fields import (
     DERIVED_POSITIONS,
     ENERGY_UNITS,
     FILM_FIELDS,
+    FILM_HEAT_FIELDS,
     FILM_POSITIONS,
     FILM_SECOND_FIELDS,
     FORCE_FIELDS,
@@ -104,7 +105,7 @@ from warpffrf.output.geometry.scene_view import (
 )
 
 FORMAT = "warpffrf-results"
-SCHEMA_VERSION = 8
+SCHEMA_VERSION = 9
 SUFFIXES = (".h5", ".hdf5")
 COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
 _GROUPS = (
@@ -169,6 +170,10 @@ def put_result(file: Any, result: Any, *, bodies: bool = True, packing: dict[str
     file.attrs["film_second_names"] = json.dumps(list(yielding))
     if yielding:
         _put_group(file, "film", FILM_SECOND_FIELDS, yielding, steps, packing)
+    warm = {name: film for name, film in history.films.items() if film.temperature is not None}
+    file.attrs["film_heat_names"] = json.dumps(list(warm))
+    if warm:
+        _put_group(file, "film_heat", FILM_HEAT_FIELDS, warm, steps, packing)
     _put_fixed(file, FILM_POSITIONS, {name: result.film(name) for name in history.films})
     if history.small_sliding:
         _put_group(
@@ -233,6 +238,8 @@ def get_history(file: Any, scene: SceneView | None = None) -> History:
         groups["contacts"][name].friction = FrictionHistory(**_fields_of(file, FRICTION_FIELDS, name, n))
     for name in json.loads(file.attrs["film_second_names"]):
         vars(groups["films"][name]).update(_fields_of(file, FILM_SECOND_FIELDS, name))
+    for n, name in enumerate(json.loads(file.attrs["film_heat_names"])):
+        vars(groups["films"][name]).update(_fields_of(file, FILM_HEAT_FIELDS, name, n))
     for n, name in enumerate(json.loads(file.attrs["joint_friction_names"])):
         groups["forces"][name].friction = JointFrictionHistory(**_fields_of(file, JOINT_FRICTION_FIELDS, name, n))
     energy = read(file, "energy")
@@ -485,6 +492,7 @@ def check_history(history: History) -> None:
     for name, film in history.films.items():
         _check_owner(film, FILM_FIELDS, name, steps)
         _check_owner(film if film.load_second is not None else None, FILM_SECOND_FIELDS, name, steps)
+        _check_owner(film if film.temperature is not None else None, FILM_HEAT_FIELDS, name, steps)
         _check_film_grid(film, name, history.scene)
     for name, contact in history.small_sliding.items():
         _check_owner(contact, SMALL_SLIDING_FIELDS, name, steps)

@@ -45,6 +45,7 @@ from warpffrf.output.files.fields import (
     DERIVED_FIELDS,
     ENERGY_UNITS,
     FILM_FIELDS,
+    FILM_HEAT_FIELDS,
     FILM_POSITIONS,
     FILM_SECOND_FIELDS,
     FORCE_FIELDS,
@@ -226,6 +227,7 @@ def owner_groups(result: Any) -> tuple[Group, ...]:
     stuck = {name: force.friction for name, force in history.forces.items() if force.friction is not None}
     small_sliding = {name: result.contact(name) for name in history.small_sliding}
     yielding = {name: film for name, film in history.films.items() if film.load_second is not None}
+    warm = {name: film for name, film in history.films.items() if film.temperature is not None}
     return (
         ("body", BODY_FIELDS, history.bodies),
         ("joint", JOINT_FIELDS, history.joints),
@@ -236,6 +238,7 @@ def owner_groups(result: Any) -> tuple[Group, ...]:
         *([("lumped_contact", LUMPED_FIELDS, history.lumped_contacts)] if history.lumped_contacts else []),
         *([("film", FILM_FIELDS, history.films)] if history.films else []),
         *([("film", FILM_SECOND_FIELDS, yielding)] if yielding else []),
+        *([("film_heat", FILM_HEAT_FIELDS, warm)] if warm else []),
         *(
             [
                 ("small_sliding", SMALL_SLIDING_FIELDS, history.small_sliding),

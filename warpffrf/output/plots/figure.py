@@ -14,7 +14,7 @@ from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.hertz import HertzLine, HertzPoint, hertz
 from warpffrf.output.plots.bearing import BEARING_PLOTS, POLAR, the_bearing
 from warpffrf.output.plots.colors import FINEST, LEAST, about_zero, from_zero, instant, largest, no_finer, side_bar
-from warpffrf.output.plots.films import FILM_PLOTS, has_orbit
+from warpffrf.output.plots.films import FILM_PLOTS, film_kinds
 from warpffrf.output.plots.friction import FRICTION_PLOTS, draw_depth, has_material, rubbing
 from warpffrf.output.plots.gears import GEAR_PLOTS, gear_kinds, the_gear
 from warpffrf.output.plots.panels import HISTORY_PLOTS, STYLES, draw_bars, draw_numbers, numbers_of, page, the_channel
@@ -442,8 +442,7 @@ def drawable(result: Any, film: str | None = None, row: int = -1) -> dict[str, D
     if any(result.contact(name).has_friction for name in finite):
         drawn.update(FRICTION_PLOTS)
     if result.film_names:
-        kinds = [kind for kind in FILM_PLOTS if kind != "film_orbit" or has_orbit(_film(result, film))]
-        drawn |= {kind: _of_film(FILM_PLOTS[kind], film, row) for kind in kinds}
+        drawn |= {kind: _of_film(FILM_PLOTS[kind], film, row) for kind in film_kinds(_film(result, film))}
     if result.small_sliding_names:
         frictionless = the_small_sliding(result).friction == 0.0
         kinds = [kind for kind in SMALL_SLIDING_PLOTS if kind != "friction_loss" or not frictionless]

@@ -1,4 +1,5 @@
-"""Plots of oil films: unwrapped maps of pressure and gap, the orbit in the clearance circle, the smallest film."""
+"""Plots of oil films: unwrapped maps of pressure, gap and temperature, the orbit in the clearance circle, and the
+smallest film."""
 
 from __future__ import annotations
 
@@ -21,6 +22,12 @@ ROOM = 1.12  # of the clearance, to either side of the circle
 def has_orbit(film: FilmResult) -> bool:
     """True if there is a clearance circle: two surfaces of revolution that are not cones."""
     return film.clearance is not None and bool(np.any(np.isfinite(film.eccentricity)))
+
+
+def film_kinds(film: FilmResult) -> list[str]:
+    """The kinds of plots for which a film has data."""
+    lacking = {"film_orbit": not has_orbit(film), "film_temperature": film.temperature is None}
+    return [kind for kind in FILM_PLOTS if not lacking.get(kind, False)]
 
 
 def pressure(film: FilmResult, ax: Any, row: int) -> None:
@@ -56,6 +63,17 @@ def orbit(film: FilmResult, ax: Any, row: int) -> None:
     ax.set(xlabel="along e_0, over the clearance [-]", ylabel="along e_1, over the clearance [-]")
     ax.set_title(f"Film '{film.name}': inner axis against the outer one", fontsize=10)
     ax.legend(frameon=False, fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=(0.5, BELOW))
+
+
+def temperature(film: FilmResult, ax: Any, row: int) -> None:
+    """Temperature of the oil, its mean across the gap, on the unwrapped first surface, with the cavity boundaries
+    dashed."""
+    if film.temperature is None:
+        raise InputError(
+            f"plot: film '{film.name}' is isothermal; give it films.FilmTemperature(...), or draw 'film_pressure'"
+        )
+    _map(film, ax, row, film.temperature[row], ("temperature [°C]", "inferno"), from_zero=False)
+    ax.set_title(f"Film '{film.name}': temperature, {_at(film, row)}", fontsize=10)
 
 
 def thickness(film: FilmResult, ax: Any, row: int) -> None:
@@ -114,4 +132,5 @@ FILM_PLOTS: dict[str, Callable[[FilmResult, Any, int], None]] = {
     "film_gap": gap,
     "film_orbit": orbit,
     "film_thickness": thickness,
+    "film_temperature": temperature,
 }

@@ -295,7 +295,24 @@ def _film(film: Any, time: Any) -> list[Figure]:
     if not np.any(np.isnan(film.feed_flow)):
         flow = f"{_mean(film.feed_flow, time) * 1e6:.5g} cm3/s on average"
         figures.append(Figure("feeds", flow, ("feed flow",)))
-    return [replace(figure, inline=True) for figure in figures]
+    return [*(replace(figure, inline=True) for figure in figures), *_film_heat(film)]
+
+
+def _film_heat(film: Any) -> list[Figure]:
+    """Temperatures, and where the heat goes; nothing of an isothermal film."""
+    if film.temperature is None:
+        return []
+    hottest = film.temperature.max(axis=(1, 2))
+    parts = {"oil": film.heat_carried, "a": film.heat_to_a, "b": film.heat_to_b, "stored": film.heat_stored}
+    gone = ", ".join(f"{name} {heat[-1]:.5g}" for name, heat in parts.items() if np.any(heat != 0.0))
+    return [
+        Figure(
+            "temperature",
+            f"{hottest[-1]:.5g} degC at the hottest place (largest {np.max(hottest):.5g}), oil enters at "
+            f"{film.inlet_temperature[-1]:.5g}",
+        ),
+        Figure("heat", f"{film.heat_generated[-1]:.5g} W, to {gone}"),
+    ]
 
 
 def _small_sliding(contact: Any) -> list[Figure]:

@@ -15,8 +15,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
 from warpffrf.model.films.film import places_around
+from warpffrf.model.films.heat import COLDEST, ENTRIES, STEP
 from warpffrf.model.films.roughness import factor_table
 from warpffrf.model.oils import Oil
 from warpffrf.model.reduced.contact_surface import ContactSurface
@@ -24,8 +26,10 @@ from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.compliance_tables import modal_moments, node_gram
 from warpffrf.online.compile.films.bases import Basis, basis_of
 from warpffrf.online.compile.films.smooth import Stations, lines_of, nodal_forces, rooms, smooth_tables, stations_of
+from warpffrf_kernels.core.films import HEATS
 from warpffrf_kernels.core.model import Films
 from warpffrf_kernels.films import asperities as asperity_kernels
+from warpffrf_kernels.films import heat as heat_kernels
 from warpffrf_kernels.films import oil as oil_kernels
 from warpffrf_kernels.films import sampling, unknowns
 
@@ -113,7 +117,7 @@ def fill_films(collector: Collector) -> None:
         for name in (
             "compliance", "shape", "moment", "rough_moment", "table", "factor", "second_row", "second_shape",
             "second_compliance", "line_at", "close", "smooth", "smooth_load", "smooth_compliance", "smooth_motion",
-            "second_smooth", "second_near", "second_smooth_motion", "nodal_force",
+            "second_smooth", "second_near", "second_smooth_motion", "nodal_force", "heat_table",
         ):  # fmt: skip
             values[f"{name}_start"] = tables.starts(name)[:-1]
         lines = values["unknowns"] + values["rough"]
@@ -134,6 +138,7 @@ def fill_films(collector: Collector) -> None:
             ("square", columns**2), ("second_node", grid_nodes), ("moved", moved * second), ("station", stations),
             ("moved_load", lines * (second > 0) * second), ("moved_close", moved * (2 * reach + 3) * width),
             ("moved_room", moved * (2 * reach + 5) * values["grid_rows"]),
+            ("heat", values.pop("heat_nodes")),
             ("seat", np.where(grid_nodes > 0, np.diff(values["point_start"]) + np.diff(values["node_start"]), 0)),
         ):  # fmt: skip
             values[f"{name}_start"] = np.concatenate([[0], np.cumsum(sizes)])
@@ -167,6 +172,7 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     lines = lines_of(film, basis, rough)
     compliance = np.hstack([of_functions[:, free], G[:, :rough]])
     smooth = smooth_tables(film, stations, lines, compliance, nodal_forces(film, basis, rough))
+    _add_heat(collector, film, tables)
     lift, voids = of_functions @ basis.given, (basis.voids & travels).astype(int)
     tables.one(
         first=collector.film_sides[2 * number], second=collector.film_sides[2 * number + 1], modes=shape.shape[1],
@@ -223,6 +229,42 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
         )
     if collector.local.count(body.index) or (not film.b.rigid and collector.local.count(film.b.body.index)):
         collector.notes.append(f"{film.label}: local modes respond without inertia to its pressure")
+
+
+def _add_heat(collector: Collector, film: Film, tables: Tables) -> None:
+    """Its temperature, if it has one. Raises `InputError` for a film upstream that has none or is not in the scene."""
+    heat, names = film.temperature, [other.name for other in collector.scene.films]
+    if heat is None:
+        tables.one(heat_nodes=0, heat=[0.0] * 8, heat_upstream=-1)
+        tables.part(heat_table=np.zeros((0, 3)))
+        return
+    upstream = -1
+    if heat.upstream is not None:
+        upstream = names.index(heat.upstream) if heat.upstream in names else -1
+        other = collector.scene.films[upstream]
+        if upstream < 0 or other is film or other.temperature is None or other.grid.periodic:
+            raise InputError(
+                f"{film.label}: no pad upstream, upstream={heat.upstream!r} is not another film of the scene with a "
+                f"temperature and edges; films: {', '.join(map(repr, names))}"
+            )
+    tables.one(
+        heat_nodes=film.grid.columns * film.grid.rows, heat=heat.numbers(film.oil), heat_upstream=upstream,
+    )  # fmt: skip
+    tables.part(heat_table=heat.table(film.oil))
+
+
+def heat_at_start(compiled: Any) -> dict[str, Array]:
+    """Of all films: temperature [degC] and thinning of nodes, those of the supply, and the numbers of `films.heat`."""
+    films = compiled.scene.films
+    temperature, thinning, numbers = [np.zeros(0)], [np.zeros(0)], np.zeros((2, len(films), HEATS))
+    for i, film in enumerate(films):
+        if film.temperature is not None:
+            nodes, T = film.grid.columns * film.grid.rows, film.temperature.supply
+            table = film.temperature.table(film.oil)[:, 0]
+            temperature.append(np.full(nodes, T))
+            thinning.append(np.full(nodes, np.interp((T - COLDEST) / STEP, np.arange(ENTRIES), table)))
+            numbers[:, i, int(heat_kernels.INLET)] = T
+    return {"temperature": np.concatenate(temperature), "thinning": np.concatenate(thinning), "heat": numbers}
 
 
 def _add_second(film: Film, basis: Basis, tables: Tables) -> None:
