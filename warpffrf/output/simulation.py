@@ -19,6 +19,7 @@ from warpffrf.model.errors import InputError, require_number, unknown_name
 from warpffrf.model.integrators import CHECK_INTEGRATORS
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.status import Status
+from warpffrf.model.pieces import Input
 from warpffrf.model.scene import Scene
 from warpffrf.model.step_count import SAME_TIME, step_count
 from warpffrf.online import Engine, Settings
@@ -40,8 +41,9 @@ class Inputs(MutableMapping[str, float]):
     """Values of the inputs of a simulation by name, those set last. A value that is set now is reached at the end of
     the next step. Raises `InputError` for an unknown name, and for what is no finite number."""
 
-    def __init__(self, simulation: Simulation, units: Mapping[str, str]) -> None:
-        self._simulation, self.units = simulation, dict(units)
+    def __init__(self, simulation: Simulation, sources: Mapping[str, Input]) -> None:
+        self._simulation, self.sources = simulation, dict(sources)
+        self.units = {name: source.unit for name, source in sources.items()}
 
     def __getitem__(self, name: str) -> float:
         return self._simulation._stepping.value(self._known(name))
@@ -148,8 +150,7 @@ class Simulation:
         self._present: tuple[Any, Present] | None = None  # with the step that it is of
         self._turns = Turns()
         self._stepping.on_look = self._last_rows_if_counting
-        found = self._stepping.inputs.inputs
-        self.inputs = Inputs(self, {name: item.unit for name, item in found.items()})
+        self.inputs = Inputs(self, self._stepping.inputs.inputs)
         self.outputs = Outputs(self, [str(s.name) for s in scene.sensors] if outputs is None else list(outputs))
         for name, value in (inputs or {}).items():
             self.inputs[name] = value
