@@ -45,7 +45,8 @@ class Sampled:
 
 class Controller(ABC):
     """Base of the controllers. measures: outputs by name, each one number; targets: `signals.Input`s, or their names;
-    references: one number or signal for each measure, or none; every: steps between two samples."""
+    references: one number or signal for each measure, in its unit, or none; every: steps between two samples. Raises
+    `InputError`."""
 
     def __init__(
         self, measures: Sequence[str], targets: Sequence[Input | str], references: Sequence[SignalLike], every: int
@@ -63,15 +64,16 @@ class Controller(ABC):
             )
         self.every = require_count(every, f"{label}: every", 1)
 
-    def error(self, t: float, measured: np.ndarray) -> np.ndarray:
-        """The input of the block at the time `t` [s]: references minus measures, or the measures (n,)."""
-        if not self.references:
-            return measured
-        return np.array([float(reference(t)) for reference in self.references]) - measured
-
     @abstractmethod
     def sampled(self, sample: float) -> Sampled:
         """A new block with the sample time `sample` [s]."""
+
+
+def error_of(controller: Controller, t: float, measured: np.ndarray) -> np.ndarray:
+    """The input (n,) of a block at the time `t` [s]: references minus `measured` (n,), or the latter themselves."""
+    if not controller.references:
+        return measured
+    return np.array([float(reference(t)) for reference in controller.references]) - measured
 
 
 class _Linear(Sampled):
@@ -122,7 +124,7 @@ class StateSpace(Controller):
     ) -> None:
         super().__init__(measures, targets, references, every)
         label, m, k = type(self).__name__, len(self.measures), len(self.targets)
-        self.A = np.zeros((0, 0)) if np.size(A) == 0 else require_array(A, f"{label}: A", (None, None))
+        self.A = np.zeros((0, 0)) if not len(A) else require_array(A, f"{label}: A", (None, None))
         n = len(self.A)
         if self.A.shape != (n, n):
             raise InputError(f"{label}: A must be square, got {self.A.shape}")
@@ -138,12 +140,13 @@ class StateSpace(Controller):
 
     def _discrete(self, sample: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """A, B, C, D for an error that is constant between samples."""
-        from scipy.signal import cont2discrete
+        from scipy.linalg import expm
 
-        if not len(self.A):
-            return self.A, self.B, self.C, self.D
-        A, B, C, D, _ = cont2discrete((self.A, self.B, self.C, self.D), sample, method="zoh")
-        return A, B, C, D
+        n, m = self.B.shape
+        whole = np.zeros((n + m, n + m))
+        whole[:n, :n], whole[:n, n:] = self.A, self.B
+        both = np.asarray(expm(sample * whole))
+        return both[:n, :n], both[:n, n:], self.C, self.D
 
 
 class TransferFunction(StateSpace):

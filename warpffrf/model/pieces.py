@@ -153,7 +153,7 @@ class FromInput(Signal):
         return self.following(Constant(self.source.initial)).polynomial()
 
     def following(self, values: Signal) -> Signal:
-        """The signal if the input takes these values over time."""
+        """The signal if the input takes these `values` [its unit] over time."""
         for _ in range(self.integrals):
             values = values.integral()
         return values.scaled(self.factor)
@@ -175,7 +175,7 @@ class FromInput(Signal):
 @named_arguments
 class Input(FromInput):
     """A value from outside, called `name`, that a `Simulation` sets between its steps; everywhere else it keeps its
-    `initial` value.
+    `initial` value [unit of the quantity].
 
     A value that is set at a time t is reached at the end of the step that begins there, linearly, also within halved
     steps, and then holds. unit: of the value, as text. Usable wherever a signal is; one Input may be used several

@@ -64,7 +64,7 @@ class Outrun(Exception):
 class Running:
     """A run of `scene` for `steps` user steps of `step` [s], None: until it is left, which keeps no samples.
 
-    Other arguments as of `warpffrf.online.run.run`. turned: angular speeds [rad/s] of the bodies that select their
+    Other arguments as of `warpffrf.online.run.run`. `turned`: angular speeds [rad/s] of the bodies that select their
     inertia levels. off_end: cells for crowns that run off an end. uneven: notes of the caller on the step. `failed`:
     where it ended, if before its first step, else "". Raises `InputError` for wrong input.
     """
@@ -261,7 +261,7 @@ class Running:
     def watch_from_here(self) -> None:
         """Watch the run from its present state on, to which it was set."""
         self.watch = EnergyWatch(self.engine, self.step)
-        self.ends.looked = len(self.engine.chunks[0])
+        self.ends = EndWatch(self.engine, keeps=True)
 
     def so_far(self) -> History:
         """The History up to here; evaluations for its notes change the engine, not its checkpoint."""

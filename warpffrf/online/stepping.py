@@ -22,7 +22,7 @@ import warp as wp
 from warpffrf.model.errors import MOST_COUNTED, InputError
 from warpffrf.model.scene import Scene
 from warpffrf.online.arrays.ring import SavedRows, joined, taken
-from warpffrf.online.checkpoint import restore
+from warpffrf.online.checkpoint import off_end_of, restore
 from warpffrf.online.diagnosis.patch_off_end import OffEnd
 from warpffrf.online.history.history import History
 from warpffrf.online.running import Outrun, Running
@@ -30,7 +30,7 @@ from warpffrf.online.warp_lock import WARP_LOCK, replays_side_by_side
 
 log = logging.getLogger("warpffrf")
 
-LOOK = 100  # steps between two looks at the run; fewer than rows of the ring
+LOOK = 200  # steps between two looks at the run; fewer than rows of the ring
 MOST_ATTEMPTS = 1000  # of a step in one replay: more follow where it is halved so often
 ROW = "row_"  # prefix of arrays of a state that are of its row
 SUMMED = ("saved_iterations", "saved_solves")  # over the steps since the last row
@@ -306,6 +306,9 @@ class Stepping:
         if set(known) - set(row) or any(row[name].shape != (1, *known[name].shape[2:]) for name in known):
             raise InputError("Simulation: state is none of a Simulation of this scene; set what sim.state has returned")
         with WARP_LOCK:
+            if off_end_of(state) and not self._off_end:  # its cells are others
+                self._state = None
+                self._begin(self._turned, off_end=True)
             self._put(state)
         self._state = dict(state)
         self._changes, self._set = [], {}

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from warpffrf.model.joints import Joint
+from warpffrf.model.joints import Joint, Marker
 from warpffrf.online.history.history import JointHistory
 from warpffrf.online.history.present import Present
 from warpffrf.online.stepping import Stepping
@@ -26,6 +26,8 @@ class Turns:
         self._of: object = None  # the run that the counts are of
         self._at = 0  # the row that they are of
         self._counted: dict[str, np.ndarray] = {}
+        self._frames: dict[str, tuple[Marker, Marker]] = {}  # of joints, and places of angles to count
+        self._places: dict[str, list[int]] = {}
 
     @property
     def counting(self) -> bool:
@@ -37,7 +39,7 @@ class Turns:
         if self._of is not stepping.running:
             self._of, self._counted = stepping.running, {}
         rows, last = stepping.rows(self._at)
-        run = Present(stepping.engine.compiled, rows)
+        run = Present(stepping.engine.compiled, rows, self._frames)
         joints = run.joints
         run.joints = _Joints(joints, lambda name: self._count(stepping, joints[name], name))
         known = list(self._counted)
@@ -53,8 +55,10 @@ class Turns:
 
     def _count(self, stepping: Stepping, found: JointHistory, name: str) -> JointHistory:
         """`found` with whole turns added to its coordinates."""
-        joint = stepping.scene.joint(name)
-        places = _turning(stepping, joint)
+        if name not in self._frames:
+            joint = stepping.scene.joint(name)
+            self._frames[name], self._places[name] = joint.frames(), _turning(stepping, joint)
+        places = self._places[name]
         if not places:
             return found
         known = self._counted.get(name) if self._begins else None

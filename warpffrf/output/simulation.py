@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.checks.scene import refuse_short_signals, signals_in
-from warpffrf.model.control import Controller, Sampled
+from warpffrf.model.control import Controller, Sampled, error_of
 from warpffrf.model.errors import InputError, require_number, unknown_name
 from warpffrf.model.integrators import CHECK_INTEGRATORS
 from warpffrf.model.messages.named_arguments import named_arguments
@@ -145,10 +145,13 @@ class Simulation:
         self._stepping = Stepping(
             scene, step=self._step, start=beginning, settings=settings, progress=False, engine_of=Engine, **own
         )
+        if not self._stepping.stopped:
+            refuse_short_signals(scene, self._stepping.time, self._stepping.time)
         self._until = _end_of_signals(scene)
         self._controllers: list[tuple[Controller, Sampled]] = []
         self._present: tuple[Any, Present] | None = None  # with the step that it is of
         self._turns = Turns()
+        self._readers: dict[str, Callable[[Present], float | np.ndarray]] = {}  # by the names of outputs
         self._stepping.on_look = self._last_rows_if_counting
         self.inputs = Inputs(self, self._stepping.inputs.inputs)
         self.outputs = Outputs(self, [str(s.name) for s in scene.sensors] if outputs is None else list(outputs))
@@ -233,10 +236,10 @@ class Simulation:
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """A copy of everything that the next steps depend on, arrays by name: of the bodies, contacts, inputs and
-        controllers. Setting it continues from there, bit for bit, with the same step (with small-sliding contacts to
-        round-off); rows before are dropped, and values set for the next step as well. Raises `InputError` for a state
-        of another scene, and for one that is damaged, before anything is changed."""
+        """A copy of everything that the next steps depend on, arrays (...) [SI units] by name: bodies, contacts, inputs
+        and controllers. Setting it continues from there, bit for bit with the same step (with small-sliding contacts
+        to round-off); rows before are dropped, and values set for the next step as well. Raises `InputError` for a
+        state of another scene, and for one that is damaged, before anything is changed."""
         if self._stepping.running.failed:
             raise InputError(f"Simulation: it did not start ({self.status}: {self.message}), so that it has no state")
         found = self._stepping.state()
@@ -265,26 +268,30 @@ class Simulation:
     def _output(self, name: str) -> float | np.ndarray:
         """The present value of one output."""
         run = self._last_rows()
+        if name not in self._readers:
+            self._readers[name] = self._reader(run, name)
+        return self._readers[name](run)
+
+    def _reader(self, run: Present, name: str) -> Callable[[Present], float | np.ndarray]:
+        """The function that evaluates an output."""
         for sensor in self.scene.sensors:
             if sensor.name == name:
-                whole = self._whole(run) if sensor.of_result else run
-                values = sensor_values(sensor, whole)[-1]
-                return float(values[0]) if len(values) == 1 else values
+                return lambda run: _plain(sensor_values(sensor, self._whole(run) if sensor.of_result else run)[-1])
         base, _, owner = name.partition("[")
         owner = owner.removesuffix("]")
-        for fields, owners in ((BODY_FIELDS, run.bodies), (JOINT_FIELDS, run.joints)):
-            if owner not in owners or not base.startswith(fields[0].name.partition("_")[0]):
-                continue
-            for field in fields:
-                if not base.startswith(field.name):
+        bodies: tuple[Any, Any] = BODY_FIELDS, lambda run: run.bodies
+        joints: tuple[Any, Any] = JOINT_FIELDS, lambda run: run.joints
+        for fields, owners in (bodies, joints):
+            for field in fields if owner in owners(run) else ():
+                series = series_of(of_owner(field, owners(run)[owner]), owner, owners(run)[owner])
+                if series is None or not base.startswith(field.name):
                     continue
-                series = series_of(of_owner(field, owners[owner]), owner, owners[owner])
-                if series is not None and series.label == name:
-                    return float(series.values[-1, 0]) if series.components == ("",) else series.values[-1].copy()
-                if series is not None and name in series.columns:
-                    return float(series.columns[name][-1])
-        values = quantity(self._whole(run), name).values[-1]
-        return float(values) if np.ndim(values) == 0 else np.array(values)
+                if name == series.label:
+                    return lambda run, a=field.attribute, of=owners: _plain(getattr(of(run)[owner], a)[-1])
+                if name in series.columns:
+                    at = list(series.columns).index(name)
+                    return lambda run, a=field.attribute, of=owners, at=at: float(getattr(of(run)[owner], a)[-1, at])
+        return lambda run: _plain(quantity(self._whole(run), name).values[-1])
 
     def _last_rows(self) -> Present:
         """The rows since they were last asked for, up to the present."""
@@ -336,7 +343,7 @@ class Simulation:
             if done % one.every:
                 continue
             measured = np.array([self._output(name) for name in one.measures], dtype=float)
-            command = block.command(one.error(t, measured))
+            command = block.command(error_of(one, t, measured))
             if not np.all(np.isfinite(command)):
                 raise InputError(
                     f"Simulation: {type(one).__name__} of {', '.join(map(repr, one.targets))} commands a NaN or "
@@ -344,6 +351,11 @@ class Simulation:
                 )
             for name, value in zip(one.targets, command.tolist(), strict=True):
                 self._stepping.set(name, value)
+
+
+def _plain(values: Any) -> float | np.ndarray:
+    """A number for one component, else a copy of the components."""
+    return float(np.ravel(values)[0]) if np.size(values) == 1 else np.array(values)
 
 
 def _end_of_signals(scene: Scene) -> float:

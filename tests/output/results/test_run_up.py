@@ -29,7 +29,7 @@ def shaft() -> ReducedBody:
     return wf.reduce(mesh, STEEL, interfaces=ends, modes=6, cache=False, progress=False)
 
 
-def rotor(shaft: ReducedBody, torque: float, off: float = OFF, damping: float = DAMPING) -> wf.Scene:
+def rotor(shaft: ReducedBody, torque: wf.signals.SignalLike, off: float = OFF, damping: float = DAMPING) -> wf.Scene:
     """A disc on the middle of a shaft on two points, at rest; a motor turns the disc about x."""
     scene = wf.Scene(gravity=(0, 0, 0))
     body = scene.add_body(shaft, name="shaft", damping=0.0)
@@ -116,3 +116,29 @@ def test_a_run_that_turns_faster_than_the_one_it_continues_says_so(shaft: Reduce
     then = wf.simulate(scene, 0.3, step=1e-3, start=first, progress=False)
     assert not any("then 'full'" in note for note in first.history.notes)
     assert any("more inertia terms from here on" in note for note in then.history.notes)
+
+
+def test_a_run_up_is_the_same_step_by_step(shaft: ReducedBody) -> None:
+    """Begun anew with more inertia terms, with the changes of its input at the same steps; a result in between."""
+    whole = wf.simulate(rotor(shaft, 100.0), 0.06, step=1e-3, progress=False)
+    torque = wf.signals.Input("torque", 100.0)
+    held = wf.Simulation(rotor(shaft, torque), step=1e-3)
+    for n in range(60):
+        held.step()
+        if n == 17:
+            held.result()
+    found = held.result()
+    assert np.array_equal(found.history.bodies["shaft"].modal, whole.history.bodies["shaft"].modal)
+    assert any("then 'full'" in note for note in found.history.notes)
+    torques = np.repeat([100.0, 150.0, 80.0], 20)
+    table = wf.signals.Table(1e-3 * np.arange(61), [100.0, *torques], hold=True)
+    known = wf.simulate(rotor(shaft, table), 0.06, step=1e-3, progress=False)
+    changed = wf.Simulation(rotor(shaft, torque), step=1e-3)
+    for value in torques:
+        changed.inputs["torque"] = value
+        changed.step()
+    assert any("then 'full'" in note for note in changed.result().history.notes)
+    speed = known.history.bodies["disc"].angular_velocity[:, 0]
+    off = np.abs(changed.result().history.bodies["disc"].angular_velocity[:, 0] - speed).max()
+    assert off <= 1e-9 * speed.max()  # round-off of the pieces, through the tolerance of the iteration
+    assert np.array_equal(changed.result().force("motor").torque[:, 0], [100.0, *torques])

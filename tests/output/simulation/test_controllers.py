@@ -1,4 +1,4 @@
-r"""Controllers beside independent solutions of the same sampled loops.
+r"""Controllers compared with independent solutions of the same sampled loops.
 
 The recursions are written out here for a PID with backward-free exact sampling: with the error e_n at the samples, the
 integral grows by T e_n, the filter state by (1 - exp(-T/T_f)) (e_n - x_f). The command u_n is reached at the end of the
@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.signal import dlsim
+from scipy.signal import cont2discrete, dlsim
 
 import warpffrf as wf
 
@@ -59,8 +60,8 @@ TRAPEZIA = wf.RunOptions(integrator=wf.integrators.Newmark())  # exact for a vel
 
 @pytest.mark.parametrize(("every", "limits"), [(1, None), (3, None), (2, (-5.0, 5.0))])
 def test_speed_of_a_motor(every: int, limits: tuple[float, float] | None) -> None:
-    """A speed controlled with and without limits, sampled every step and less often, beside the exact solution of the
-    sampled loop; the limits are reached, and the integral does not wind up."""
+    """A speed controlled with and without limits, sampled every step and less often, compared with the exact solution
+    of the sampled loop; the limits are reached, and the integral does not wind up."""
     step, steps = 2e-3, 600
     torque = wf.signals.Input("torque")
     pid = wf.control.PID(
@@ -111,10 +112,10 @@ def swung(step: float, every: int, steps: int, law: Callable[[float], float], go
 
 
 def test_angle_of_a_pendulum() -> None:
-    """A pendulum that a PID swings to 1 rad in samples of 8 ms, beside an integration of its equation of motion with
-    the recursion above: the error falls with the square of the step, to less than 1e-6 rad."""
+    """A pendulum that a PID swings to 1 rad in samples of 8 ms, compared with an integration of its equation of motion
+    with the recursion above: the error falls with the square of the step, to less than 1e-6 rad."""
     sample, goal, duration = 8e-3, wf.signals.SmoothStep(0.0, 1.0, duration=0.3), 0.4
-    gains = {"kp": 30.0, "ki": 40.0, "kd": 4.0, "filter_time": 0.02}
+    gains: dict[str, Any] = {"kp": 30.0, "ki": 40.0, "kd": 4.0, "filter_time": 0.02}
     errors = []
     for every in (8, 16, 32):
         step, steps = sample / every, round(duration / sample) * every
@@ -131,7 +132,7 @@ def test_angle_of_a_pendulum() -> None:
 
 def test_blocks_are_their_discrete_forms() -> None:
     """A transfer function, a state space with two measures and a curve, driven by signals that the rotor does not
-    influence: beside scipy's simulation of the sampled system."""
+    influence: compared with scipy's simulation of the sampled system."""
     step, steps = 1e-2, 50
     names = ("lead", "both", "curve", "gain")
     inputs = [wf.signals.Input(name) for name in names]
@@ -155,13 +156,8 @@ def test_blocks_are_their_discrete_forms() -> None:
     angles, speeds = found.joint("shaft").coordinate, found.body("rotor").angular_velocity[:, 1]
     torques = {name: found.force(name).torque[1:, 1] for name in names}
 
-    def simulated(system: tuple[object, ...], e: np.ndarray, x0: object = None) -> np.ndarray:
-        from scipy.linalg import expm
-
-        A, B, C, D = (np.atleast_2d(np.asarray(m, dtype=float)) for m in system)
-        n, m = B.shape
-        whole = expm(step * np.block([[A, B], [np.zeros((m, n + m))]]))
-        return dlsim((whole[:n, :n], whole[:n, n:], C, D, step), e, x0=x0)[1].ravel()
+    def simulated(system: tuple[Any, ...], e: np.ndarray, x0: Any = None) -> np.ndarray:
+        return dlsim(cont2discrete(tuple(np.atleast_2d(m) for m in system), step, method="zoh"), e, x0=x0)[1].ravel()
 
     lead = simulated(([[-50.0]], [[1.0]], [[50.0 - 250.0]], [[5.0]]), angles[:-1, None])
     assert torques["lead"] == pytest.approx(lead, rel=1e-9, abs=1e-12)

@@ -76,8 +76,10 @@ class DeviceInputs:
                     pieces.pop()
                 pieces += [(begin, ramp), (end, after)]
                 self._breaks[at], self._breaks[at + 1] = begin, end
-                self._c[at, : len(ramp)], self._c[at + 1, : len(after)] = ramp, after
-                self._c[at, len(ramp) :], self._c[at + 1, len(after) :] = 0.0, 0.0
+                for i, number in enumerate(ramp):  # higher coefficients are zero from the beginning
+                    self._c[at, i] = number
+                for i, number in enumerate(after):
+                    self._c[at + 1, i] = number
             self.values[name] = new
         self.last = begin
         self._upload()
@@ -119,6 +121,8 @@ class DeviceInputs:
         values, breaks, c = (np.asarray(checkpoint[MARK + name]) for name in ("value", "breaks", "c"))
         self.values = dict(zip(self.values, values.tolist(), strict=True))
         for (at, pieces), b, rows in zip(self._places, breaks, c, strict=True):
+            if np.array_equal(self._breaks[at : at + 2], b) and np.array_equal(self._c[at : at + 2], rows):
+                continue  # as they are: the pieces before remain known
             self._breaks[at : at + 2], self._c[at : at + 2] = b, rows
             both = zip(b.tolist(), rows.tolist(), strict=True)
             pieces[:] = [(begin, tuple(row)) for begin, row in both if np.isfinite(begin)]

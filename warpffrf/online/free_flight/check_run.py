@@ -29,7 +29,6 @@ from warpffrf.online.arrays.ring import joined
 from warpffrf.online.checkpoint import is_dynamic, time_of
 from warpffrf.online.compile.forces import ForceTable
 from warpffrf.online.compile.inertia_plan import InertiaPlan
-from warpffrf.online.compile.inputs import DeviceInputs
 from warpffrf.online.diagnosis.inertia_indicator import deflection_lines, deflections
 from warpffrf.online.free_flight import free_bodies
 from warpffrf.online.free_flight.free_bodies import FreeBody, Motion, check_free, free_body, initial_motion
@@ -241,9 +240,7 @@ def history_of(scene: Scene, rows: Rows) -> History:
         ends = np.cumsum([3, 4, 3, 3, m, m, 3, 3])
         r, p, v, w, q, qd, vdot, wdot, qdd = np.split(x, ends, axis=1)
         bodies[body.name] = user_frame(body.center_of_mass, r, p, v, w, vdot, wdot, q, qd, qdd)
-    forces = force_histories(
-        scene, DeviceInputs(None, ()), ForceTable(), times, np.zeros((T, 0)), np.zeros((T, 0, 6)), bodies
-    )
+    forces = force_histories(scene, ForceTable(), times, np.zeros((T, 0)), np.zeros((T, 0, 6)), bodies)
     history = History(
         scene=scene, time=times, step_size=rows["step"], bodies=bodies, joints={}, contacts={}, forces=forces,
         energy={name: energy[:, i].copy() for i, name in enumerate(ENERGY_LINES)},

@@ -12,10 +12,11 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from warpffrf.model.bodies import Port
-from warpffrf.online.arrays.ring import SavedRows
+from warpffrf.model.joints import Marker
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.history.history import BodyHistory, History, JointHistory
-from warpffrf.online.history.record import body_history, history_from_rows, joint_history
+from warpffrf.online.history.interface_motion import cross, turned
+from warpffrf.online.history.record import history_from_rows, joint_history
 
 Kind = TypeVar("Kind")
 
@@ -42,25 +43,89 @@ class _OnRequest(Mapping[str, Kind], Generic[Kind]):
         return len(self._place)
 
 
-class Present:
-    """`rows` of a run, the last of which is the present, with the attributes of their History."""
+class _Motion:
+    """A BodyHistory of body i each of whose arrays is made when it is asked for, as `record.user_frame` makes it."""
 
-    def __init__(self, compiled: CompiledScene, rows: SavedRows) -> None:
+    def __init__(self, compiled: CompiledScene, rows: Mapping[str, np.ndarray], i: int) -> None:
+        body, first = compiled.scene.bodies[i], compiled.modal_start[i]
+        self._rows, self._i, self._center = rows, i, body.center_of_mass
+        self._modes = slice(first, first + body.mode_count)
+
+    def _body(self, name: str) -> np.ndarray:
+        return self._rows[f"saved_{name}"][:, self._i]
+
+    @cached_property
+    def rotation(self) -> np.ndarray:
+        return self._body("p").copy()
+
+    @cached_property
+    def angular_velocity(self) -> np.ndarray:
+        return turned(self.rotation, self._body("omega"))
+
+    @cached_property
+    def angular_acceleration(self) -> np.ndarray:
+        return turned(self.rotation, self._body("omega_rate"))
+
+    @cached_property
+    def _arm(self) -> np.ndarray:
+        return turned(self.rotation, self._center)
+
+    @cached_property
+    def _swing(self) -> np.ndarray:
+        return cross(self.angular_velocity, self._arm)
+
+    @cached_property
+    def position(self) -> np.ndarray:
+        return self._body("r") - self._arm
+
+    @cached_property
+    def velocity(self) -> np.ndarray:
+        return self._body("v") - self._swing
+
+    @cached_property
+    def acceleration(self) -> np.ndarray:
+        turning = cross(self.angular_acceleration, self._arm)
+        return self._body("v_rate") - turning - cross(self.angular_velocity, self._swing)
+
+    @cached_property
+    def modal(self) -> np.ndarray:
+        return self._rows["saved_q"][:, self._modes].copy()
+
+    @cached_property
+    def modal_velocity(self) -> np.ndarray:
+        return self._rows["saved_qd"][:, self._modes].copy()
+
+    @cached_property
+    def modal_acceleration(self) -> np.ndarray:
+        return self._rows["saved_qd_rate"][:, self._modes].copy()
+
+
+class Present:
+    """`rows` of a run, the last of which is the present, with the attributes of their History; `frames` of joints by
+    name, if they are known."""
+
+    def __init__(
+        self,
+        compiled: CompiledScene,
+        rows: Mapping[str, np.ndarray],
+        frames: Mapping[str, tuple[Marker, Marker]] | None = None,
+    ) -> None:
         self.compiled, self.rows, self.scene = compiled, rows, compiled.scene
         self.time: np.ndarray = rows["saved_time"]
         scene = compiled.scene
-        self.bodies: Mapping[str, BodyHistory] = _OnRequest(
-            [body.name for body in scene.bodies], lambda i: body_history(compiled, rows, i)
-        )
+        motions: Any = _OnRequest([body.name for body in scene.bodies], lambda i: _Motion(compiled, rows, i))
+        self.bodies: Mapping[str, BodyHistory] = motions
         self.joints: Mapping[str, JointHistory] = _OnRequest(
             [str(joint.name) for joint in scene.joints],
-            lambda i: joint_history(compiled, rows, scene.joints[i], self.bodies),
+            lambda i: joint_history(
+                compiled, rows, scene.joints[i], self.bodies, (frames or {}).get(str(scene.joints[i].name))
+            ),
         )
 
     @cached_property
     def history(self) -> History:
         """The whole History."""
-        return history_from_rows(self.compiled, self.rows)
+        return history_from_rows(self.compiled, dict(self.rows))
 
     def motion(self, port: Port, *, point: np.ndarray | None = None, frame: str = "world") -> Any:
         """As of a History."""

@@ -77,7 +77,7 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
     joints = {str(joint.name): joint_history(compiled, rows, joint, bodies) for joint in scene.joints}
     stretches = {name: rows["saved_coordinate"][:, own] for name, own in compiled.forces.rows.items()}
     forces = force_histories(
-        scene, compiled.inputs, compiled.forces, time, rows["saved_coordinate"], rows["saved_row_wrench"], bodies
+        scene, compiled.forces, time, rows["saved_coordinate"], rows["saved_row_wrench"], bodies, compiled.inputs
     )
     forces = with_pulls(forces | friction_histories(compiled.slips, rows), tension_histories(compiled.tensions, rows))
     forces = {str(item.name): forces[str(item.name)] for item in scene.forces}
@@ -113,14 +113,18 @@ def body_history(compiled: CompiledScene, rows: SavedRows, i: int) -> BodyHistor
 
 
 def joint_history(
-    compiled: CompiledScene, rows: SavedRows, joint: Joint, bodies: Mapping[str, BodyHistory]
+    compiled: CompiledScene,
+    rows: Mapping[str, np.ndarray],
+    joint: Joint,
+    bodies: Mapping[str, BodyHistory],
+    frames: tuple[Marker, Marker] | None = None,
 ) -> JointHistory:
-    """Reaction and coordinates of a joint."""
+    """Reaction and coordinates of a joint; `frames`: its own, if they are known."""
     time = rows["saved_time"]
     T, since = len(time), float(time[0]) if len(time) else 0.0
     own = [d for d in compiled.scene.drives if d.joint is joint]
     driven = {d.coordinate: compiled.inputs.resolved(d.position(), since) for d in own}
-    found = coordinates(joint, driven, time, bodies)
+    found = coordinates(joint, driven, time, bodies, frames)
     first, second = [*found.values(), np.full(T, np.nan), np.full(T, np.nan)][:2]
     wrench = rows["saved_row_wrench"][:, compiled.joints.rows[str(joint.name)]].sum(axis=1)
     return JointHistory(first, wrench[:, :3], wrench[:, 3:], second, tuple(found))
@@ -263,11 +267,12 @@ def marker_motion(
 
 
 def coordinates(
-    joint: Joint, driven: Mapping[str, Signal], time: np.ndarray, bodies: Mapping[str, BodyHistory]
-) -> dict[str, np.ndarray]:
+    joint: Joint, driven: Mapping[str, Signal], time: np.ndarray, bodies: Mapping[str, BodyHistory],
+    frames: tuple[Marker, Marker] | None = None,
+) -> dict[str, np.ndarray]:  # fmt: skip
     """Coordinates (T,) [m or rad] of a joint by name; `driven`: the prescribed ones as signals."""
     (x_a, A_a, w_a), (x_b, A_b, w_b) = (
-        marker_motion(p, m, bodies, len(time)) for p, m in zip(joint.ports, joint.frames(), strict=True)
+        marker_motion(p, m, bodies, len(time)) for p, m in zip(joint.ports, frames or joint.frames(), strict=True)
     )
     found = {}
     for name, row in joint.coordinates.items():

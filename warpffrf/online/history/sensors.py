@@ -8,6 +8,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import BodyLoad
+from warpffrf.model.pieces import Signal
 from warpffrf.model.scene import Scene
 from warpffrf.model.sensors import Sensor
 from warpffrf.online.compile.forces import ForceTable
@@ -18,17 +19,17 @@ from warpffrf.online.history.interface_motion import turned
 
 def force_histories(
     scene: Scene,
-    inputs: DeviceInputs,
     table: ForceTable,
     time: np.ndarray,
     value: np.ndarray,
     wrench: np.ndarray,
     bodies: dict[str, BodyHistory],
+    inputs: DeviceInputs | None = None,
 ) -> dict[str, ForceHistory]:
     """Force and torque of every force element but friction in joints and pretensions, from `value` (T, rows) and
     `wrench` (T, rows, 6) of the rows in `table`; loads have the values of the `inputs`."""
     found: dict[str, ForceHistory] = {}
-    T, since = len(time), float(time[0]) if len(time) else 0.0
+    T = len(time)
     for item in scene.forces:
         if hasattr(item, "slip") or (hasattr(item, "tension") and item.name not in table.rows):
             continue
@@ -44,16 +45,23 @@ def force_histories(
         load = item.load()
         none = np.zeros((T, 0))
         if isinstance(load, BodyLoad):
-            p, s = bodies[load.body.name].rotation, inputs.resolved(load.signal, since)(time)[:, None]
+            p, s = bodies[load.body.name].rotation, _values(load.signal, inputs, time)[:, None]
             found[item.name] = ForceHistory(turned(p, s * load.force), turned(p, s * load.torque), none)
             continue
-        vector = np.stack([inputs.resolved(signal, since)(time) for signal in load.components], axis=1)
+        vector = np.stack([_values(signal, inputs, time) for signal in load.components], axis=1)
         if load.frame == "body":
             vector = turned(bodies[load.port.body.name].rotation, vector)
         zero = np.zeros((T, 3))
         pair = (vector, zero) if load.what == "force" else (zero, vector)
         found[item.name] = ForceHistory(*pair, none)
     return found
+
+
+def _values(signal: Signal, inputs: DeviceInputs | None, time: np.ndarray) -> np.ndarray:
+    """Values (T,) of a signal, with those that its input had."""
+    if inputs is None or not len(time):
+        return signal(time)
+    return inputs.resolved(signal, float(time[0]))(time)
 
 
 def sensor_histories(history: History) -> dict[str, SensorHistory]:

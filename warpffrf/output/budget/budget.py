@@ -96,8 +96,8 @@ def why_not(result: Any) -> str:
     history = result.history
     if history.samples is None or not hasattr(history.scene, "contacts"):
         return (
-            "it requires the process of the run (result.report() before result.save()), and an integrator other than "
-            "those for checks"
+            "it requires the process of the run, by simulate or static (result.report() before result.save()), and an "
+            "integrator other than those for checks"
         )
     if len(history.time) < (1 if history.samples.static else 2):
         return "no step was saved"
