@@ -30,6 +30,7 @@ from warpffrf.online.turns import Turns
 from warpffrf.output.files.fields import BODY_FIELDS, JOINT_FIELDS, of_owner
 from warpffrf.output.files.table import quantity, series_of
 from warpffrf.output.options import DEFAULT_INTEGRATOR, RunOptions, require_options
+from warpffrf.output.pace import Pace, as_pace
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import known_scene, run_arguments, starting_from
 
@@ -162,6 +163,7 @@ class Simulation:
                 self._output(name)
         self._controllers = self._connected(controllers)
         self._before_step = before_step
+        self.pace: Pace | None = None  # of the last run in real time
 
     def __repr__(self) -> str:
         return f"Simulation(time={self.time:.6g} s, status={str(self.status)!r}, inputs={dict(self.inputs)})"
@@ -200,9 +202,10 @@ class Simulation:
             self._before_step(self)
         return Status.COMPLETED if stepping.step() else self.status
 
-    def run(self, duration: float) -> Status:
+    def run(self, duration: float, *, real_time: bool | Pace = False) -> Status:
         """Make the steps of `duration` [s], a multiple of the step, with controllers and before_step, or as far as they
-        succeed; returns the status. Raises `InputError` as `step`, and for a duration that is no positive multiple."""
+        succeed; returns the status. real_time: no step ends before its time by the clock; `pace` then says how many
+        were late. Raises `InputError` as `step`, and for a duration that is no positive multiple."""
         require_number(duration, "Simulation: duration", positive=True)
         steps = step_count(duration, self._step)[0]
         if abs(steps * self._step - duration) > SAME_TIME * duration:
@@ -210,6 +213,11 @@ class Simulation:
                 f"Simulation: the duration {duration:g} s is no multiple of the step {self._step:g} s; inputs change "
                 f"between whole steps only: run {steps * self._step:g} s, or take another step"
             )
+        pace = as_pace(real_time)
+        if pace is not None:
+            self.pace = pace
+            pace.run(lambda: self.step() == Status.COMPLETED, duration, steps)
+            return self.status
         if self._controllers or self._before_step is not None:
             for _ in range(steps):
                 if self.step() != Status.COMPLETED:
