@@ -162,9 +162,10 @@ class FromInput(Signal):
         """The antiderivative that is zero at t = 0."""
         return FromInput(self.source, self.factor, self.integrals + 1)
 
-    def scaled(self, factor: float) -> FromInput:
-        """The signal times a `factor` [-]."""
-        return FromInput(self.source, self.factor * require_number(factor, "signal: factor"), self.integrals)
+    def scaled(self, factor: float) -> Signal:
+        """The signal times a `factor` [-]; a constant where that is zero, so that nothing follows the input there."""
+        whole = self.factor * require_number(factor, "signal: factor")
+        return FromInput(self.source, whole, self.integrals) if whole else Constant(0.0)
 
     def describe(self) -> dict[str, Any]:
         """Plain data that define the signal, for hashing."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -148,7 +150,7 @@ def test_simulate_holds_the_initial_value() -> None:
     assert np.array_equal(both[0].body("rotor").rotation, both[1].body("rotor").rotation)
 
 
-def test_values_go_through_files(tmp_path: object) -> None:
+def test_values_go_through_files(tmp_path: Path) -> None:
     """A results file keeps the values of inputs: a run continued from it has them."""
     rig = forced(wf.signals.Input("u", 0.5))
     sim = wf.Simulation(rig, step=STEP)
@@ -162,3 +164,42 @@ def test_values_go_through_files(tmp_path: object) -> None:
     sim.run(5 * STEP)
     name = "body_angular_velocity_y[rotor]"
     assert again.outputs[name] == sim.outputs[name]
+
+
+SCENE_FILE = """
+[signals.push]
+kind = "input"
+name = "motor torque"
+initial = 1.5
+unit = "N m"
+
+[bodies.rotor]
+mass = 1.0
+inertia_tensor = [0.1, 0.2, 0.1]
+
+[joints.shaft]
+kind = "revolute"
+a = "ground"
+b = "rotor"
+axis = [0, 1, 0]
+
+[forces.motor]
+kind = "point_torque"
+port = "rotor"
+torque = ["push", [0, 1, 0]]
+
+[forces.second]
+kind = "point_torque"
+port = "rotor"
+torque = [0, "push", 0]
+"""
+
+
+def test_inputs_of_scene_files(tmp_path: Path) -> None:
+    """One input by its name in two forces; twice 1.5 N m on 0.2 kg m2."""
+    path = tmp_path / "rig.toml"
+    path.write_text(SCENE_FILE, encoding="utf-8")
+    sim = wf.Simulation(wf.load_scene(path).scene, step=STEP)
+    assert dict(sim.inputs) == {"motor torque": 1.5} and sim.inputs.units == {"motor torque": "N m"}
+    sim.run(0.1)
+    assert sim.outputs["body_angular_velocity_y[rotor]"] == pytest.approx(1.5, rel=1e-9)
