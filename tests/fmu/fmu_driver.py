@@ -13,11 +13,11 @@ import sys
 from typing import Any
 
 import numpy as np
-from fmpy import extract, read_model_description, simulate_fmu
-from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Slave
-from fmpy.fmi3 import FMU3Slave
-from fmpy.validation import validate_fmu
+from fmpy import extract, read_model_description, simulate_fmu  # type: ignore[import-not-found]
+from fmpy.fmi1 import FMICallException  # type: ignore[import-not-found]
+from fmpy.fmi2 import FMU2Slave  # type: ignore[import-not-found]
+from fmpy.fmi3 import FMU3Slave  # type: ignore[import-not-found]
+from fmpy.validation import validate_fmu  # type: ignore[import-not-found]
 from fmu_scenes import DAMPING, SPACE, SPEED, STIFFNESS
 
 STEP = 1e-3
@@ -132,7 +132,8 @@ def failures(path: str) -> Any:
     """Statuses and speeds after wrong calls; the process goes on."""
     one = Slave(path)
     one.step(0.0, 2 * STEP)
-    t, state, found = 2 * STEP, one.state, {"speed": [one[SPEED]]}
+    t, state = 2 * STEP, one.state
+    found: dict[str, Any] = {"speed": [one[SPEED]]}
     for name, time, duration in (
         ("no multiple", t, 1.5 * STEP),
         ("zero", t, 0.0),

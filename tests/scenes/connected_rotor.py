@@ -11,6 +11,7 @@ import numpy as np
 from scipy.optimize import root
 
 import warpffrf as wf
+from warpffrf.model.bodies import Port
 
 RADIUS, CLEARANCE, LENGTH, VISCOSITY = 0.025, 50e-6, 0.025, 0.01  # m, m, m, Pa s
 SPEED, MASS, LOAD, UNBALANCE = 300.0, 5.0, 1000.0, 300.0  # rad/s, kg, N, N
@@ -26,7 +27,7 @@ def load(time: float) -> Array:
     return np.array([LOAD + UNBALANCE * np.sin(SPEED * time), UNBALANCE * np.cos(SPEED * time)])
 
 
-def film_scene(at: tuple[float, float], nodes: tuple[int, int]) -> tuple[wf.Scene, wf.joints.Port]:
+def film_scene(at: tuple[float, float], nodes: tuple[int, int]) -> tuple[wf.Scene, Port]:
     """A bore that is held, and a journal that rotates at `at`; not yet held."""
     bore = wf.surfaces.Bore(radius=RADIUS, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
     body = wf.rigid_film_body(
