@@ -15,7 +15,6 @@ limits its command is clipped, and its integral stands still while a larger inte
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any
 
@@ -43,7 +42,8 @@ class Sampled:
         raise NotImplementedError
 
 
-class Controller(ABC):
+@named_arguments
+class Controller:
     """Base of the controllers. measures: outputs by name, each one number; targets: `signals.Input`s, or their names;
     references: one number or signal for each measure, in its unit, or none; every: steps between two samples. Raises
     `InputError`."""
@@ -64,9 +64,9 @@ class Controller(ABC):
             )
         self.every = require_count(every, f"{label}: every", 1)
 
-    @abstractmethod
     def sampled(self, sample: float) -> Sampled:
         """A new block with the sample time `sample` [s]."""
+        raise TypeError(f"{type(self).__name__} does not define its sampled block")
 
 
 def error_of(controller: Controller, t: float, measured: np.ndarray) -> np.ndarray:
@@ -103,12 +103,12 @@ class _Limited(_Linear):
         return found
 
 
+@named_arguments
 class StateSpace(Controller):
     """x' = A x + B e, u = C x + D e, with A (n, n), B (n, m), C (k, n), D (k, m), of m measures and k targets, and
     `initial` x (n,), zero if it is not given. reference: one for each measure, or none. A (0, 0) for gains alone.
     Raises `InputError`."""
 
-    @named_arguments
     def __init__(
         self,
         A: Matrix,
@@ -149,6 +149,7 @@ class StateSpace(Controller):
         return both[:n, :n], both[:n, n:], self.C, self.D
 
 
+@named_arguments
 class TransferFunction(StateSpace):
     """u/e = numerator/denominator, coefficients of descending powers of s, of one measure and one target; the numerator
     has at most the degree of the denominator. Raises `InputError`.
@@ -156,7 +157,6 @@ class TransferFunction(StateSpace):
     >>> lead = wf.control.TransferFunction([0.1, 1.0], [0.01, 1.0], measure="joint_coordinate[hinge]", target="torque")
     """
 
-    @named_arguments
     def __init__(
         self,
         numerator: Vector,
@@ -183,6 +183,7 @@ class TransferFunction(StateSpace):
         )  # fmt: skip
 
 
+@named_arguments
 class PID(StateSpace):
     """kp e + ki (integral of e) + kd (filtered derivative of e), e = reference - measure.
 
@@ -195,7 +196,6 @@ class PID(StateSpace):
     ... )
     """
 
-    @named_arguments
     def __init__(
         self,
         measure: str,
@@ -232,11 +232,11 @@ class PID(StateSpace):
         return found
 
 
+@named_arguments
 class Table(Controller):
     """A curve: the command at `errors` (n,), increasing, is that of `commands` (n,), linear in between and constant
     beyond. Raises `InputError`."""
 
-    @named_arguments
     def __init__(
         self,
         errors: Vector,
