@@ -64,7 +64,7 @@ class Slave:
         return said.decode() if isinstance(said, bytes) else said
 
     def step(self, time: float, duration: float) -> str:
-        """Make a step; what the importing tool is told of it."""
+        """Make a step; what the importing tool gets of it."""
         try:
             self.fmu.doStep(time, duration)
         except FMICallException as error:

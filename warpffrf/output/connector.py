@@ -86,7 +86,8 @@ class Connector:
 
     def tangent(self, values: Sequence[float] | np.ndarray, changes: float | Sequence[float]) -> np.ndarray:
         """(outputs, inputs) derivatives of the outputs at the end of the next step by the inputs there, about `values`,
-        by central differences over plus and minus `changes` [units of the inputs]: two steps for each input."""
+        by central differences over plus and minus `changes` [units of the inputs]: two steps for each input. Raises
+        `InputError` and `RunError` as a call."""
         about = require_array(values, "Connector: values", (len(self._inputs),))
         sizes = np.broadcast_to(np.asarray(changes, dtype=float), about.shape)
         if not np.all(np.isfinite(sizes) & (sizes > 0)):
@@ -98,7 +99,7 @@ class Connector:
         return np.stack(columns, axis=1)
 
     def accept(self) -> None:
-        """Let the step of the last call be made: the next one begins at its end."""
+        """Let the step of the last call be made: the next one begins at its end. Raises `InputError` without a call."""
         if self._asked is None:
             raise InputError("Connector: there is no step to accept; call the connector with values first")
         self.outputs = self._try(self._asked)
