@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from warpffrf.online.stages import Stage
     from warpffrf.output.campbell import campbell
     from warpffrf.output.comparison import compare
+    from warpffrf.output.connector import Connector
     from warpffrf.output.modes_result import eigenmodes
     from warpffrf.output.options import RunOptions
     from warpffrf.output.recording.recorder import record
@@ -58,6 +59,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "Connector",
     "Contact",
     "ContactGrid",
     "Film",
@@ -113,6 +115,7 @@ __all__ = [
 
 # public name -> module, and the attribute there (None: the module itself)
 _WHERE: dict[str, tuple[str, str | None]] = {
+    "Connector": ("warpffrf.output.connector", "Connector"),
     "Contact": ("warpffrf.model.contact", "Contact"),
     "ContactGrid": ("warpffrf.offline", "ContactGrid"),
     "Film": ("warpffrf.model.films", "Film"),

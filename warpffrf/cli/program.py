@@ -1,5 +1,5 @@
 """The command line: `warpffrf demo | example | run | modes | campbell | reduce | info | report | compare | plot |
-spectrum | view | picture | study | sweep`.
+spectrum | view | picture | study | sweep | fmu`.
 
 Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2, Ctrl-C or SIGTERM with exit
 code 130 if no results are kept; none prints a traceback. Results are printed to stdout, progress and warnings to
@@ -22,6 +22,7 @@ import typer
 import warpffrf
 from warpffrf.cli.bodies import reduce_mesh
 from warpffrf.cli.errors import know_options
+from warpffrf.cli.fmu import fmu_of_scene_file
 from warpffrf.cli.global_options import Asked
 from warpffrf.cli.info import add_example_commands, demo, info
 from warpffrf.cli.pictures import add_picture_commands
@@ -110,6 +111,7 @@ app.command("demo")(demo)
 app.command("run")(run_scene_file)
 app.command("modes")(modes_of_scene_file)
 app.command("campbell")(campbell_of_scene_file)
+app.command("fmu")(fmu_of_scene_file)
 app.command("reduce")(reduce_mesh)
 app.command("info")(info)
 add_result_commands(app)

@@ -19,6 +19,7 @@ from warpffrf.model.errors import InputError, require_number, unknown_name
 from warpffrf.model.integrators import CHECK_INTEGRATORS
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.status import Status
+from warpffrf.model.pieces import Input
 from warpffrf.model.scene import Scene
 from warpffrf.model.step_count import SAME_TIME, step_count
 from warpffrf.online import Engine, Settings
@@ -29,6 +30,7 @@ from warpffrf.online.turns import Turns
 from warpffrf.output.files.fields import BODY_FIELDS, JOINT_FIELDS, of_owner
 from warpffrf.output.files.table import quantity, series_of
 from warpffrf.output.options import DEFAULT_INTEGRATOR, RunOptions, require_options
+from warpffrf.output.pace import Pace, as_pace
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import known_scene, run_arguments, starting_from
 
@@ -40,8 +42,9 @@ class Inputs(MutableMapping[str, float]):
     """Values of the inputs of a simulation by name, those set last. A value that is set now is reached at the end of
     the next step. Raises `InputError` for an unknown name, and for what is no finite number."""
 
-    def __init__(self, simulation: Simulation, units: Mapping[str, str]) -> None:
-        self._simulation, self.units = simulation, dict(units)
+    def __init__(self, simulation: Simulation, sources: Mapping[str, Input]) -> None:
+        self._simulation, self.sources = simulation, dict(sources)
+        self.units = {name: source.unit for name, source in sources.items()}
 
     def __getitem__(self, name: str) -> float:
         return self._simulation._stepping.value(self._known(name))
@@ -151,8 +154,7 @@ class Simulation:
         self._turns = Turns()
         self._readers: dict[str, Callable[[Present], float | np.ndarray]] = {}  # by the names of outputs
         self._stepping.on_look = self._last_rows_if_counting
-        found = self._stepping.inputs.inputs
-        self.inputs = Inputs(self, {name: item.unit for name, item in found.items()})
+        self.inputs = Inputs(self, self._stepping.inputs.inputs)
         self.outputs = Outputs(self, [str(s.name) for s in scene.sensors] if outputs is None else list(outputs))
         for name, value in (inputs or {}).items():
             self.inputs[name] = value
@@ -161,6 +163,7 @@ class Simulation:
                 self._output(name)
         self._controllers = self._connected(controllers)
         self._before_step = before_step
+        self.pace: Pace | None = None  # of the last run in real time
 
     def __repr__(self) -> str:
         return f"Simulation(time={self.time:.6g} s, status={str(self.status)!r}, inputs={dict(self.inputs)})"
@@ -199,9 +202,10 @@ class Simulation:
             self._before_step(self)
         return Status.COMPLETED if stepping.step() else self.status
 
-    def run(self, duration: float) -> Status:
+    def run(self, duration: float, *, real_time: bool | Pace = False) -> Status:
         """Make the steps of `duration` [s], a multiple of the step, with controllers and before_step, or as far as they
-        succeed; returns the status. Raises `InputError` as `step`, and for a duration that is no positive multiple."""
+        succeed; returns the status. real_time: no step ends before its time by the clock; `pace` then says how many
+        were late. Raises `InputError` as `step`, and for a duration that is no positive multiple."""
         require_number(duration, "Simulation: duration", positive=True)
         steps = step_count(duration, self._step)[0]
         if abs(steps * self._step - duration) > SAME_TIME * duration:
@@ -209,6 +213,11 @@ class Simulation:
                 f"Simulation: the duration {duration:g} s is no multiple of the step {self._step:g} s; inputs change "
                 f"between whole steps only: run {steps * self._step:g} s, or take another step"
             )
+        pace = as_pace(real_time)
+        if pace is not None:
+            self.pace = pace
+            pace.run(lambda: self.step() == Status.COMPLETED, duration, steps)
+            return self.status
         if self._controllers or self._before_step is not None:
             for _ in range(steps):
                 if self.step() != Status.COMPLETED:

@@ -28,7 +28,8 @@ class LoadedScene:
 
     scene: the `Scene`. equilibrium, static, simulate: the arguments of these calls, None without such a
     table. title: of the file, or its name. made: section -> name -> object ("reduced_bodies", "bodies", "joints", ...).
-    document: all values of the file, with parameters, settings and includes substituted.
+    document: all values of the file, with parameters, settings and includes substituted. files: input files by the
+    keys in the document that name them.
     """
 
     scene: Any
@@ -38,6 +39,7 @@ class LoadedScene:
     title: str
     made: Mapping[str, Mapping[str, Any]]
     document: Mapping[str, Any]
+    files: Mapping[tuple[str | int, ...], Path]
     running: Callable[[str], AbstractContextManager[None]]  # prefixes errors of a call with the line
 
     def to_toml(self) -> str:
@@ -72,6 +74,7 @@ def scene_of_document(source: Source, name: str, kept: Kept | None = None) -> Lo
         title=source.values.get(TITLE, name),
         made=builder.made,
         document=builder.document(),
+        files=dict(builder.files),
         running=builder.running,
     )
 
