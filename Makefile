@@ -66,7 +66,7 @@ verify: $(VERIFY)
 bench: $(STAMP)
 	rm -f out/bench/*.json
 	mkdir -p out/bench
-	set -e; for script in $(filter-out bench/compare_%.py,$(wildcard bench/*.py bench/step/*.py)); do \
+	set -e; for script in $(filter-out bench/compare_%.py bench/live_%.py,$(wildcard bench/*.py bench/step/*.py)); do \
 		echo "== $$script"; $(BIN)/python $$script --json out/bench/$$(basename $$script .py).json; done
 	$(BIN)/python bench/compare_runs.py
 

@@ -11,7 +11,7 @@ launch is bound by
     latency   neither: dependent loads, few lanes at work, or arithmetic; `ncu --set roofline` shows which
 
 Times of launches one by one do not add up to those of a graph; shares of them are what the page shows. Flops are not
-counted here.
+counted here. Where there is no such device it says so and ends.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ import warp as wp
 
 from launch_order.check import bound_of
 from on_device import CASES, Case
+from warpffrf.model.errors import InputError
 from warpffrf.online import Engine, engine
 from warpffrf.online.device import chosen_device
 from warpffrf.online.start.consistent import start_consistently
@@ -134,14 +135,18 @@ def rows_of(case: Case, device: str, small: bool) -> list[dict[str, Any]]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--device", help="a CUDA device, or cpu; the first CUDA device, else the CPU")
+    parser.add_argument("--device", default="cuda:0")
     parser.add_argument("--scenes", nargs="*", metavar="NAME", help="only these")
     parser.add_argument("--small", action="store_true", help="small versions of the scenes")
     parser.add_argument("--rows", type=int, default=12, help="launches that are shown of a scene")
     parser.add_argument("--json", type=Path, help="write machine, versions and rows to this file")
     given = parser.parse_args()
     start_warp()
-    device = chosen_device(given.device)
+    try:
+        device = chosen_device(given.device)
+    except InputError as error:
+        print(f"nothing measured: {error}")
+        return
     rate, empty = peak(device)
     print(f"{device}: copies {rate / 1e9:.1f} GB/s, an empty launch {1e6 * empty:.1f} us")
     tables = {}
