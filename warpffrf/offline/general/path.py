@@ -205,6 +205,7 @@ def reduce_general(
         facts |= {"block": responses.width, "threads": responses.workers}
     shape = whole @ Phi
     modes = {o.name: o.operator @ shape for o in seen[: 1 + len(observers)]}
+    points = np.concatenate([mesh.points[skin], drawn])
     bent = None if membrane is None else (seen[0].operator @ membrane.shapes).T.reshape(-1, len(skin), 3)
     return PathProduct(
         mass=mass,
@@ -213,9 +214,9 @@ def reduce_general(
         omega=omega,
         interfaces=system.products(Phi),
         surfaces=products,
-        skin_points=np.concatenate([mesh.points[skin], drawn]),
+        skin_points=points,
         skin_triangles=np.concatenate([np.searchsorted(skin, triangles(faces)), len(skin) + drawn_triangles]),
-        skin_modes=modes[SKIN].T.reshape(len(omega), -1, 3).astype(np.float32),
+        skin_modes=modes[SKIN].T.reshape(len(omega), len(points), 3).astype(np.float32),
         facts={**basis.facts, **facts},
         observed_modes=modes,
         inertia_terms=terms,
