@@ -32,7 +32,7 @@ def test_describing_a_scene_loads_neither_viewer_nor_engine() -> None:
 
 
 def test_all_names_exist() -> None:
-    assert sorted(warpffrf.__all__) == warpffrf.__all__ and len(warpffrf.__all__) <= 51  # Simulation, control
+    assert sorted(warpffrf.__all__) == warpffrf.__all__ and len(warpffrf.__all__) <= 52  # Simulation, control
     assert set(warpffrf.__all__) <= set(dir(warpffrf))
     for name in warpffrf.__all__:
         assert getattr(warpffrf, name) is not None
