@@ -52,17 +52,17 @@ def do_nothing():
     pass
 
 
-def timer(device: str) -> Callable[[Callable[[], None]], float]:
+def timer(device: str) -> Callable[[Callable[[], object]], float]:
     """Seconds of a call on a device."""
 
-    def on_gpu(call: Callable[[], None]) -> float:
+    def on_gpu(call: Callable[[], object]) -> float:
         begin, end = wp.Event(device, enable_timing=True), wp.Event(device, enable_timing=True)
         wp.record_event(begin)
         call()
         wp.record_event(end)
         return 1e-3 * wp.get_event_elapsed_time(begin, end)
 
-    def on_cpu(call: Callable[[], None]) -> float:
+    def on_cpu(call: Callable[[], object]) -> float:
         begin = time.perf_counter()
         call()
         return time.perf_counter() - begin

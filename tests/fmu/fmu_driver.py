@@ -29,13 +29,13 @@ class Slave:
 
     def __init__(self, path: str, start_time: float = 0.0, **start: float) -> None:
         known = read_model_description(path)
-        self.three = known.fmiVersion.startswith("3")
+        self.three = known.fmiVersion.startswith("3")  # pyright: ignore[reportOptionalMemberAccess]
         self.number = {v.name: v.valueReference for v in known.modelVariables}
         made = FMU3Slave if self.three else FMU2Slave
         token = known.instantiationToken if self.three else known.guid
         self.fmu: Any = made(
             unzipDirectory=extract(path),
-            modelIdentifier=known.coSimulation.modelIdentifier,
+            modelIdentifier=known.coSimulation.modelIdentifier,  # pyright: ignore[reportOptionalMemberAccess]
             instanceName="one",
             guid=token,
         )

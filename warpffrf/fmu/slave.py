@@ -33,7 +33,7 @@ class SceneSlave(Fmi2Slave):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
-        self._instance = instance = Instance(Path(self.resources), lambda said: self.log(said, Fmi2Status.error))
+        self._instance = instance = Instance(Path(self.resources), lambda said: self.log(said, Fmi2Status.error))  # pyright: ignore[reportArgumentType]
         known = instance.definition
         self.modelName, self.description = known["identifier"], known["description"]
         self.version, self._units = known["version"], {each["unit"] for each in (*known["inputs"], *known["outputs"])}
@@ -92,4 +92,4 @@ class SceneSlave(Fmi2Slave):
         self._instance.put(state)
 
     _fmu_state_to_bytes = staticmethod(to_bytes)
-    _fmu_state_from_bytes = staticmethod(from_bytes)
+    _fmu_state_from_bytes = staticmethod(from_bytes)  # pyright: ignore[reportAssignmentType]

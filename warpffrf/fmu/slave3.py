@@ -29,7 +29,7 @@ class SceneSlave(Fmi3Slave):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
-        self._instance = instance = Instance(Path(self.resources), lambda said: self.log(said, Fmi3Status.error))
+        self._instance = instance = Instance(Path(self.resources), lambda said: self.log(said, Fmi3Status.error))  # pyright: ignore[reportArgumentType]
         known = instance.definition
         self.modelName, self.description = known["identifier"], known["description"]
         self.version = known["version"]
@@ -87,4 +87,4 @@ class SceneSlave(Fmi3Slave):
         self._instance.put(state)
 
     _fmu_state_to_bytes = staticmethod(to_bytes)
-    _fmu_state_from_bytes = staticmethod(from_bytes)
+    _fmu_state_from_bytes = staticmethod(from_bytes)  # pyright: ignore[reportAssignmentType]

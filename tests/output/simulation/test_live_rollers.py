@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import PROGRAM, Browser
+from browser import PROGRAM, Browser  # pyright: ignore[reportMissingImports]
 
 import live_rollers
 import warpffrf as wf

@@ -160,7 +160,7 @@ def test_controllers_that_do_not_fit(torque: wf.signals.Input) -> None:
         (lambda: PID(SPEED, torque, kd=1.0), "filter_time"),
         (lambda: PID(SPEED, torque, kp=np.nan), "PID: kp"),
         (lambda: PID(SPEED, torque, kp=1.0, limits=(1.0, -1.0)), "limits"),
-        (lambda: PID(SPEED, 3.0, kp=1.0), "target"),
+        (lambda: PID(SPEED, 3.0, kp=1.0), "target"),  # pyright: ignore[reportArgumentType]
         (lambda: Space([[1.0, 0.0]], [[1.0]], [[1.0]], [[0.0]], **one), "A must be square"),
         (lambda: Space([[-1.0]], [[1.0, 1.0]], [[1.0]], [[0.0]], **one), "StateSpace: B"),
         (lambda: Space([], [], [], [[1.0]], references=[1.0, 2.0], **one), "2 references for 1 measures"),
