@@ -15,6 +15,7 @@ limits its command is clipped, and its integral stands still while a larger inte
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any
 
@@ -32,14 +33,14 @@ def __dir__() -> list[str]:
     return __all__
 
 
-class Sampled:
+class Sampled(ABC):
     """A block at its samples, with its `state`, a vector."""
 
     state: np.ndarray = np.zeros(0)
 
+    @abstractmethod
     def command(self, error: np.ndarray) -> np.ndarray:
         """The commands of this sample; goes on to the next one."""
-        raise NotImplementedError
 
 
 @named_arguments

@@ -6,13 +6,13 @@ rows since the last count, so that the coordinate of a joint costs two rows, and
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from warpffrf.model.joints import Joint, Marker
 from warpffrf.online.history.history import JointHistory
-from warpffrf.online.history.present import Present
+from warpffrf.online.history.present import OnRequest, Present
 from warpffrf.online.stepping import Stepping
 
 TURN = 2.0 * np.pi
@@ -40,8 +40,8 @@ class Turns:
             self._of, self._counted = stepping.running, {}
         rows, last = stepping.rows(self._at)
         run = Present(stepping.engine.compiled, rows, self._frames)
-        joints = run.joints
-        run.joints = _Joints(joints, lambda name: self._count(stepping, joints[name], name))
+        joints, names = run.joints, list(run.joints)
+        run.joints = OnRequest(names, lambda i: self._count(stepping, joints[names[i]], names[i]))
         known = list(self._counted)
         self._begins = last + 1 - len(rows["saved_time"]) == self._at
         for name in known:
@@ -97,25 +97,3 @@ def _shift(found: JointHistory, places: list[int], row: int, to: np.ndarray) -> 
     for i in places:
         values = _both(found)[i]
         values += TURN * np.round((to[i] - values[row]) / TURN)
-
-
-class _Joints(Mapping[str, JointHistory]):
-    """Joints by name, each counted when it is first asked for."""
-
-    def __init__(self, joints: Mapping[str, JointHistory], count: object) -> None:
-        self._joints, self._count = joints, count
-        self._made: dict[str, JointHistory] = {}
-
-    def __getitem__(self, name: str) -> JointHistory:
-        if name not in self._made:
-            self._made[name] = self._count(name)  # type: ignore[operator]
-        return self._made[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._joints
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._joints)
-
-    def __len__(self) -> int:
-        return len(self._joints)

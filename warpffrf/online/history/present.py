@@ -21,7 +21,7 @@ from warpffrf.online.history.record import history_from_rows, joint_history
 Kind = TypeVar("Kind")
 
 
-class _OnRequest(Mapping[str, Kind], Generic[Kind]):
+class OnRequest(Mapping[str, Kind], Generic[Kind]):
     """Values by name, each made when it is first asked for."""
 
     def __init__(self, names: Iterable[str], make: Callable[[int], Kind]) -> None:
@@ -113,9 +113,9 @@ class Present:
         self.compiled, self.rows, self.scene = compiled, rows, compiled.scene
         self.time: np.ndarray = rows["saved_time"]
         scene = compiled.scene
-        motions: Any = _OnRequest([body.name for body in scene.bodies], lambda i: _Motion(compiled, rows, i))
+        motions: Any = OnRequest([body.name for body in scene.bodies], lambda i: _Motion(compiled, rows, i))
         self.bodies: Mapping[str, BodyHistory] = motions
-        self.joints: Mapping[str, JointHistory] = _OnRequest(
+        self.joints: Mapping[str, JointHistory] = OnRequest(
             [str(joint.name) for joint in scene.joints],
             lambda i: joint_history(
                 compiled, rows, scene.joints[i], self.bodies, (frames or {}).get(str(scene.joints[i].name))
