@@ -115,7 +115,7 @@ wheel-test: $(STAMP)
 	mkdir -p build/wheel/elsewhere
 	cp tests/wheel_smoke.py build/wheel/elsewhere/
 	cd build/wheel/elsewhere && WARP_CACHE_PATH=kernels ../venv/bin/python -I wheel_smoke.py && ../venv/bin/warpffrf info smoke.h5
-	build/wheel/venv/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt "warpffrf[arrays,tables]"
+	build/wheel/venv/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt "warpffrf[arrays,fmu,tables]"
 	$(BIN)/python tests/wheel_blocks.py build/wheel/venv build/wheel/elsewhere
 
 clean:

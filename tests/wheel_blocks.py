@@ -34,7 +34,8 @@ LEFT_OUT = {
     "docs/two_rollers.md": "its one command is that of README.md",
 }
 ELSEWHERE = {("two_rollers.md", "warpffrf demo two-rollers")}
-STORIES = {"how_do_i.md", "sweeps.md"}  # pages whose blocks of Python go on from one to the next, over all sections
+# Pages whose blocks of Python go on from one to the next, over all sections.
+STORIES = {"coupling.md", "how_do_i.md", "stepping.md", "sweeps.md"}
 MODULE = re.compile(r"python\s+-m\s+(warpffrf[\w.]+)")
 INLINE = re.compile(r"`warpffrf ([a-z][a-z-]*(?: [a-z][a-z-]+)?)[^`]*`")
 WORKERS = 2
