@@ -38,7 +38,7 @@ from warpffrf_kernels.core.state import FrictionState, MotionState
 from warpffrf_kernels.kinematics.line_of_centres import wrap
 from warpffrf_kernels.surfaces.helical import twist_of
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
-from warpffrf_kernels.surfaces.smooth import period_of, radius_of, slope_of
+from warpffrf_kernels.surfaces.smooth import Foot, period_of, radius_of, slope_of
 from warpffrf_kernels.surfaces.surface import (
     EXTRUDED,
     HEIGHT,
@@ -77,14 +77,18 @@ def cell_at(rows: int, m: int, d: int) -> int:
 
 
 @wp.func
-def opposite(model: Model, B: int, origin: vec3, frame: mat33, x: vec3, c: vec3, along_c: int) -> vec3:
-    """Chart coordinates (theta, z) on surface B opposite the world point x, and the gap along the direction."""
+def opposite(model: Model, B: int, origin: vec3, frame: mat33, x: vec3, c: vec3) -> vec3:
+    """Chart coordinates (theta, z) on surface B opposite the world point x along c, and the gap along c."""
     local = wp.transpose(frame) * (x - origin)
-    near = foot_of(model, B, local)
-    steep = -wp.dot(wp.transpose(frame) * c, near.normal)
-    gap = near.distance / wp.max(steep, STEEPEST)
-    if along_c != 0:
-        near = foot_of(model, B, local + gap * (wp.transpose(frame) * c))
+    along = wp.transpose(frame) * c
+    gap = real(0.0)
+    near = Foot()
+    n = int(0)
+    while n < 2:  # one call of `foot_of` in the code: of several, each would be a copy of the whole model
+        near = foot_of(model, B, local + gap * along)
+        if n == 0:
+            gap = near.distance / wp.max(-wp.dot(along, near.normal), STEEPEST)
+        n += 1
     return vec3(near.theta, near.z, gap)
 
 
@@ -208,8 +212,21 @@ def find_cell(model: Model, A: int, B: int, s: Sight, theta: real, z: real) -> P
     if s.inside != 0:
         c = s.turn_a * n
         c_0 = s.turn_a0 * n
-    now = opposite(model, B, s.at_b, s.turn_b, x, c, 1)
-    then = opposite(model, B, s.at_b0, s.turn_b0, s.at_a0 + s.turn_a0 * point, c_0, 1)
+    origin = s.at_b0
+    frame = s.turn_b0
+    y = s.at_a0 + s.turn_a0 * point
+    along_c = c_0
+    now = vec3()
+    then = vec3()
+    i = int(0)
+    while i < 2:  # at the start of the step, then at its end
+        then = now
+        now = opposite(model, B, origin, frame, y, along_c)
+        origin = s.at_b
+        frame = s.turn_b
+        y = x
+        along_c = c
+        i += 1
     n_b = local_normal(model, B, now[0], now[1])
     around = around_of(n_b)
     grown = now[0] - then[0]
