@@ -19,15 +19,16 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from demos import crown_sweep, tolerance_cloud
+from demos import crown_sweep, friction_drive, tolerance_cloud
 from same_histories import NOT_COMPARED, steps_alone, unlike
 
 DEMOS = sorted(p.stem for p in Path(inspect.getfile(crown_sweep)).parent.glob("*.py") if p.stem != "__init__")
 STEPS = 30
 SHORT = 1e-5  # s, of demos that have no time step
-SWEPT = {  # a row of those that are swept in other processes
+GIVEN = {  # a row of those that are swept in other processes, and what is stepped by itself
     "crown_sweep": lambda: crown_sweep.build(1 / 8, 4000.0, 1e-3),
     "tolerance_cloud": lambda: tolerance_cloud.build(2e-5, 5e-6, 5e-4),
+    "friction_drive": lambda: friction_drive.build(friction_drive.QUICK),
 }
 
 
@@ -41,8 +42,8 @@ class Reached(BaseException):
 
 def reached(name: str, folder: Path, patch: pytest.MonkeyPatch) -> Reached:
     """The run of a demo."""
-    if name in SWEPT:
-        return Reached(SWEPT[name](), SHORT, start="equilibrium")
+    if name in GIVEN:
+        return Reached(GIVEN[name](), SHORT, start="equilibrium")
     demo = import_module(f"demos.{name}")
 
     def simulate(scene: wf.Scene, duration: float, *, step: float, **options: Any) -> wf.Result:
