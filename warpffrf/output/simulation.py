@@ -15,7 +15,7 @@ import numpy as np
 
 from warpffrf.model.checks.scene import signals_in
 from warpffrf.model.control import Controller, Sampled, error_of
-from warpffrf.model.errors import InputError, require_number, unknown_name
+from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number, unknown_name
 from warpffrf.model.integrators import CHECK_INTEGRATORS
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.status import Status
@@ -170,6 +170,7 @@ class Simulation:
         ends = [signal.covers[1] for one, _ in self._controllers for signal in one.references]
         self._end_of_references = min(ends, default=np.inf) * (1.0 + SAME_TIME)
         self._before_step = before_step
+        self._live: tuple[Any, int] | None = None  # frames that are sent, and every how many steps
         self.pace: Pace | None = None  # of the last run in real time
 
     def __repr__(self) -> str:
@@ -207,7 +208,11 @@ class Simulation:
             self._control()
         if self._before_step is not None:
             self._before_step(self)
-        return Status.COMPLETED if stepping.step() else self.status
+        if not stepping.step():
+            return self.status
+        if self._live is not None and stepping.running.done % self._live[1] == 0:
+            self._live[0].frame(self._present_alone(), self.outputs)
+        return Status.COMPLETED
 
     def run(self, duration: float, *, real_time: bool | Pace = False) -> Status:
         """Make the steps of `duration` [s], a multiple of the step, with controllers and before_step, or as far as they
@@ -225,7 +230,7 @@ class Simulation:
             self.pace = pace
             pace.run(lambda: self.step() == Status.COMPLETED, duration, steps)
             return self.status
-        if self._controllers or self._before_step is not None:
+        if self._controllers or self._before_step is not None or self._live is not None:
             for _ in range(steps):
                 if self.step() != Status.COMPLETED:
                     break
@@ -250,6 +255,33 @@ class Simulation:
         """The Result up to now, as that of `simulate`, without an error budget; the simulation goes on. Its rows begin
         at the start, or at the state that was set last."""
         return Result(self._stepping.history())
+
+    def stream_to(self, stream: Any, *, every: int = 1, deformation_factor: float = 1.0) -> None:
+        """Send the present to `stream`, a `rerun.RecordingStream`, now and after every `every`th step: bodies, with the
+        elastic displacement times deformation_factor, and the declared outputs. Where it goes, to a viewer, a file or a
+        server, is the caller's choice; None ends it. A present that is not finite is left out. Raises `InputError`."""
+        from warpffrf.output.recording.live import Live
+
+        if stream is None:
+            self._live = None
+            return
+        if self._stepping.stopped:
+            self._refuse()
+        every = require_count(every, "stream_to: every", 1)
+        labels = {name: self._labels(name) for name in self.outputs}
+        live = Live(stream, self._present_alone(), labels, deformation_factor)
+        self._live = live, every
+        live.frame(self._present_alone(), self.outputs)
+
+    def _present_alone(self) -> Result:
+        """The Result of the present, one row."""
+        stepping = self._stepping
+        return Result(Present(stepping.engine.compiled, stepping.rows(MOST_COUNTED)[0]).history)
+
+    def _labels(self, name: str) -> list[str]:
+        """Names of the components of an output."""
+        count = np.size(self._output(name))
+        return [name] if count == 1 else [f"{name} {axis}" for axis in ("xyz" if count == 3 else range(count))]
 
     # --- states
 
