@@ -90,6 +90,7 @@ def test_the_range_of_colours_follows() -> None:
 )
 def test_wrong_calls(wrong: dict[str, Any], said: str) -> None:
     stream = rr.RecordingStream("warpffrf")
+    arguments: dict[str, Any] = {"stream": stream, **wrong}
     with pytest.raises(wf.InputError, match=said):
-        begun().stream_to(**{"stream": stream} | wrong)
+        begun().stream_to(**arguments)
     stream.disconnect()
