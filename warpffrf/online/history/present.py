@@ -101,7 +101,7 @@ class _Motion:
         return self._rows["saved_qd_rate"][:, self._modes].copy()
 
 
-class _Reaction(JointHistory):
+class _Reaction:
     """A JointHistory each of whose arrays is made when it is asked for, as `record.joint_history` makes it."""
 
     def __init__(self, run: Present, joint: Joint, frames: tuple[Marker, Marker] | None) -> None:
@@ -121,6 +121,10 @@ class _Reaction(JointHistory):
     force = property(lambda self: self._wrench[:, :3])
     torque = property(lambda self: self._wrench[:, 3:])
 
+    def named(self, name: str) -> np.ndarray:
+        """As of a JointHistory."""
+        return JointHistory.named(self, name)  # type: ignore[arg-type]
+
 
 class Present:
     """`rows` of a run, the last of which is the present, with the attributes of their History; `frames` of joints by
@@ -137,10 +141,11 @@ class Present:
         scene = compiled.scene
         motions: Any = OnRequest([body.name for body in scene.bodies], lambda i: _Motion(compiled, rows, i))
         self.bodies: Mapping[str, BodyHistory] = motions
-        self.joints: Mapping[str, JointHistory] = OnRequest(
+        reactions: Any = OnRequest(
             [str(joint.name) for joint in scene.joints],
             lambda i: _Reaction(self, scene.joints[i], (frames or {}).get(str(scene.joints[i].name))),
         )
+        self.joints: Mapping[str, JointHistory] = reactions
 
     @cached_property
     def history(self) -> History:
