@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+# words of a checkpoint that count rows of the device, which records every step of a `Simulation`, and those kept
+OF_ROWS = ("saved", "every", "pending", "pending_solves")
 NOT_COMPARED = ("scene", "counters", "options", "samples")  # seconds, and what a run was asked for
 
 
@@ -29,3 +31,14 @@ def unlike(a: Any, b: Any, where: str = "history") -> list[str]:
         names = [f.name for f in fields(a) if f.name not in NOT_COMPARED]
         return [at for name in names for at in unlike(getattr(a, name), getattr(b, name), f"{where}.{name}")]
     return [] if a is b or a == b or (a != a and b != b) else [where]
+
+
+def steps_alone(history: Any) -> Any:
+    """The history without the counts of rows, and without checks of films, which are made on the states of a run: a run
+    of `simulate` and one of a `Simulation` differ in these."""
+    words = history.checkpoint["ctl"].copy()
+    for name in OF_ROWS:
+        words[name] = 0
+    history.checkpoint["ctl"] = words
+    history.film_checks = {}
+    return history

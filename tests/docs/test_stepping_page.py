@@ -13,7 +13,8 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "stepping.md"
 BLOCK = re.compile(r"```py\n(.*?)```", re.DOTALL)
 
 
-def test_blocks_run() -> None:
+def test_blocks_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     names: dict[str, Any] = {}
     for number, block in enumerate(BLOCK.findall(PAGE.read_text(encoding="utf-8"))):
         exec(compile(block, f"stepping.md, block {number}", "exec"), names)
@@ -24,3 +25,4 @@ def test_blocks_run() -> None:
     assert names["loop"].outputs[names["speed"]] == pytest.approx(20.0, rel=1e-2)
     assert names["hysteresis"].outputs[names["speed"]] < 5.0 + 0.02
     assert np.ptp(names["hysteresis"].result().force("motor").torque[:, 1]) <= 1.0
+    assert [path.name for path in tmp_path.iterdir()] == ["hysteresis.rrd"]

@@ -141,6 +141,9 @@ class Constant(Signal):
         c[0, 0] = self.value
         return np.array([0.0, 1.0]), c
 
+    def __call__(self, t: float | Vector) -> np.ndarray:
+        return np.zeros(np.shape(t)) + self.value
+
 
 @named_arguments
 class FromInput(Signal):

@@ -103,6 +103,18 @@ def matrix(q: np.ndarray) -> np.ndarray:
     return np.eye(3) + 2.0 * q[..., 3, None, None] * V + 2.0 * V @ V
 
 
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Vector product (..., 3), with the operations of numpy.cross, which takes ten times as long for a few rows."""
+    a_x, a_y, a_z = a[..., 0], a[..., 1], a[..., 2]
+    b_x, b_y, b_z = b[..., 0], b[..., 1], b[..., 2]
+    x = a_y * b_z - a_z * b_y
+    found = np.empty((*x.shape, 3))
+    found[..., 0] = x
+    found[..., 1] = a_z * b_x - a_x * b_z
+    found[..., 2] = a_x * b_y - a_y * b_x
+    return found
+
+
 def quaternion(A: np.ndarray) -> np.ndarray:
     """Unit quaternion (x, y, z, w), w >= 0, of a rotation matrix (3, 3).
 

@@ -95,11 +95,8 @@ class Running:
         continued = isinstance(start, History | Unfinished)
         if not isinstance(start, Unfinished):
             began = time_of(start.checkpoint) if isinstance(start, History) else 0.0
-            end = np.inf if steps is None else began + steps * step
-            for drive in scene.drives:
-                _check_velocity(drive, began, end)
             if steps is not None:
-                refuse_short_signals(scene, began, end)
+                refuse_signals(scene, began, began + steps * step)
         save_every = require_count(save_every, "simulate: save_every", 1, most=MOST_COUNTED)
         loaded = isinstance(start, History) and is_loaded(start.checkpoint)  # result of `run_static`
         # result of `find_equilibrium`
@@ -321,24 +318,34 @@ def _reaction_notes(integrator: Integrator, engine: Engine) -> list[str]:
     ]
 
 
-def _check_velocity(drive: Drive, began: float, end: float) -> None:
-    """Raise `InputError` if the velocity of a prescribed position jumps between `began` and `end` [s]."""
+def refuse_signals(scene: Scene, began: float, end: float) -> None:
+    """Raise `InputError` for signals that do not cover `began` to `end` [s], and for prescribed positions whose
+    velocity jumps there."""
+    for drive in scene.drives:
+        times, jumps = velocity_jumps(drive)
+        if np.any(within := (times >= began) & (times < end)):
+            at = int(np.argmax(np.where(within, jumps, 0.0)))
+            raise InputError(
+                f"drive {drive.name!r}: the prescribed position jumps in velocity by {jumps[at]:.3g} at "
+                f"t = {times[at]:g} s, which needs an infinite force; use SmoothStep, Table(..., cubic=True), or "
+                "prescribe the velocity"
+            )
+    refuse_short_signals(scene, began, end)
+
+
+def velocity_jumps(drive: Drive) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] at which the velocity of a prescribed position jumps, and by how much."""
     breaks, c = drive.position().polynomial()
     powers = np.arange(1, c.shape[1])
-    ends = [float(np.sum(powers * c[i, 1:] * (breaks[i + 1] - breaks[i]) ** (powers - 1))) for i in range(len(c) - 1)]
+    lengths = np.diff(breaks)
+    ends = [float(np.sum(powers * c[i, 1:] * lengths[i] ** (powers - 1))) for i in range(len(c) - 1)]
     begins = c[1:, 1]
+    largest = np.abs(powers * c[:, 1:] * lengths[:, None] ** (powers - 1)).max()
     if breaks[0] > 0.0:  # held at the first value until then
         ends, begins, breaks = [0.0, *ends], c[:, 1], np.concatenate([[0.0], breaks])
-    jumps = np.where((breaks[1:-1] >= began) & (breaks[1:-1] < end), np.abs(begins - np.array(ends)), 0.0)
-    lengths = np.diff(drive.position().polynomial()[0])
-    largest = np.abs(powers * c[:, 1:] * lengths[:, None] ** (powers - 1)).max()
-    if jumps.size and jumps.max() > VELOCITY_JUMP * largest:
-        at = int(np.argmax(jumps))
-        raise InputError(
-            f"drive {drive.name!r}: the prescribed position jumps in velocity by {jumps[at]:.3g} at "
-            f"t = {breaks[at + 1]:g} s, which needs an infinite force; use SmoothStep, Table(..., cubic=True), or "
-            "prescribe the velocity"
-        )
+    jumps = np.abs(begins - np.array(ends))
+    large = jumps > VELOCITY_JUMP * largest
+    return breaks[1:-1][large], jumps[large]
 
 
 def check_load_paths(scene: Scene) -> list[str]:

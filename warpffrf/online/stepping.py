@@ -107,11 +107,6 @@ class Stepping:
     # --- the present
 
     @property
-    def over(self) -> bool:
-        """Whether the run has failed: no further step can be made."""
-        return self.running.over
-
-    @property
     def time(self) -> float:
         """The present time [s]."""
         return float(self._time[0]) if self._in_place else float(self.engine.word("time")[0])
@@ -231,7 +226,7 @@ class Stepping:
                 self.running.look()
             except (Outrun, OffEnd) as why:
                 self._begin_anew(why)
-        self.stopped = self.over
+        self.stopped = self.running.over
         if self.on_look is not None:
             self.on_look()
         return not self.stopped
@@ -338,7 +333,7 @@ class Stepping:
                 return self._ended
             self.look()
             found = self._so_far()
-        if self.over:
+        if self.stopped:
             self._ended = found
         return found
 
@@ -347,7 +342,7 @@ class Stepping:
         kept, rows, drained = engine.checkpoint(), engine.chunks[0], engine.drained.copy()
         gain = self.running.gain
         engine.chunks[0] = [dict(chunk) for chunk in rows]
-        if not self.over and self._row is None and self.running.done % self.save_every:
+        if not self.stopped and self._row is None and self.running.done % self.save_every:
             last = dict(self.rows(MOST_COUNTED)[0])
             for name, total in self._carried.items():
                 last[name] = total[None].copy()

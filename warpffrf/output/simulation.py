@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.checks.scene import refuse_short_signals, signals_in
+from warpffrf.model.checks.scene import signals_in
 from warpffrf.model.control import Controller, Sampled, error_of
-from warpffrf.model.errors import InputError, require_number, unknown_name
+from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number, unknown_name
 from warpffrf.model.integrators import CHECK_INTEGRATORS
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.status import Status
@@ -25,6 +25,7 @@ from warpffrf.model.step_count import SAME_TIME, step_count
 from warpffrf.online import Engine, Settings
 from warpffrf.online.history.present import Present
 from warpffrf.online.history.sensors import sensor_values
+from warpffrf.online.running import refuse_signals, velocity_jumps
 from warpffrf.online.stepping import Stepping
 from warpffrf.online.turns import Turns
 from warpffrf.output.files.fields import BODY_FIELDS, JOINT_FIELDS, of_owner
@@ -147,8 +148,12 @@ class Simulation:
             scene, step=self._step, start=beginning, settings=settings, progress=False, engine_of=Engine, **own
         )
         if not self._stepping.stopped:
-            refuse_short_signals(scene, self._stepping.time, self._stepping.time)
-        self._until = _end_of_signals(scene)
+            refuse_signals(scene, self._stepping.time, self._stepping.time)
+        items = (*scene.drives, *scene.forces)
+        ends = [signal.covers[1] for item in items for signal in signals_in(vars(item))]
+        self._end_of_signals = min(ends, default=np.inf) * (1.0 + SAME_TIME)  # s, with the round-off of a run
+        self._jumps = np.concatenate([np.zeros(0), *(velocity_jumps(drive)[0] for drive in scene.drives)])  # s
+        self._until = self._time_to_check()
         self._controllers: list[tuple[Controller, Sampled]] = []
         self._present: tuple[Any, Present] | None = None  # with the step that it is of
         self._turns = Turns()
@@ -162,7 +167,10 @@ class Simulation:
             for name in self.outputs:
                 self._output(name)
         self._controllers = self._connected(controllers)
+        ends = [signal.covers[1] for one, _ in self._controllers for signal in one.references]
+        self._end_of_references = min(ends, default=np.inf) * (1.0 + SAME_TIME)
         self._before_step = before_step
+        self._live: tuple[Any, int] | None = None  # frames that are sent, and every how many steps
         self.pace: Pace | None = None  # of the last run in real time
 
     def __repr__(self) -> str:
@@ -195,12 +203,16 @@ class Simulation:
         if stepping.stopped:
             self._refuse()
         if stepping.time + self._step > self._until:
-            refuse_short_signals(self.scene, stepping.time, stepping.time + self._step)
+            refuse_signals(self.scene, stepping.time, stepping.time + self._step)
         if self._controllers:
             self._control()
         if self._before_step is not None:
             self._before_step(self)
-        return Status.COMPLETED if stepping.step() else self.status
+        if not stepping.step():
+            return self.status
+        if self._live is not None and stepping.running.done % self._live[1] == 0:
+            self._live[0].frame(self._present_alone(), self.outputs)
+        return Status.COMPLETED
 
     def run(self, duration: float, *, real_time: bool | Pace = False) -> Status:
         """Make the steps of `duration` [s], a multiple of the step, with controllers and before_step, or as far as they
@@ -218,16 +230,20 @@ class Simulation:
             self.pace = pace
             pace.run(lambda: self.step() == Status.COMPLETED, duration, steps)
             return self.status
-        if self._controllers or self._before_step is not None:
+        if self._controllers or self._before_step is not None or self._live is not None:
             for _ in range(steps):
                 if self.step() != Status.COMPLETED:
                     break
             return self.status
         if self._stepping.stopped:
             self._refuse()
-        refuse_short_signals(self.scene, self.time, self.time + steps * self._step)
+        refuse_signals(self.scene, self.time, self.time + steps * self._step)
         self._stepping.advance(steps)
         return self.status
+
+    def _time_to_check(self) -> float:
+        """The time [s] beyond which a step may have to be refused for its signals."""
+        return min(self._end_of_signals, float(self._jumps[self._jumps >= self.time].min(initial=np.inf)))
 
     def _refuse(self) -> None:
         raise InputError(
@@ -239,6 +255,33 @@ class Simulation:
         """The Result up to now, as that of `simulate`, without an error budget; the simulation goes on. Its rows begin
         at the start, or at the state that was set last."""
         return Result(self._stepping.history())
+
+    def stream_to(self, stream: Any, *, every: int = 1, deformation_factor: float = 1.0) -> None:
+        """Send the present to `stream`, a `rerun.RecordingStream`, now and after every `every`th step: bodies, with the
+        elastic displacement times deformation_factor, and the declared outputs. Where it goes, to a viewer, a file or a
+        server, is the caller's choice; None ends it. A present that is not finite is left out. Raises `InputError`."""
+        from warpffrf.output.recording.live import Live
+
+        if stream is None:
+            self._live = None
+            return
+        if self._stepping.stopped:
+            self._refuse()
+        every = require_count(every, "stream_to: every", 1)
+        labels = {name: self._labels(name) for name in self.outputs}
+        live = Live(stream, self._present_alone(), labels, deformation_factor)
+        self._live = live, every
+        live.frame(self._present_alone(), self.outputs)
+
+    def _present_alone(self) -> Result:
+        """The Result of the present, one row."""
+        stepping = self._stepping
+        return Result(Present(stepping.engine.compiled, stepping.rows(MOST_COUNTED)[0]).history)
+
+    def _labels(self, name: str) -> list[str]:
+        """Names of the components of an output."""
+        count = np.size(self._output(name))
+        return [name] if count == 1 else [f"{name} {axis}" for axis in ("xyz" if count == 3 else range(count))]
 
     # --- states
 
@@ -270,6 +313,7 @@ class Simulation:
         names = [name for name in state if name.startswith(TURNS)]
         self._turns = Turns({name.removeprefix(TURNS): np.array(state[name]) for name in names})
         self._present = None
+        self._until = self._time_to_check()
 
     # --- outputs
 
@@ -341,12 +385,16 @@ class Simulation:
                     raise InputError(
                         f"{label}: {name!r} has several components; name one as a result does: sensor_x[{name}]"
                     )
-            self._until = min(self._until, *(signal.covers[1] for signal in one.references), np.inf)
             found.append((one, one.sampled(self._step * one.every)))
         return found
 
     def _control(self) -> None:
         done, t = self._stepping.running.done, self.time
+        if t > self._end_of_references:
+            raise InputError(
+                f"Simulation: the reference of a controller ends before t = {t:.6g} s; extend it, or give a Table "
+                "hold=True if its end values hold"
+            )
         for one, block in self._controllers:
             if done % one.every:
                 continue
@@ -364,9 +412,3 @@ class Simulation:
 def _plain(values: Any) -> float | np.ndarray:
     """A number for one component, else a copy of the components."""
     return float(np.ravel(values)[0]) if np.size(values) == 1 else np.array(values)
-
-
-def _end_of_signals(scene: Scene) -> float:
-    """The time [s] up to which all signals of a scene are given, with the round-off that a run allows."""
-    items = (*scene.drives, *scene.forces)
-    return min((s.covers[1] for item in items for s in signals_in(vars(item))), default=np.inf) * (1.0 + SAME_TIME)

@@ -127,7 +127,7 @@ def test_magnification_ends_where_surfaces_would_meet() -> None:
     def limit(share: float, carried: float = 0.0) -> float:
         u = np.zeros((1, columns_, 3))
         u[0, 7] = share * c * outwards[7]
-        body = BodyFrames(points, np.zeros((0, 3), dtype=int), u, carried * c * outwards[None], 0.0)
+        body = BodyFrames(points, np.zeros((0, 3), dtype=int), u, carried * c * outwards[None], 0.0, np.arange(0))
         return largest_factor(result, {"shaft": body}, np.array([0]), np.array([0]))
 
     assert limit(0.4) == pytest.approx(2.5, rel=1e-9)

@@ -51,7 +51,7 @@ def test_a_recording_that_fails_leaves_no_threads(
 
     recorder.record(result, tmp_path / "first.rrd", max_frames=2)
     threads = psutil.Process().num_threads()
-    monkeypatch.setattr(recorder._Recorder, "_series", lambda self: 1 / 0)
+    monkeypatch.setattr(recorder.Recorder, "_series", lambda self: 1 / 0)
     for n in range(RECORDINGS):
         with pytest.raises(ZeroDivisionError):
             recorder.record(result, tmp_path / f"run_{n}.rrd", max_frames=2)

@@ -10,15 +10,13 @@ import pytest
 
 import warpffrf as wf
 from demos import ball_impact, journal_bearing, rolling_friction, slider_crank
-from same_histories import unlike
+from same_histories import steps_alone, unlike
 from warpffrf.online import stepping
 from warpffrf.output.files.table import quantity
 from warpffrf.output.simulation import CONTROLLER
 
 QUICK: dict[str, Any] = {"progress": False}
 ROUNDED = 1e-12  # turns of an angle are added in another order
-# words of a checkpoint that count rows of the device, which records every step, and those that are kept
-OF_ROWS = ("saved", "every", "pending", "pending_solves")
 
 
 def rods() -> tuple[wf.Scene, float, int, dict[str, Any]]:
@@ -43,33 +41,22 @@ def film() -> tuple[wf.Scene, float, int, dict[str, Any]]:
 Case = Callable[[], tuple[wf.Scene, float, int, dict[str, Any]]]
 
 
-def compared(result: wf.Result) -> Any:
-    """The History without the counts of rows, and without checks of films, which are made on the states of a run."""
-    history = result.history
-    words = history.checkpoint["ctl"].copy()
-    for name in OF_ROWS:
-        words[name] = 0
-    history.checkpoint["ctl"] = words
-    history.film_checks = {}
-    return history
-
-
 @pytest.mark.parametrize("case", [rods, impact, rolling, film], ids=lambda case: case.__name__)
 def test_steps_are_those_of_simulate(case: Case) -> None:
     """One by one, and in parts with a result in between: every array of the History, and its notes."""
     scene, step, count, options = case()
-    whole = compared(wf.simulate(scene, count * step, step=step, progress=False, **options))
+    whole = steps_alone(wf.simulate(scene, count * step, step=step, progress=False, **options).history)
     one = wf.Simulation(scene, step=step, **options)
     for _ in range(count):
         assert one.step() == wf.Status.COMPLETED
     assert one.time == whole.time[-1]
-    assert unlike(compared(one.result()), whole) == []
+    assert unlike(steps_alone(one.result().history), whole) == []
     parts = wf.Simulation(scene, step=step, **options)
     parts.run((count // 3) * step)
     state = parts.state
     parts.result()
     parts.run((count - count // 3) * step)
-    assert unlike(compared(parts.result()), whole) == []
+    assert unlike(steps_alone(parts.result().history), whole) == []
     end = parts.state
     parts.state = state
     for _ in range(count - count // 3):
@@ -199,5 +186,5 @@ def test_steps_on_another_device(monkeypatch: pytest.MonkeyPatch) -> None:
         for n in range(stepping.LOOK + 10):
             sim.inputs["torque"] = float(np.sin(n))
             sim.step()
-        ends.append((sim.state, compared(sim.result()), sim.outputs["rim"], sim.time))
+        ends.append((sim.state, steps_alone(sim.result().history), sim.outputs["rim"], sim.time))
     assert unlike(ends[0], ends[1]) == []

@@ -133,6 +133,32 @@ def test_beyond_the_end_of_a_signal(torque: wf.signals.Input) -> None:
         sim.step()
 
 
+def test_a_reference_that_ends(torque: wf.signals.Input) -> None:
+    pid = wf.control.PID(SPEED, torque, kp=1.0, reference=wf.signals.Table([0.0, 3e-3], [0.0, 1.0]))
+    sim = wf.Simulation(rotor(torque), step=1e-3, controllers=[pid])
+    assert sim.run(4e-3) == wf.Status.COMPLETED  # of the steps that begin at 0 to 3 ms
+    with pytest.raises(wf.InputError, match="reference of a controller ends before t = 0.004 s"):
+        sim.step()
+
+
+def test_a_position_whose_velocity_jumps() -> None:
+    """Steps up to the jump are made, as by `simulate`; the next one is refused, also after an earlier state."""
+    scene = wf.Scene()
+    body = scene.add_rigid_body(1.0, (0.1, 0.2, 0.1), name="rotor")
+    shaft = scene.add(wf.joints.Revolute(scene.ground, body, axis=(0, 1, 0)))
+    kinked = wf.signals.Table([0.0, 3e-3, 6e-3], [0.0, 0.0, 1e-3], hold=True)
+    scene.add(wf.joints.Drive(shaft, kinked, quantity="position", name="push"))
+    sim = wf.Simulation(scene, step=1e-3)
+    begun = sim.state
+    for _ in range(2):
+        sim.run(3e-3)
+        for take in (sim.step, lambda: sim.run(2e-3)):
+            with pytest.raises(wf.InputError, match="'push': the prescribed position jumps in velocity .* t = 0.003 s"):
+                take()
+        assert sim.time == pytest.approx(3e-3)
+        sim.state = begun
+
+
 def test_two_inputs_of_one_name(torque: wf.signals.Input) -> None:
     scene = rotor(torque)
     other = wf.signals.Input("motor torque", 2.0)

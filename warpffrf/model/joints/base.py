@@ -45,6 +45,7 @@ recorded coordinates and tests use.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -99,7 +100,7 @@ def _angle(row: Row, A_a: np.ndarray, A_b: np.ndarray) -> tuple[np.ndarray, np.n
     first = row.kind == "angle"
     held, turned = (A_a, A_b) if first else (A_b, A_a)
     q = held[..., row.j]
-    p = np.cross(held[..., row.i], q) if first else np.cross(q, held[..., row.i])
+    p = rot.cross(held[..., row.i], q) if first else rot.cross(q, held[..., row.i])
     return turned[..., row.j], p, q, 1.0 if first else -1.0
 
 
@@ -129,13 +130,13 @@ def gradient(
     if row.kind == "distance":
         return (x_b - x_a) / np.linalg.norm(x_b - x_a, axis=-1)[..., None], zero
     if row.kind == "direction":
-        return zero, zero + np.cross(A_b[..., row.j], A_a[..., row.i])
+        return zero, zero + rot.cross(A_b[..., row.j], A_a[..., row.i])
     if row.kind == "twist":
         u, w = A_a[..., row.i], A_b[..., row.i]
         return zero, zero + (u + w) / (1.0 + _dot(u, w))[..., None]
     e, p, q, sign = _angle(row, A_a, A_b)
     P, Q = _dot(p, e)[..., None], _dot(q, e)[..., None]
-    return zero, zero + sign * np.cross(e, Q * p - P * q) / (P * P + Q * Q)
+    return zero, zero + sign * rot.cross(e, Q * p - P * q) / (P * P + Q * Q)
 
 
 # of the largest coordinate or size involved (1 um at 0.1 m): two ports further apart than this at the initial pose do
@@ -169,6 +170,11 @@ class Marker:
 
     point: np.ndarray
     rotation: np.ndarray
+
+    @cached_property
+    def axes(self) -> np.ndarray:
+        """Axes of the marker (3, 3) in its columns, user frame."""
+        return rot.matrix(self.rotation)
 
 
 @named_arguments

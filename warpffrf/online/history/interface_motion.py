@@ -23,6 +23,7 @@ import numpy as np
 
 from warpffrf.model.bodies import Port
 from warpffrf.model.reduced import inertia as at_rest
+from warpffrf.model.rotation import cross
 
 if TYPE_CHECKING:
     from warpffrf.online.history.history import BodyHistory
@@ -43,22 +44,10 @@ def interface_motion(port: Port, body: BodyHistory) -> Motion:
     return motion, qd @ modes - bent(q, qd), qdd @ modes - bent(q, qdd) - bent(qd, qd)
 
 
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Vector product (..., 3), with the operations of numpy.cross, which takes ten times as long for a few rows."""
-    a_x, a_y, a_z = a[..., 0], a[..., 1], a[..., 2]
-    b_x, b_y, b_z = b[..., 0], b[..., 1], b[..., 2]
-    x = a_y * b_z - a_z * b_y
-    found = np.empty((*x.shape, 3))
-    found[..., 0] = x
-    found[..., 1] = a_z * b_x - a_x * b_z
-    found[..., 2] = a_x * b_y - a_y * b_x
-    return found
-
-
 def turned(p: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Vectors x (3,) or (T, 3) rotated by unit quaternions p (T, 4)."""
     v, w = p[:, :3], p[:, 3:]
-    x = np.broadcast_to(x, v.shape)
+    x = x if x.shape == v.shape else np.broadcast_to(x, v.shape)
     t = 2.0 * cross(v, x)
     return x + w * t + cross(v, t)
 

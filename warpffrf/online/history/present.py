@@ -12,11 +12,12 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from warpffrf.model.bodies import Port
-from warpffrf.model.joints import Marker
+from warpffrf.model.joints import Joint, Marker
+from warpffrf.model.rotation import cross
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.history.history import BodyHistory, History, JointHistory
-from warpffrf.online.history.interface_motion import cross, turned
-from warpffrf.online.history.record import history_from_rows, joint_history
+from warpffrf.online.history.interface_motion import turned
+from warpffrf.online.history.record import history_from_rows, joint_coordinates, reaction
 
 Kind = TypeVar("Kind")
 
@@ -100,6 +101,31 @@ class _Motion:
         return self._rows["saved_qd_rate"][:, self._modes].copy()
 
 
+class _Reaction:
+    """A JointHistory each of whose arrays is made when it is asked for, as `record.joint_history` makes it."""
+
+    def __init__(self, run: Present, joint: Joint, frames: tuple[Marker, Marker] | None) -> None:
+        self._run, self._joint, self._frames = run, joint, frames
+        self.names = tuple(joint.coordinates)
+
+    @cached_property
+    def _both(self) -> tuple[np.ndarray, np.ndarray]:
+        return joint_coordinates(self._run.compiled, self._run.rows, self._joint, self._run.bodies, self._frames)
+
+    @cached_property
+    def _wrench(self) -> np.ndarray:
+        return reaction(self._run.compiled, self._run.rows, self._joint)
+
+    coordinate = property(lambda self: self._both[0])
+    second_coordinate = property(lambda self: self._both[1])
+    force = property(lambda self: self._wrench[:, :3])
+    torque = property(lambda self: self._wrench[:, 3:])
+
+    def named(self, name: str) -> np.ndarray:
+        """As of a JointHistory."""
+        return JointHistory.named(self, name)  # type: ignore[arg-type]
+
+
 class Present:
     """`rows` of a run, the last of which is the present, with the attributes of their History; `frames` of joints by
     name, if they are known."""
@@ -115,12 +141,11 @@ class Present:
         scene = compiled.scene
         motions: Any = OnRequest([body.name for body in scene.bodies], lambda i: _Motion(compiled, rows, i))
         self.bodies: Mapping[str, BodyHistory] = motions
-        self.joints: Mapping[str, JointHistory] = OnRequest(
+        reactions: Any = OnRequest(
             [str(joint.name) for joint in scene.joints],
-            lambda i: joint_history(
-                compiled, rows, scene.joints[i], self.bodies, (frames or {}).get(str(scene.joints[i].name))
-            ),
+            lambda i: _Reaction(self, scene.joints[i], (frames or {}).get(str(scene.joints[i].name))),
         )
+        self.joints: Mapping[str, JointHistory] = reactions
 
     @cached_property
     def history(self) -> History:

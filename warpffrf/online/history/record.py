@@ -60,7 +60,7 @@ from warpffrf.online.history.history import (
     LumpedHistory,
     SmallSlidingHistory,
 )
-from warpffrf.online.history.interface_motion import cross, interface_motion, turned
+from warpffrf.online.history.interface_motion import interface_motion, turned
 from warpffrf.online.history.sensors import force_histories, sensor_histories
 from warpffrf_kernels.core.declaration import declared_in
 from warpffrf_kernels.core.model import LINE_OF_CENTRES
@@ -113,21 +113,34 @@ def body_history(compiled: CompiledScene, rows: SavedRows, i: int) -> BodyHistor
 
 
 def joint_history(
+    compiled: CompiledScene, rows: Mapping[str, np.ndarray], joint: Joint, bodies: Mapping[str, BodyHistory]
+) -> JointHistory:
+    """Reaction and coordinates of a joint."""
+    first, second = joint_coordinates(compiled, rows, joint, bodies)
+    wrench = reaction(compiled, rows, joint)
+    return JointHistory(first, wrench[:, :3], wrench[:, 3:], second, tuple(joint.coordinates))
+
+
+def joint_coordinates(
     compiled: CompiledScene,
     rows: Mapping[str, np.ndarray],
     joint: Joint,
     bodies: Mapping[str, BodyHistory],
     frames: tuple[Marker, Marker] | None = None,
-) -> JointHistory:
-    """Reaction and coordinates of a joint; `frames`: its own, if they are known."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """First and second coordinate (T,) of a joint, NaN where it has none; `frames`: its own, if they are known."""
     time = rows["saved_time"]
     T, since = len(time), float(time[0]) if len(time) else 0.0
     own = [d for d in compiled.scene.drives if d.joint is joint]
     driven = {d.coordinate: compiled.inputs.resolved(d.position(), since) for d in own}
     found = coordinates(joint, driven, time, bodies, frames)
     first, second = [*found.values(), np.full(T, np.nan), np.full(T, np.nan)][:2]
-    wrench = rows["saved_row_wrench"][:, compiled.joints.rows[str(joint.name)]].sum(axis=1)
-    return JointHistory(first, wrench[:, :3], wrench[:, 3:], second, tuple(found))
+    return first, second
+
+
+def reaction(compiled: CompiledScene, rows: Mapping[str, np.ndarray], joint: Joint) -> np.ndarray:
+    """Force and torque (T, 6) of a joint on its second body."""
+    return rows["saved_row_wrench"][:, compiled.joints.rows[str(joint.name)]].sum(axis=1)
 
 
 def _contact(compiled: CompiledScene, i: int, rows: SavedRows, bodies: dict[str, BodyHistory]) -> ContactHistory:
@@ -253,14 +266,14 @@ def marker_motion(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Positions (T, 3) [m], axes (T, 3, 3) of a marker, and the angular velocity (T, 3) of its body, world axes."""
     X = np.broadcast_to(marker.point, (count, 3))
-    axes = np.broadcast_to(rot.matrix(marker.rotation), (count, 3, 3))
+    axes = np.broadcast_to(marker.axes, (count, 3, 3))
     if port.body.index < 0:
         return X, axes, np.zeros((count, 3))
     body = bodies[port.body.name]
     if port.interface_name is not None and body.modal.shape[1]:
         motion = interface_motion(port, body)[0]
         arm = marker.point - port.body.reduced.interfaces[port.interface_name].point
-        X = X + motion[:, :3] + np.cross(motion[:, 3:], arm)
+        X = X + motion[:, :3] + rot.cross(motion[:, 3:], arm)
         axes = _turns(motion[:, 3:]) @ axes
     A = _matrices(body.rotation)
     return body.position + np.einsum("tij,tj->ti", A, X), A @ axes, body.angular_velocity
@@ -434,8 +447,8 @@ def user_frame(
     """Motion (T, ...) of the centre of mass, angular velocity and acceleration in body axes, as that of the user frame,
     in whose coordinates the centre of mass is at `center` (3,) [m]."""
     arm, omega, alpha = turned(p, center), turned(p, w), turned(p, wdot)
-    swing = cross(omega, arm)
+    swing = rot.cross(omega, arm)
     return BodyHistory(
         r - arm, p.copy(), v - swing, omega, q.copy(),
-        vdot - cross(alpha, arm) - cross(omega, swing), alpha, qd.copy(), qdd.copy(),
+        vdot - rot.cross(alpha, arm) - rot.cross(omega, swing), alpha, qd.copy(), qdd.copy(),
     )  # fmt: skip

@@ -33,6 +33,7 @@ class BodyFrames:
     displacement: np.ndarray  # (F, n, 3) m, float32, user frame, relative to the reference
     carried: np.ndarray  # (F, n, 3) m, float32, likewise, with the reference
     size: float  # m, largest extent
+    kept: np.ndarray  # (n,) nodes of the skin that the points are
     values: np.ndarray | None = None  # (F, n) float32, another field in SI units, if requested
 
 
@@ -56,7 +57,7 @@ def body_frames(
                 carried[f] = shown.carried(i)
             if values is not None:
                 values[f] = shown.values(field, i)
-        frames[name] = BodyFrames(shown.points, shown.triangles, displacement, carried, shown.size, values)
+        frames[name] = BodyFrames(shown.points, shown.triangles, displacement, carried, shown.size, shown.kept, values)
     bar.close()
     return frames
 

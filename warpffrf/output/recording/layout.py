@@ -95,6 +95,26 @@ def blueprint(recorder: Any) -> Any:
     )
 
 
+def live_blueprint(recorder: Any, outputs: list[str]) -> Any:
+    """The machine of a run that is stepped, and its outputs."""
+    import rerun.blueprint as rrb
+
+    legends = [rrb.Spatial2DView(origin="/legend", name="Colours")] if recorder.bodies else []
+    plots = [
+        rrb.TimeSeriesView(origin=f"/{recorder.path('plots', 'outputs', name).lstrip('/')}", name=name)
+        for name in outputs[: MOST_PANELS - 2]
+    ]
+    beside = [rrb.Vertical(*legends, *plots)] if legends or plots else []
+    return rrb.Blueprint(
+        rrb.Horizontal(_machine_view(recorder, [], 1.0), *beside),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline="time", play_state="following"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
 def _kind(recorder: Any) -> str:
     """Name of the first tab."""
     view = recorder.result.view

@@ -152,10 +152,10 @@ def record(
     rows, stride = frame_rows(saved, max_frames) if every is None else (rows_every(saved, every), every)
     with np.errstate(invalid="ignore"):
         bodies = fr.body_frames(skins, rows, max_points, color, reference, progress)
-    good = np.array([_row_is_finite(result, bodies, f, int(i)) for f, i in enumerate(rows)])
+    good = np.array([row_is_finite(result, bodies, f, int(i)) for f, i in enumerate(rows)])
     skipped = [int(i) for i in rows[~good]]
     with written_whole(target) as partial:
-        recorder = _Recorder(result, skins, bodies, rows, good, stride, deformation_factor, color, reference)
+        recorder = Recorder(result, skins, bodies, rows, good, stride, deformation_factor, color, reference)
         recorder.write(partial, skipped, progress)
     return RecordingInfo(target, int(good.sum()), stride, recorder.factor, skipped, recorder.notes)
 
@@ -166,7 +166,7 @@ def _result(given: Result | History | str | os.PathLike[str]) -> Result:
     return given if isinstance(given, Result) else Result(given)
 
 
-def _row_is_finite(result: Any, bodies: dict[str, fr.BodyFrames], f: int, i: int) -> bool:
+def row_is_finite(result: Any, bodies: dict[str, fr.BodyFrames], f: int, i: int) -> bool:
     history = result.history
     arrays = [b.displacement[f] for b in bodies.values()]
     arrays += [a[i] for m in history.bodies.values() for a in (m.position, m.rotation)]
@@ -182,7 +182,7 @@ def _row_is_finite(result: Any, bodies: dict[str, fr.BodyFrames], f: int, i: int
     return all(bool(np.all(np.isfinite(a))) for a in arrays)
 
 
-class _Recorder:
+class Recorder:
     """Writes one recording; the constructor fixes the colour ranges and the factor."""
 
     def __init__(
@@ -196,11 +196,12 @@ class _Recorder:
         factor: float | None,
         color: str,
         reference: Reference,
+        stream: Any = None,
     ) -> None:
         import rerun as rr
 
         self.rr = rr
-        self.stream = new_stream()
+        self.stream = new_stream() if stream is None else stream
         self.result, self.skins, self.bodies, self.rows, self.good, self.stride = (
             result,
             skins,
@@ -238,7 +239,7 @@ class _Recorder:
         self.gear_scenes = [GearScene(self, name) for name in result.view.gears]
         self.load_zones, self.orbits = [LoadZone(self, name) for name in result.view.bearings], orbits(self)
         self.drawings = [
-            self.rigid, *self.scenes, *self.film_scenes, *self.small_sliding_scenes, *self.gear_scenes,
+            *self.scenes, *self.film_scenes, *self.small_sliding_scenes, *self.gear_scenes,
             *self.load_zones, *self.orbits, Glyphs(self, self.size),
         ]  # fmt: skip
         self.glyphs = self.drawings[-1]
@@ -285,7 +286,8 @@ class _Recorder:
             bar.update(f)
             if self.good[f]:
                 self.stream.set_time("time", duration=float(self.result.time[i]))
-                self._bodies(f, int(i))
+                self.log_bodies(f, int(i))
+                self.rigid.frame(int(i))
                 for drawing in self.drawings:
                     drawing.frame(int(i))
         bar.close()
@@ -318,7 +320,8 @@ class _Recorder:
             notes += [skin.stress.note for skin in self.skins.values() if skin.stress.note]
         return [*notes, *left_out(self.result.view.bodies.values()), *self.result.history.notes]
 
-    def _static(self) -> None:
+    def log_geometry(self) -> None:
+        """Log what does not change of bodies."""
         rr, log = self.rr, self.log_static
         log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
         log(self.path("world", EYE), rr.Transform3D(translation=self.middle, scale=self.radius))
@@ -333,6 +336,11 @@ class _Recorder:
                 self.path("world", name, "surface"),
                 rr.Mesh3D.from_fields(triangle_indices=triangles, vertex_normals=normals),
             )
+        self.rigid.static()
+
+    def _static(self) -> None:
+        rr, log = self.rr, self.log_static
+        self.log_geometry()
         for drawing in self.drawings:
             drawing.static()
         if self.scales:
@@ -394,7 +402,8 @@ class _Recorder:
 
     # --- every frame ---
 
-    def _bodies(self, f: int, i: int) -> None:
+    def log_bodies(self, f: int, i: int) -> None:
+        """Log poses and surfaces of frame f, saved row i."""
         rr = self.rr
         for name, motion in self.result.history.bodies.items():
             pose = rr.Transform3D(
