@@ -22,6 +22,7 @@ from scipy.io import mmwrite
 import warpffrf as wf
 from warpffrf.model.files.sealed_file import HEAD, TRAILER, seal
 from warpffrf.model.mesh.files.matrices import read_matrix
+from warpffrf.model.mesh.files.unv_modes import read_modes
 from warpffrf.model.messages.checkpoints import Source
 from warpffrf.model.reduced.file import _digest, _flatten
 from warpffrf.output.files import unfinished
@@ -292,6 +293,26 @@ def read_sweep(path: Path) -> str:
     return digest(list(table.parameters["load"]), texts, table.numbers, columns, table.time, table.budget)
 
 
+def make_modes(path: Path) -> None:
+    """Points and two modes, one real and one complex."""
+    lines = ["    -1", "    15"]
+    lines += [f"{n:10d}{0:10d}{0:10d}{1:10d}{0.1 * n:13.5E}{0.2:13.5E}{-0.3 * n:13.5E}" for n in (1, 2, 5)]
+    for analysis, kind, facts in ((2, 2, (123.4, 1.0, 0.01, 0.0)), (3, 5, (-7.5, 800.0, 0.0, 0.0, 0.0, 0.0))):
+        lines += ["    -1", "    -1", "    55", *5 * ["NONE"]]
+        lines.append("".join(f"{n:10d}" for n in (1, analysis, 2, 8, kind, 3)))
+        lines.append("".join(f"{n:10d}" for n in (2, len(facts), 1, 1)))
+        lines.append("".join(f"{x:13.5E}" for x in facts))
+        for n in (1, 2, 5):
+            lines += [f"{n:10d}", "".join(f"{(-1) ** i * n / 3.0:13.5E}" for i in range(3 * kind // 2 - kind // 5))]
+    path.write_text("\n".join([*lines, "    -1", ""]))
+
+
+def read_shapes(path: Path) -> str:
+    found = read_modes(path)
+    assert all(np.isfinite(a).all() for a in (found.points, found.frequencies, found.damping, found.shapes))
+    return digest(found)
+
+
 FORMATS: dict[str, Format] = {
     "body .h5": Format(".h5", make_body, read_body, bytewise, exact=True),
     "results .h5": Format(".h5", make_results, read_results, bytewise, exact=True),
@@ -307,6 +328,7 @@ FORMATS: dict[str, Format] = {
     ".inp assembly": Format(".inp", copied("assembly.inp"), read_assembly, textwise),
     ".cdb": Format(".cdb", copied("box.cdb"), read_mesh, textwise),
     ".unv": Format(".unv", copied("box.unv"), read_mesh, textwise),
+    ".unv, modes": Format(".unv", make_modes, read_shapes, textwise),
     ".med": Format(".med", copied("gmsh_hex20.med"), read_mesh, bytewise),
     ".med, arrays": Format(".med", copied("gmsh_hex20.med"), read_mesh, mutations.of_arrays),
     ".vtu ASCII": Format(".vtu", vtu(False), read_mesh, textwise),
