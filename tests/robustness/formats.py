@@ -174,6 +174,18 @@ def make_inp(path: Path) -> None:
     shutil.copy(DATA / "flat_nodes.inp", path.parent)
 
 
+def make_orthotropic(path: Path) -> None:
+    make_inp(path)
+    text = path.read_text()
+    for old, new in (
+        ("ELSET=LOWER, MATERIAL=A", "ELSET=LOWER, MATERIAL=A, ORIENTATION=O"),
+        ("*ELASTIC\n2.1D11, 0.3", "*ELASTIC, TYPE=ENGINEERING CONSTANTS\n135., 10., 8., 0.3, 0.25, 0.45, 5., 4.,\n3.4"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    path.write_text(f"{text}\n*ORIENTATION, NAME=O\n1., 2., 0.5, 0., 1., -1.\n3, 30.\n")
+
+
 def read_assembly(path: Path) -> str:
     return read_mesh(path, part="Brick-2")
 
@@ -325,6 +337,7 @@ FORMATS: dict[str, Format] = {
     ".msh 2.2": Format(".msh", copied("gmsh_wedge6.msh"), read_mesh, textwise),
     ".msh binary": Format(".msh", copied(wf.examples.path("roller") / "roller.msh"), read_mesh, bytewise),
     ".inp": Format(".inp", make_inp, read_mesh, textwise),
+    ".inp orthotropic": Format(".inp", make_orthotropic, read_mesh, textwise),
     ".inp assembly": Format(".inp", copied("assembly.inp"), read_assembly, textwise),
     ".cdb": Format(".cdb", copied("box.cdb"), read_mesh, textwise),
     ".unv": Format(".unv", copied("box.unv"), read_mesh, textwise),
