@@ -68,9 +68,9 @@ class Material:
 
         youngs_moduli: (E_1, E_2, E_3) [Pa]; poisson_ratios: (nu_12, nu_13, nu_23), nu_12 the contraction along 2 under
         tension along 1; shear_moduli: (G_12, G_13, G_23) [Pa]; density [kg/m3]. axes: the directions 1 and 2 in the
-        body's user frame; of the second the part across the first counts. Raises `InputError` for constants that are
-        not positive, or of no positive energy, and parallel axes. Contact surfaces, shells and beams need isotropic
-        materials.
+        body's user frame; of the second the part across the first counts. name: used in reports. Contact surfaces,
+        shells and beams need isotropic materials. Raises `InputError` for constants that are not positive, or of no
+        positive energy, and parallel axes.
 
         >>> ply = wf.Material.orthotropic((135e9, 10e9, 10e9), (0.3, 0.3, 0.45), (5e9, 5e9, 3.4e9), 1600)
         >>> ply.density

@@ -143,7 +143,7 @@ def test_body_goes_through_its_file(tmp_path: Path) -> None:
 
 
 def test_two_materials_and_the_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Cells of both kinds; the cache tells materials with other constants and axes apart, and not by their names."""
+    """Cells of both kinds; the key of the cache depends on constants and axes, not on the name."""
     from warpffrf.offline.settings import _numbers
 
     box = wf.mesh.box((0.2, 0.02, 0.01), (6, 1, 1), order=1)

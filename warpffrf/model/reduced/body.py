@@ -106,10 +106,10 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
         2411) and mode shapes (55): modal assurance criteria and pairs of modes
         (`warpffrf.model.reduced.measured_modes`). `.updated_body()` and `.damping()` take frequencies and ratios over.
 
-        length_unit: of the coordinates in the file, one of m, cm, mm, um, in, ft; position [m], rotation: pose of the
-        axes of the measurement in the user frame. least_mac: smallest criterion of a pair. The body must have been
-        measured free, or on soft supports. Raises `InputError` for files that are damaged or without modes, measured
-        points far from the body, and bodies without vibration modes.
+        path: the file; length_unit: of its coordinates, one of m, cm, mm, um, in, ft; position [m], rotation: pose of
+        the axes of the measurement in the user frame. least_mac [-]: smallest criterion of a pair. The body must have
+        been measured free, or on soft supports. Raises `InputError` for files that are damaged or without modes,
+        measured points far from the body, and bodies without vibration modes.
         """
         return compare_modes(self, path, length_unit, position, rotation, least_mac)
 
