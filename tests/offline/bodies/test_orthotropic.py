@@ -97,7 +97,8 @@ def test_isotropic_by_nine_constants() -> None:
     sign = np.sign(np.sum(modes[0] * modes[1], axis=1))
     for name, field in a.stress.items():
         same_numbers(field.modes, sign[:, None, None] * b.stress[name].modes, name)
-    first, second = (body.inertia_terms.stiffening for body in bodies)
+    terms: Any = [body.inertia_terms for body in bodies]
+    first, second = (one.stiffening for one in terms)
     both = np.outer(sign, sign)[: first.modes, : first.modes]
     same_numbers(first.centrifugal, both * second.centrifugal, "centrifugal")
     same_numbers(first.interfaces["x_max"], both * second.interfaces["x_max"], "interfaces")
@@ -169,7 +170,7 @@ def test_contact_surfaces_are_refused_by_name() -> None:
     with pytest.raises(InputError, match="contact 'z_max': 6 cells below it are of the orthotropic material 'ply'"):
         wf.reduce(mesh, PLY, contact={"z_max": wf.surfaces.Plane()}, modes=2, cache=False, progress=False)
     with pytest.raises(InputError, match="material must be a Material"):
-        wf.mesh.Shell([[0, 1, 2, 3]], 0.01, PLY)
+        wf.mesh.Shell([[0, 1, 2, 3]], 0.01, PLY)  # pyright: ignore[reportArgumentType]
 
 
 @pytest.mark.parametrize(

@@ -100,12 +100,13 @@ def test_files_have_all_digits(tmp_path: Path) -> None:
 def test_wrong_input(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("rainflow")
     stress = uniaxial(STANDARD)
-    for options, said in (
+    wrong: list[tuple[dict[str, Any], str]] = [
         ({"point": 1}, "point"),
         ({"point": -1}, "point"),
         ({"of": "von_mises"}, "signed_von_mises"),
         ({"of": (0.0, 0.0, 0.0)}, "rainflow: of"),
-    ):
+    ]
+    for options, said in wrong:
         with pytest.raises(InputError, match=said):
             stress.rainflow(**options)
     monkeypatch.setitem(sys.modules, "rainflow", None)
