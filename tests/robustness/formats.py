@@ -22,6 +22,7 @@ from scipy.io import mmwrite
 import warpffrf as wf
 from warpffrf.model.files.sealed_file import HEAD, TRAILER, seal
 from warpffrf.model.mesh.files.matrices import read_matrix
+from warpffrf.model.mesh.files.unv_modes import read_modes
 from warpffrf.model.messages.checkpoints import Source
 from warpffrf.model.reduced.file import _digest, _flatten
 from warpffrf.output.files import unfinished
@@ -173,6 +174,18 @@ def make_inp(path: Path) -> None:
     shutil.copy(DATA / "flat_nodes.inp", path.parent)
 
 
+def make_orthotropic(path: Path) -> None:
+    make_inp(path)
+    text = path.read_text()
+    for old, new in (
+        ("ELSET=LOWER, MATERIAL=A", "ELSET=LOWER, MATERIAL=A, ORIENTATION=O"),
+        ("*ELASTIC\n2.1D11, 0.3", "*ELASTIC, TYPE=ENGINEERING CONSTANTS\n135., 10., 8., 0.3, 0.25, 0.45, 5., 4.,\n3.4"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    path.write_text(f"{text}\n*ORIENTATION, NAME=O\n1., 2., 0.5, 0., 1., -1.\n3, 30.\n")
+
+
 def read_assembly(path: Path) -> str:
     return read_mesh(path, part="Brick-2")
 
@@ -292,6 +305,26 @@ def read_sweep(path: Path) -> str:
     return digest(list(table.parameters["load"]), texts, table.numbers, columns, table.time, table.budget)
 
 
+def make_modes(path: Path) -> None:
+    """Points and two modes, one real and one complex."""
+    lines = ["    -1", "    15"]
+    lines += [f"{n:10d}{0:10d}{0:10d}{1:10d}{0.1 * n:13.5E}{0.2:13.5E}{-0.3 * n:13.5E}" for n in (1, 2, 5)]
+    for analysis, kind, facts in ((2, 2, (123.4, 1.0, 0.01, 0.0)), (3, 5, (-7.5, 800.0, 0.0, 0.0, 0.0, 0.0))):
+        lines += ["    -1", "    -1", "    55", *5 * ["NONE"]]
+        lines.append("".join(f"{n:10d}" for n in (1, analysis, 2, 8, kind, 3)))
+        lines.append("".join(f"{n:10d}" for n in (2, len(facts), 1, 1)))
+        lines.append("".join(f"{x:13.5E}" for x in facts))
+        for n in (1, 2, 5):
+            lines += [f"{n:10d}", "".join(f"{(-1) ** i * n / 3.0:13.5E}" for i in range(3 * kind // 2 - kind // 5))]
+    path.write_text("\n".join([*lines, "    -1", ""]))
+
+
+def read_shapes(path: Path) -> str:
+    found = read_modes(path)
+    assert all(np.isfinite(a).all() for a in (found.points, found.frequencies, found.damping, found.shapes))
+    return digest(found)
+
+
 FORMATS: dict[str, Format] = {
     "body .h5": Format(".h5", make_body, read_body, bytewise, exact=True),
     "results .h5": Format(".h5", make_results, read_results, bytewise, exact=True),
@@ -304,9 +337,11 @@ FORMATS: dict[str, Format] = {
     ".msh 2.2": Format(".msh", copied("gmsh_wedge6.msh"), read_mesh, textwise),
     ".msh binary": Format(".msh", copied(wf.examples.path("roller") / "roller.msh"), read_mesh, bytewise),
     ".inp": Format(".inp", make_inp, read_mesh, textwise),
+    ".inp orthotropic": Format(".inp", make_orthotropic, read_mesh, textwise),
     ".inp assembly": Format(".inp", copied("assembly.inp"), read_assembly, textwise),
     ".cdb": Format(".cdb", copied("box.cdb"), read_mesh, textwise),
     ".unv": Format(".unv", copied("box.unv"), read_mesh, textwise),
+    ".unv, modes": Format(".unv", make_modes, read_shapes, textwise),
     ".med": Format(".med", copied("gmsh_hex20.med"), read_mesh, bytewise),
     ".med, arrays": Format(".med", copied("gmsh_hex20.med"), read_mesh, mutations.of_arrays),
     ".vtu ASCII": Format(".vtu", vtu(False), read_mesh, textwise),

@@ -2,9 +2,10 @@ r"""Finite-element matrices: quadrature, materials of cells, assembly.
 
 Assembly. Stiffness and mass matrices of linear elasticity on isoparametric cells.
 
-With scalar shape functions `N_a` and `g_ab^ij = int dN_a/dx_i dN_b/dx_j dV` the stiffness of an isotropic material is
+With scalar shape functions `N_a` and `g_ab^ij = int dN_a/dx_i dN_b/dx_j dV` the stiffness of an isotropic and of an
+orthotropic material is
 
-    K_(a,i),(b,j) = lambda g_ab^ij + mu g_ab^ji + mu delta_ij sum_k g_ab^kk,
+    K_(a,i),(b,j) = lambda g_ab^ij + mu g_ab^ji + mu delta_ij sum_k g_ab^kk,      K_(a,i),(b,k) = c_ijkl g_ab^jl,
 
 and the consistent mass `M_(a,i),(b,j) = delta_ij rho int N_a N_b dV`: everything follows from *scalar* integrals,
 batched over components and cells. Dofs are node-interleaved, `3*node + component`, in mesh numbering.
@@ -51,7 +52,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError, unknown_name
-from warpffrf.model.material import NEARLY_INCOMPRESSIBLE, Material
+from warpffrf.model.material import NEARLY_INCOMPRESSIBLE, Material, Orthotropic, SolidMaterial
 from warpffrf.model.mesh import FacetSet, Mesh
 from warpffrf.model.mesh.elements import CELL_KINDS, FACET_KINDS, cell_kind, determinants, facet_kind
 from warpffrf.model.mesh.elements.kinds import monomials
@@ -94,12 +95,14 @@ def scatter(local: np.ndarray, dofs: np.ndarray, size: int) -> Sparse:
     return sp.coo_matrix((local.ravel(), (rows, columns)), shape=(size, size)).tocsr()
 
 
-def _stiffness(x: np.ndarray, kind: str, material: Material) -> np.ndarray:
-    lam, mu = material.lame
+def _stiffness(x: np.ndarray, kind: str, material: SolidMaterial) -> np.ndarray:
     slopes, weight = physical_gradients(x, kind)
     e, q, k, _ = slopes.shape
     flat = slopes.reshape(e, q, 3 * k)
     g = np.matmul((flat * weight[..., None]).transpose(0, 2, 1), flat).reshape(e, k, 3, k, 3)
+    if isinstance(material, Orthotropic):
+        return np.einsum("ijkl,eajbl->eaibk", material.stiffness, g, optimize=True).reshape(e, 3 * k, 3 * k)
+    lam, mu = material.lame
     trace = np.einsum("eaibi->eab", g)
     K = mu * g.transpose(0, 1, 4, 3, 2)
     if is_mixed(kind, material):
@@ -124,7 +127,7 @@ PROJECTED = tuple(kind for kind in CELL_KINDS if cell_kind(kind).dilatation is n
 WAVERING = "tet10"  # displacements converge, the mean stress hardly: measured error 41 %, that of hex20 cells 6 %
 
 
-def is_mixed(kind: str, material: Material) -> bool:
+def is_mixed(kind: str, material: SolidMaterial) -> bool:
     """Whether cells of `kind` made of `material` use the projected dilatation."""
     return material.mixed and kind in PROJECTED
 
@@ -134,6 +137,8 @@ def formulation_notes(assignment: Assignment, stresses: bool) -> tuple[list[str]
     `stresses` oscillate."""
     notes, warnings = [], []
     for i, material in enumerate(assignment.materials):
+        if isinstance(material, Orthotropic):
+            continue
         label = f"material {material.name!r}" if material.name else "material"
         ratio = f"at Poisson's ratio {material.poisson_ratio:g}"
         nearly = material.poisson_ratio > NEARLY_INCOMPRESSIBLE
@@ -202,11 +207,11 @@ def _pressures(x: Array, kind: str, values: Array) -> Array:
 class Assignment:
     """`materials`, and for each block of cells the number of its cells' material (m,)."""
 
-    materials: tuple[Material, ...]
+    materials: tuple[SolidMaterial, ...]
     of_cell: dict[str, np.ndarray]
 
 
-def assign(mesh: Mesh, material: Material | Mapping[str, Material] | None) -> Assignment:
+def assign(mesh: Mesh, material: SolidMaterial | Mapping[str, SolidMaterial] | None) -> Assignment:
     """Assign one material, or {cell set: material}, to the cells of `mesh`.
 
     Raises `InputError` for an unknown cell set, a cell without material or with two, and if a mesh of cells has no
@@ -216,13 +221,13 @@ def assign(mesh: Mesh, material: Material | Mapping[str, Material] | None) -> As
         if mesh.matrices is None and mesh.cells:
             raise InputError("reduce: a material is needed, made by Material, or {cell set: Material}")
         return Assignment((), {})
-    if isinstance(material, Material):
+    if isinstance(material, Material | Orthotropic):
         return Assignment((material,), {kind: np.zeros(len(c), dtype=np.int64) for kind, c in mesh.cells.items()})
     if not isinstance(material, Mapping) or not material:
         raise InputError(f"reduce: a material is needed, made by Material, or {{cell set: Material}}, got {material!r}")
     number = np.full(mesh.cell_count, -1, dtype=np.int64)
     for i, (name, one) in enumerate(material.items()):
-        if not isinstance(one, Material):
+        if not isinstance(one, Material | Orthotropic):
             raise InputError(f"material of cell set {name!r}: a Material is needed, got {one!r}")
         if name not in mesh.cell_sets:
             raise unknown_name(f"mesh {mesh.name or '(unnamed)'}: cell set", name, mesh.cell_sets)
@@ -245,10 +250,24 @@ def assign(mesh: Mesh, material: Material | Mapping[str, Material] | None) -> As
 
 
 def facet_material(mesh: Mesh, facets: FacetSet, assignment: Assignment) -> Material | None:
-    """The material below most of the facets; None for a mesh without materials."""
+    """The material below most of the facets, isotropic (`require_isotropic`); None for a mesh without materials."""
     if len(assignment.materials) < 2:
-        return assignment.materials[0] if assignment.materials else None
-    return assignment.materials[int(np.argmax(_cells_behind(mesh, facets, assignment)))]
+        found = assignment.materials[0] if assignment.materials else None
+    else:
+        found = assignment.materials[int(np.argmax(_cells_behind(mesh, facets, assignment)))]
+    return None if isinstance(found, Orthotropic) else found
+
+
+def require_isotropic(mesh: Mesh, name: str, assignment: Assignment) -> None:
+    """Raises `InputError` if the facet set `name`, a contact surface, is on orthotropic cells."""
+    behind = _cells_behind(mesh, mesh.facets(name), assignment)
+    for count, material in zip(behind, assignment.materials, strict=True):
+        if isinstance(material, Orthotropic) and count:
+            of = f" {material.name!r}" if material.name else ""
+            raise InputError(
+                f"contact {name!r}: {int(count)} cells below it are of the orthotropic material{of}; half-spaces, "
+                "Hertz and the stress below tractions need isotropic ones: give the layer of cells there a Material"
+            )
 
 
 def other_material(mesh: Mesh, facets: FacetSet, assignment: Assignment) -> float:

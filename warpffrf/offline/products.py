@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.material import Orthotropic
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced.contact_grid import SurfaceGrid
 from warpffrf.model.reduced.contact_surface import CrossCompliance, Recovery, Tangential
@@ -219,6 +220,8 @@ def choose_path(
 
     `reason`: why the general path is required in any case; None if it is not.
     """
+    if reason is None and assignment and any(isinstance(m, Orthotropic) for m in assignment.materials):
+        reason = "the axes of an orthotropic material do not turn from sector to sector"
     fault = reason or periodicity_fault(mesh, interface_sets, assignment)
     patterns: dict[str, FacetPattern] = {}
     if fault is None and mesh.cyclic is not None:

@@ -15,7 +15,7 @@ import warpffrf.offline.cache as body_cache
 from warpffrf.model.arguments import Matrix
 from warpffrf.model.checks.plausibility import warn
 from warpffrf.model.errors import InputError
-from warpffrf.model.material import Material
+from warpffrf.model.material import SolidMaterial
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.periodicity import detect
 from warpffrf.model.mesh.report import refuse_wrong_units
@@ -43,7 +43,7 @@ from warpffrf.offline.contact.local_mass import INDEPENDENCE, check_compliance, 
 from warpffrf.offline.contact.mesh_error import axial_error, axial_warning, line_mesh_error, mesh_error_warning
 from warpffrf.offline.contact.node_loads import ContactFacets
 from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
-from warpffrf.offline.fe import Assignment, assign, facet_material, formulation_notes, other_material
+from warpffrf.offline.fe import Assignment, assign, facet_material, formulation_notes, other_material, require_isotropic
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.observers import SKIN
 from warpffrf.offline.general.path import reduce_general
@@ -70,7 +70,7 @@ SPACING_NOTED = 0.1  # relative to the requested spacing: larger differences are
 @named_arguments
 def reduce(
     mesh: Mesh,
-    material: Material | Mapping[str, Material] | None = None,
+    material: SolidMaterial | Mapping[str, SolidMaterial] | None = None,
     *,
     interfaces: Mapping[str, str] | None = None,
     contact: Mapping[str, Shape | Matched | None] | None = None,
@@ -89,7 +89,7 @@ def reduce(
     ----------
     mesh: the body; its frame is the body's user frame.
     material: one material, or {cell set: Material} that covers every cell once (`mesh.materials` if they were read from
-        a file). Not required for a mesh made of matrices.
+        a file), isotropic or `Material.orthotropic`. Not required for a mesh made of matrices.
     interfaces: {facet set: kind}. "rigid": the nodes move as one rigid body (RBE2); "average": the interface is the
         mean motion of nodes that deform freely (RBE3); "free": every node keeps its own displacement.
     contact: {facet set: shape}: a `warpffrf.surfaces` shape, None to fit a cylinder or crowned cylinder, or
@@ -140,7 +140,9 @@ def reduce(
         options=options,
     )
     settings.check_against(mesh)
-    assign(mesh, material)
+    assignment = assign(mesh, material)
+    for name in settings.contact:
+        require_isotropic(mesh, name, assignment)
     refuse_wrong_units(material)
     described = settings.describe(mesh)
     key = body_cache.cache_key(described)

@@ -10,13 +10,13 @@ no mode (given in kHz).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number, unknown_name
-from warpffrf.model.material import Material
+from warpffrf.model.material import Material, Orthotropic, SolidMaterial
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.surfaces import Matched
 from warpffrf.offline.bases import Basis, basis_options
@@ -35,7 +35,7 @@ CYCLIC_BASES = ("free_free", "craig_chang")  # their span is that of free vibrat
 class Settings:
     """Arguments of `reduce`; see there. `check` raises `InputError` for inadmissible values."""
 
-    material: Material | Mapping[str, Material] | None
+    material: SolidMaterial | Mapping[str, SolidMaterial] | None
     interfaces: dict[str, str]
     contact: dict[str, Any]
     basis: Basis
@@ -166,10 +166,12 @@ def _require(value: Any, kind: type, name: str) -> Any:
     return value
 
 
-def _numbers(material: Material | Mapping[str, Material] | None) -> Any:
+def _numbers(material: SolidMaterial | Mapping[str, SolidMaterial] | None) -> Any:
     """The properties of a material that affect numbers; its name does not."""
     if isinstance(material, Material):
         return [material.youngs_modulus, material.poisson_ratio, material.density, material.mixed]
+    if isinstance(material, Orthotropic):
+        return [*asdict(replace(material, name="")).values()]
     return None if material is None else {name: _numbers(one) for name, one in material.items()}
 
 
@@ -191,7 +193,7 @@ FACETS = 50.0  # longest facet edge over the half-width: coarser meshes are not 
 
 def input_doubts(mesh: Mesh, settings: Settings) -> list[str]:
     """Doubts about mesh, materials and requested results: texts that name the item and the likely mistake."""
-    known = settings.material if isinstance(settings.material, Material | Mapping) else None
+    known = settings.material if isinstance(settings.material, Material | Orthotropic | Mapping) else None
     return [*mesh.report(known).warnings, *_half_width_doubts(mesh, settings)]
 
 

@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from warpffrf.output.bodies.stress_below import StressBelow
     from warpffrf.output.report.fold import Pairs
     from warpffrf.output.spectrum import Spectrum
+    from warpffrf.output.surface_velocity import SurfaceVelocity
     from warpffrf.output.waterfall import Waterfall
 
 
@@ -254,6 +255,18 @@ class Result(reprs.Shown):
 
         values, label, units = self._history(history)
         return order_spectrum(self.time, values, self.body(body).angular_velocity, label, units, body, axis)
+
+    def surface_velocity(self, body: str, rotor: str, orders: Sequence[float], axis: Any = None) -> SurfaceVelocity:
+        """Complex velocity of the skin of a body that does not turn (a housing) at `orders` (k,) of the rotation
+        of the body called `rotor` about `axis`, as of `orders`: `.velocity` (k, n, 3), `.normal` (k, n) [m/s],
+        `.radiated_power()` (k,) [W], `.to_uff(path)`. Method and neglected parts: `warpffrf.output.surface_velocity`.
+
+        Raises InputError as `orders`, for a rigid `body` or one that turns, and for orders that are no multiples of one
+        over the whole turns of the run, or that its rows do not resolve.
+        """
+        from warpffrf.output.surface_velocity import surface_velocity
+
+        return surface_velocity(self, body, rotor, orders, axis)
 
     def waterfall(
         self, history: str | np.ndarray, speed: str | None = None, *, window: float | None = None, axis: Any = None

@@ -153,6 +153,16 @@ def order_spectrum(
     fewer than 2 revolutions or reverses about the axis, for too few rows per revolution, and as `frequency_spectrum`.
     """
     _check(time, values, label)
+    turns, even, whole = whole_turns(time, spin, body, axis)
+    place, amplitude = amplitudes(np.interp(even, turns, values), (even[1] - even[0]))
+    notes = [f"the last {whole} turns of {turns[-1]:.4g}, interpolated linearly to {len(even)} equal angles"]
+    of = f"order of the rotation of '{body}' [1/rev]"
+    return Spectrum(label, units, of, place, amplitude, notes, float(np.max(np.abs(values))))
+
+
+def whole_turns(time: np.ndarray, spin: np.ndarray, body: str, axis: Any) -> tuple[np.ndarray, np.ndarray, int]:
+    """Turns (T,) of `body` at the rows, equal angles (N,) [turns] over the whole turns that end with the run, without
+    their last one, and the number of these turns. Raises InputError as `order_spectrum`."""
     rate = turning_rate(time, spin, axis)
     turns = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(time))]) / TURN
     whole = int(np.floor(turns[-1] * (1.0 + EVEN)))
@@ -169,11 +179,7 @@ def order_spectrum(
         raise InputError(
             f"orders: {count} rows in {whole} turns of body '{body}' resolve no order; save more rows, save_every=1"
         )
-    even = begin + (turns[-1] - begin) * np.arange(count) / count
-    place, amplitude = amplitudes(np.interp(even, turns, values), (even[1] - even[0]))
-    notes = [f"the last {whole} turns of {turns[-1]:.4g}, interpolated linearly to {count} equal angles"]
-    of = f"order of the rotation of '{body}' [1/rev]"
-    return Spectrum(label, units, of, place, amplitude, notes, float(np.max(np.abs(values))))
+    return turns, begin + (turns[-1] - begin) * np.arange(count) / count, whole
 
 
 def amplitudes(values: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray]:

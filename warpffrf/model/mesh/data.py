@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, unknown_name
-from warpffrf.model.material import Material
+from warpffrf.model.material import SolidMaterial
 from warpffrf.model.mesh import cut as cutting
 from warpffrf.model.mesh import periodicity
 from warpffrf.model.mesh import select as selection
@@ -61,7 +61,7 @@ class Mesh(reprs.Shown):
     cyclic: Cyclic | None = None
     name: str = ""
     cell_sets: Mapping[str, np.ndarray] = field(default_factory=dict, kw_only=True)
-    materials: Mapping[str, Material] = field(default_factory=dict, kw_only=True)
+    materials: Mapping[str, SolidMaterial] = field(default_factory=dict, kw_only=True)
     notes: tuple[str, ...] = field(default=(), kw_only=True)
     matrices: Matrices | None = field(default=None, kw_only=True)
     structure: Any = field(default=(), kw_only=True)  # parts; afterwards the `Structure` of them
@@ -312,7 +312,7 @@ class Mesh(reprs.Shown):
             check_connected(len(self.points), self.cells)
         return self
 
-    def report(self, material: Material | Mapping[str, Material] | None = None) -> MeshReport:
+    def report(self, material: SolidMaterial | Mapping[str, SolidMaterial] | None = None) -> MeshReport:
         """Size, volume, quality, warnings; with `material`, one or {cell set: Material}, mass and inertia too.
 
         Where it is None the materials of the mesh's file are used, if they cover every cell. Raises `InputError` for an

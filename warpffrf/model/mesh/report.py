@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpffrf.model.errors import InputError, unknown_name
-from warpffrf.model.material import Material
+from warpffrf.model.material import Material, Orthotropic, SolidMaterial
 from warpffrf.model.mesh.checks import part_labels
 from warpffrf.model.mesh.elements import CellKind, cell_kind, determinants, facet_kind
 from warpffrf.model.mesh.elements.domains import hex_rule, tet_rule, wedge_rule
@@ -125,13 +125,13 @@ class MeshReport:
         return "\n".join(lines + [f"  warning: {w}" for w in self.warnings])
 
 
-def report(mesh: Mesh, material: Material | Mapping[str, Material] | None = None) -> MeshReport:
+def report(mesh: Mesh, material: SolidMaterial | Mapping[str, SolidMaterial] | None = None) -> MeshReport:
     """The report of `mesh`; with `material`, one or {cell set: Material}, mass and inertia too.
 
     Where `material` is None the materials of the mesh's file are used, if they cover every cell. Raises `InputError`
     for an unknown cell set and for cells without material.
     """
-    if material is not None and (not isinstance(material, Material | Mapping) or not material):
+    if material is not None and (not isinstance(material, Material | Orthotropic | Mapping) or not material):
         raise InputError(f"mesh report: a Material or {{cell set: Material}} is needed, got {material!r}")
     lower, upper = mesh.points.min(axis=0), mesh.points.max(axis=0)
     shape = _Shape(mesh)
@@ -146,7 +146,7 @@ def report(mesh: Mesh, material: Material | Mapping[str, Material] | None = None
         mass, center, inertia = _from_matrix(mesh)
     elif given is not None:
         mass, center, inertia = _from_cells(mesh, _densities(mesh, given))
-    materials = {} if given is None else {"": given} if isinstance(given, Material) else dict(given)
+    materials = {} if given is None else {"": given} if isinstance(given, Material | Orthotropic) else dict(given)
     warnings = [
         *_size_warnings(upper - lower, mass),
         *(w for name, one in materials.items() for w in material_warnings(one, name)),
@@ -177,10 +177,10 @@ def report(mesh: Mesh, material: Material | Mapping[str, Material] | None = None
     )
 
 
-def material_warnings(material: Material, name: str = "") -> list[str]:
+def material_warnings(material: SolidMaterial, name: str = "") -> list[str]:
     """Warnings where density or sound speed sqrt(E/rho) of `material` is that of no solid: probably wrong units."""
     label = f"material {material.name!r}" if material.name else f"material of {name!r}" if name else "material"
-    E, rho = material.youngs_modulus, material.density
+    E, rho = stiffest(material), material.density
     speed = float(np.sqrt(E / rho))
     found = []
     if not SOUND_SPEEDS[0] <= speed <= SOUND_SPEEDS[1]:
@@ -194,22 +194,27 @@ def material_warnings(material: Material, name: str = "") -> list[str]:
     return found
 
 
-def refuse_wrong_units(material: Material | Mapping[str, Material] | None) -> None:
+def refuse_wrong_units(material: SolidMaterial | Mapping[str, SolidMaterial] | None) -> None:
     """Raises `InputError` for a speed of sound sqrt(E/rho) that no solid has, probably due to wrong units.
 
     A body too soft has a vast number of modes below any frequency. One too stiff or too light has few of them, and is a
     common idealisation (nearly rigid, nearly massless): it is refused only where another unit makes it a usual solid,
     and not in the consistent units N, mm, t. `material_warnings` reports the others.
     """
-    named = {"": material} if isinstance(material, Material) else material or {}
+    named = {"": material} if isinstance(material, Material | Orthotropic) else material or {}
     for name, one in named.items():
-        E, rho = one.youngs_modulus, one.density
+        E, rho = stiffest(one), one.density
         speed = float(np.sqrt(E / rho))
         slip = _slip(E, rho)
         stiff = speed > SPEED_REFUSED[1] and slip not in (None, ("MPa", "t/mm3"))
         if speed < SPEED_REFUSED[0] or stiff:
             cure = "; of a body without mass the density is below 0.5 kg/m3" if stiff else ""
             raise InputError("reduce: " + "; ".join(material_warnings(one, name)) + cure)
+
+
+def stiffest(material: SolidMaterial) -> float:
+    """Young's modulus [Pa], of an orthotropic material the largest."""
+    return material.youngs_modulus if isinstance(material, Material) else max(material.youngs_moduli)
 
 
 def _meant(E: float, rho: float) -> str:
@@ -321,7 +326,7 @@ def _chunks(mesh: Mesh) -> Iterator[tuple[str, Array]]:
             yield kind, nodes[start : start + _CHUNK]
 
 
-def _uncovered(mesh: Mesh, materials: Mapping[str, Material]) -> int:
+def _uncovered(mesh: Mesh, materials: Mapping[str, SolidMaterial]) -> int:
     """Number of cells that are in none of the cell sets."""
     covered = np.zeros(mesh.cell_count, dtype=bool)
     for name in materials:
@@ -331,9 +336,9 @@ def _uncovered(mesh: Mesh, materials: Mapping[str, Material]) -> int:
     return int(np.sum(~covered))
 
 
-def _densities(mesh: Mesh, material: Material | Mapping[str, Material]) -> Array:
+def _densities(mesh: Mesh, material: SolidMaterial | Mapping[str, SolidMaterial]) -> Array:
     """Density of each cell (cell_count,) [kg/m3]."""
-    if isinstance(material, Material):
+    if isinstance(material, Material | Orthotropic):
         return np.full(mesh.cell_count, material.density)
     bare = _uncovered(mesh, material)
     if bare:

@@ -12,12 +12,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from warpffrf.model.arguments import RotationLike, Vector
 from warpffrf.model.files.paths import checked_output_path
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.reduced.craig_bampton import CraigBampton, craig_bampton
 from warpffrf.model.reduced.data import ReducedBodyData
 from warpffrf.model.reduced.file import content_hash, read_reduced_body, write_reduced_body
+from warpffrf.model.reduced.measured_modes import ModeComparison, compare_modes
 from warpffrf.model.reduced.summary import summary
 
 
@@ -90,6 +92,26 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
         from warpffrf.model.reduced.mesh_error import mesh_error
 
         return mesh_error(self, finer, half_width, interface)
+
+    def compare_modes(
+        self,
+        path: str | Path,
+        *,
+        length_unit: str,
+        position: Vector = (0.0, 0.0, 0.0),
+        rotation: RotationLike = (0.0, 0.0, 0.0, 1.0),
+        least_mac: float = 0.8,
+    ) -> ModeComparison:
+        """Compare the modes of this free body with measured ones, of a universal file with the points (datasets 15 or
+        2411) and mode shapes (55): modal assurance criteria and pairs of modes
+        (`warpffrf.model.reduced.measured_modes`). `.updated_body()` and `.damping()` take frequencies and ratios over.
+
+        path: the file; length_unit: of its coordinates, one of m, cm, mm, um, in, ft; position [m], rotation: pose of
+        the axes of the measurement in the user frame. least_mac [-]: smallest criterion of a pair. The body must have
+        been measured free, or on soft supports. Raises `InputError` for files that are damaged or without modes,
+        measured points far from the body, and bodies without vibration modes.
+        """
+        return compare_modes(self, path, length_unit, position, rotation, least_mac)
 
     def quality_page(self, path: str | Path, *, theme: str = "light", overwrite: bool = False) -> Path:
         """Write a picture of the body's quality: mode shapes, compliance decay, frequencies covered, key figures;

@@ -54,7 +54,7 @@ class ReducedBodyData:
     mass: float  # kg
     center_of_mass: np.ndarray  # (3,) m, user frame
     inertia: np.ndarray  # (3, 3) kg m2, about the centre of mass, user axes
-    frequencies: np.ndarray  # (m,) Hz, ascending
+    frequencies: np.ndarray  # (m,) Hz, ascending; measured ones (`measured_modes`) may be out of order
     interfaces: dict[str, Interface]
     contact_surfaces: dict[str, ContactSurface]
     surface: DisplaySurface

@@ -69,6 +69,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.material import Orthotropic, SolidMaterial
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.inertia import PRODUCTS, GeometricStiffness, InertiaTerms
@@ -294,7 +295,7 @@ def prestress_stiffness(
                 if is_mixed(kind, material):
                     D = projected_dilatation(points[part], kind)
                     dilatation = np.einsum("eacl,eqac->eql", u, D, optimize=True)
-                sigma = stress(gradient, *material.lame, dilatation) * weight[:, :, None, None, None]
+                sigma = stress(gradient, material, dilatation) * weight[:, :, None, None, None]
                 for load in range(count):
                     pulled = np.matmul(slopes, sigma[..., load])
                     local = np.matmul(pulled.transpose(0, 2, 1, 3).reshape(*part.shape, -1), _across(slopes))
@@ -309,9 +310,12 @@ def _across(slopes: Array) -> Array:
     return slopes.transpose(0, 1, 3, 2).reshape(e, 3 * q, a)
 
 
-def stress(gradient: Array, lam: float, mu: float, dilatation: Array | None = None) -> Array:
-    """Stress (..., 3, 3, l) [Pa] of displacement gradients (..., 3, 3, l), isotropic with Lame's `lam`, `mu` [Pa];
-    `dilatation` (..., l): where it is not their trace."""
+def stress(gradient: Array, material: SolidMaterial, dilatation: Array | None = None) -> Array:
+    """Stress (..., 3, 3, l) [Pa] of displacement gradients (..., 3, 3, l); `dilatation` (..., l): where it is not their
+    trace, of isotropic materials."""
+    if isinstance(material, Orthotropic):
+        return np.einsum("ijkm,...kml->...ijl", material.stiffness, gradient, optimize=True)
+    lam, mu = material.lame
     sigma = mu * (gradient + gradient.swapaxes(-3, -2))
     trace = np.einsum("...iil->...l", gradient) if dilatation is None else dilatation
     for i in range(3):

@@ -35,6 +35,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.mesh.report import stiffest
 from warpffrf.offline.elastic import ElasticModel
 from warpffrf.offline.fe import CHUNK_BYTES, Assignment, Sparse, physical_gradients
 from warpffrf.offline.inertia.second_order import SecondOrderStrain, second_order_motion, second_order_shapes
@@ -144,7 +145,7 @@ def _require_bending(mesh: Mesh, assignment: Assignment, kappa: Array) -> float:
     stiffness = 0.0  # int E dV [J]
     for kind, cells in mesh.cells.items():
         _, weight = physical_gradients(mesh.points[cells], kind)
-        E = np.array([m.youngs_modulus for m in assignment.materials])[assignment.of_cell[kind]]
+        E = np.array([stiffest(m) for m in assignment.materials])[assignment.of_cell[kind]]
         stiffness += float(E @ weight.sum(axis=1))
     least = float(1.0 / np.sqrt(kappa.max() * stiffness)) if kappa.max() > 0.0 else np.inf
     if least > BENDING:

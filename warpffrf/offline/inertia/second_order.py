@@ -52,6 +52,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.material import Orthotropic, SolidMaterial
 from warpffrf.model.reduced.inertia import SecondOrderMotion
 from warpffrf.offline.elastic import ElasticModel
 from warpffrf.offline.fe import CHUNK_BYTES, Assignment, Sparse, is_mixed, physical_gradients, projection
@@ -171,7 +172,7 @@ class SecondOrderStrain:
                     if theta is not None:
                         E += strain_of(theta.reshape(n, 3 * p)[nodes].reshape(len(nodes), a, 3, p), slopes)
                     P = projection(self.points[nodes], kind) if is_mixed(kind, material) else None
-                    yield CellStrains(nodes, slopes, weight, E, hooke(E, *material.lame, P), i)
+                    yield CellStrains(nodes, slopes, weight, E, hooke(E, material, P), i)
 
     def _stretching(self, nodes: Array, slopes: Array, chosen: Array) -> Array:
         """eta/2 (e, q, 6, p) times the weights of the pairs."""
@@ -214,8 +215,12 @@ def strain_of(u: Array, slopes: Array) -> Array:
     return 0.5 * SHEAR[:, None] * (H[:, :, FIRST, SECOND] + H[:, :, SECOND, FIRST])
 
 
-def hooke(E: Array, lam: float, mu: float, P: Array | None = None) -> Array:
-    """Stress of strains (e, q, 6, p), isotropic with Lame's `lam`, `mu` [Pa]; `P` (e, q, q) projects the trace."""
+def hooke(E: Array, material: SolidMaterial, P: Array | None = None) -> Array:
+    """Stress of strains (e, q, 6, p), shear times sqrt 2 in both; `P` (e, q, q) projects the trace."""
+    if isinstance(material, Orthotropic):
+        c = SHEAR[:, None] * SHEAR * material.stiffness[FIRST, SECOND][:, FIRST, SECOND]
+        return np.einsum("ij,eqjp->eqip", c, E, optimize=True)
+    lam, mu = material.lame
     S = 2.0 * mu * E
     trace = E[:, :, 0] + E[:, :, 1] + E[:, :, 2]
     if P is not None:

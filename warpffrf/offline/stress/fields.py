@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from warpffrf.model.material import Material
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.reduced.stress_field import GridSpan, StressField
 from warpffrf.offline.cyclic.inertia import CyclicObserver, ObservedModes
@@ -115,8 +116,8 @@ def _at_recovery_points(plan: StressPlan, terms: MembraneTerms, kind: str, numbe
     x, material = plan.mesh.points[nodes], plan.assignment.materials[number]
     N, dN = recovery_points(kind)
     E = _strain(terms, nodes, gradients_at(x, dN)[0])
-    S = hooke(E, *material.lame)
-    if is_mixed(kind, material):
+    S = hooke(E, material)
+    if isinstance(material, Material) and is_mixed(kind, material):
         inside = _strain(terms, nodes, gradients_at(x, rule(kind, STIFFNESS_DEGREE[kind]).gradients)[0])
         trace = np.einsum("epq,eqcr->epr", projection(x, kind, N), inside[:, :, :3])
         S[:, :, :3] += material.lame[0] * (trace - E[:, :, :3].sum(axis=2))[:, :, None]

@@ -41,7 +41,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model.material import Material
+from warpffrf.model.material import Orthotropic, SolidMaterial
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.reduced.stress_field import from_tensor
 from warpffrf.offline.fe import CHUNK_BYTES, Assignment, Sparse, gradients_at, is_mixed, projected_dilatation
@@ -133,7 +133,9 @@ def _of_material(cells: Mapping[str, Array], assignment: Assignment, material: i
     return {kind: block for kind, block in own.items() if len(block)}
 
 
-def _dilatation(points: Array, cells: Mapping[str, Array], material: Material, nodes: Array) -> list[Sparse] | None:
+def _dilatation(
+    points: Array, cells: Mapping[str, Array], material: SolidMaterial, nodes: Array
+) -> list[Sparse] | None:
     """The dilatation at `nodes` (K,) if it is not that of the gradient, i.e. if a cell is mixed."""
     if not any(is_mixed(kind, material) for kind in cells):
         return None
@@ -149,7 +151,7 @@ def _at_nodes(x: Array, kind: str) -> Array:
     return np.einsum("aq,eqbi->eabi", to_nodes(kind), slopes, optimize=True)
 
 
-def _projected_for(material: Material) -> CellValues:
+def _projected_for(material: SolidMaterial) -> CellValues:
     """The dilatation at the nodes of cells: projected in mixed cells."""
 
     def values(x: Array, kind: str) -> Array:
@@ -183,12 +185,12 @@ def _means(points: Array, cells: Mapping[str, Array], wanted: Array, values: Cel
     return [sp.csr_matrix(mean @ part) for part in total]
 
 
-def _hooke(parts: list[_Derivatives], materials: Sequence[Material], material: Array) -> Sparse:
+def _hooke(parts: list[_Derivatives], materials: Sequence[SolidMaterial], material: Array) -> Sparse:
     """csr (6 K, 3 n) from the sum of `parts`, each row of its `material` (K,)."""
     gradient: list[Sparse] = [sp.csr_matrix(sum(part.gradient[i] for part in parts)) for i in range(3)]
     dilatation: list[Sparse] = [sp.csr_matrix(sum(part.dilatation[i] for part in parts)) for i in range(3)]
     count, n = gradient[0].shape
-    lame = np.array([m.lame for m in materials])[material]
+    lame = np.array([(0.0, 0.0) if isinstance(m, Orthotropic) else m.lame for m in materials])[material]
     lam, mu = sp.diags(lame[:, 0]), sp.diags(lame[:, 1])
     zero = sp.csr_matrix((count, n))
     blocks = []
@@ -198,6 +200,11 @@ def _hooke(parts: list[_Derivatives], materials: Sequence[Material], material: A
         row = [zero, zero, zero]
         row[i], row[j] = mu @ gradient[j], mu @ gradient[i]
         blocks.append(row)
+    if any(isinstance(m, Orthotropic) for m in materials):
+        c = np.array([m.stiffness if isinstance(m, Orthotropic) else np.zeros((3, 3, 3, 3)) for m in materials])
+        for row, (i, j) in zip(blocks, ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)), strict=True):
+            for k in range(3):
+                row[k] = row[k] + sum(sp.diags(c[material, i, j, k, m]) @ gradient[m] for m in range(3))
     stacked = sp.csr_matrix(sp.bmat(blocks, format="csr"))  # component-major: to node- and point-major
     rows = np.arange(6 * count).reshape(6, count).T.ravel()
     columns = np.arange(3 * n).reshape(3, n).T.ravel()

@@ -32,6 +32,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError, require_array, unknown_name
+from warpffrf.model.material import Orthotropic
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
 from warpffrf.model.mesh.structure import Shell
@@ -134,7 +135,7 @@ class StressPlan:
         self.weights = sp.csr_matrix((t.weight, (t.point, self._slot)), shape=shape)
         self._averaged = sp.csr_matrix((t.weight * t.nodal, (t.point, self._slot)), shape=shape)
         self._averaged.eliminate_zeros()
-        poisson = np.array([m.poisson_ratio for m in assignment.materials])
+        poisson = np.array([0.0 if isinstance(m, Orthotropic) else m.poisson_ratio for m in assignment.materials])
         self._poisson = poisson[self.slots.material]
         self.on = self._surfaces(contact or {}, where)
 

@@ -48,13 +48,16 @@ sigma along the meridian is partly that of plane strain.
 from __future__ import annotations
 
 import logging
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from warpffrf.model.arguments import Vector
 from warpffrf.model.errors import InputError
 from warpffrf.model.files.paths import size_text
 from warpffrf.model.messages import reprs
@@ -62,6 +65,7 @@ from warpffrf.model.reduced.far_field import cutoff
 from warpffrf.model.reduced.inertia import membrane_amplitudes, membrane_forms
 from warpffrf.model.reduced.stress_field import StressField, max_shear, principal, rotated, von_mises
 from warpffrf.online.history.history import History
+from warpffrf.output.bodies.fatigue import SIGNED, StressCycles, rainflow, stress_csv
 from warpffrf.output.bodies.half_space_stress import under_cells, under_nodes
 from warpffrf.output.bodies.normal_loads import CellLoads, NormalLoads, SmallSlidingLoads, film_loads, normal_loads
 from warpffrf.output.bodies.patch_on_skin import poses, tangential_forces
@@ -96,6 +100,22 @@ class StressResult(reprs.Rows):
     def max_shear(self) -> np.ndarray:
         """Largest shear stress (T, p) [Pa]."""
         return max_shear(self.tensor)
+
+    def rainflow(self, point: int = 0, *, of: str | Vector = SIGNED) -> StressCycles:
+        """Cycles of the history of the saved steps at a point, its index in `points`, by rainflow counting (ASTM
+        E1049-85): ranges, means, counts.
+
+        of: a component "xx" to "zx", "signed_von_mises" with the sign of the principal stress of largest magnitude, or
+        a direction (3,) in the body's user frame, along which the normal stress counts. Peaks between saved steps are
+        not seen. Raises `InputError` for an unknown point or quantity, and without the package rainflow (extra
+        `fatigue`).
+        """
+        return rainflow(self, point, of)
+
+    def to_csv(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+        """Write the histories of all points, a row per saved step with six components for each, for programs of
+        fatigue; returns the path. Raises `InputError` for a file that is not to be replaced."""
+        return stress_csv(self, path, overwrite)
 
 
 def surface_forces(loads: list[NormalLoads | PatchStress], i: int) -> dict[str, np.ndarray]:

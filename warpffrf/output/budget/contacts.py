@@ -343,7 +343,7 @@ def highest_frequency(body: Any) -> float:
     """Frequency [Hz] up to which the global modes of a body include its vibrations; 0 without any."""
     known = body.reduced.report.get("quality", {}).get("frequencies", {}).get("covered")
     frequencies = body.reduced.frequencies
-    return float(known or (frequencies[-1] if len(frequencies) else 0.0))
+    return float(known or frequencies.max(initial=0.0))
 
 
 def _missed(time: np.ndarray, force: np.ndarray, highest: float) -> tuple[float, str]:

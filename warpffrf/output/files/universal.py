@@ -64,6 +64,16 @@ def shape_55(mode: int, frequency: float, damping: float, eigenvalue: complex, s
     head = (1, 3 if complex_ else 2, 2, 8, 5 if complex_ else 2, 3)
     numbers = (2, 6 if complex_ else 4, 1, mode)
     facts = (eigenvalue.real, eigenvalue.imag, 0.0, 0.0, 0.0, 0.0) if complex_ else (frequency, 1.0, damping, 0.0)
+    return _data_55(head, numbers, facts, shape, title)
+
+
+def spectrum_55(step: int, frequency: float, velocity: Array, title: str) -> str:
+    """Complex velocities (n, 3) [m/s] of nodes 1 to n, amplitudes of e^(i omega t) at a frequency [Hz]."""
+    return _data_55((1, 5, 2, 11, 5, 3), (2, 1, 1, step), (frequency,), np.asarray(velocity, dtype=complex), title)
+
+
+def _data_55(head: Sequence[int], numbers: Sequence[int], facts: Sequence[float], shape: Array, title: str) -> str:
+    complex_ = np.iscomplexobj(shape)
     lines = [SIGNATURE, title[:80] or "NONE", "NONE", "NONE", "NONE"]
     lines += ["".join(f"{n:10d}" for n in row) for row in (head, numbers)]
     lines.append("".join(f"{x:13.5E}" for x in facts))

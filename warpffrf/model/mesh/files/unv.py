@@ -17,6 +17,7 @@ edges, then those around its top.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -46,17 +47,19 @@ _SHELLS = {
 _BEAMS = (11, 21, 22, 23, 24)  # with a line more
 _GROUPS = (2467, 2477, 2452, 2435)
 _NODE, _ELEMENT = 7, 8  # entities of a group
+NOT_CARTESIAN = "systems that are not Cartesian"
 _SILENT = {151, 164}  # header, units
 
 
-class _File:
+class UniversalFile:
     """Datasets of a file, taken one after the other."""
 
-    def __init__(self, path: Path) -> None:
-        self.lines = Lines(path, "mesh file")
+    def __init__(self, path: Path, kind: str = "mesh file") -> None:
+        self.lines = Lines(path, kind)
         self.numbers: list[Array] = []
         self.points: list[Array] = []
         self.systems: list[Array] = []  # of the points
+        self.displaced: list[Array] = []  # systems of the displacements at the points
         self.head: list[Array] = []  # of elements: number, kind, physical property, count of nodes
         self.rows: list[Array] = []  # line of each element
         self.nodes: list[list[Array]] = []
@@ -65,12 +68,16 @@ class _File:
         self.length: float | None = None  # units of length per metre
         self.ignored: Counter[str] = Counter()
         take = {15: self._single, 2411: self._double, 2412: self._elements, 2420: self._systems_, 18: self._old_systems}
-        take |= {164: self._units} | dict.fromkeys(_GROUPS, self._groups)
+        take |= {164: self._units} | dict.fromkeys(_GROUPS, self._groups) | self.others()
         for number, first, last in self._datasets():
             if number in take:
                 take[number](first, last)
             elif number not in _SILENT:
                 self.ignored[str(number)] += 1
+
+    def others(self) -> dict[int, Callable[[int, int], None]]:
+        """What takes datasets of other numbers, from their first line to the line after the last one."""
+        return {}
 
     def _datasets(self) -> list[tuple[int, int, int]]:
         """Number, first line and the line after the last one of each dataset."""
@@ -102,22 +109,24 @@ class _File:
 
     def _single(self, first: int, last: int) -> None:
         whole, real = self.lines.table(np.arange(first, last), [10] * 4, [13] * 3)
-        self._points(whole, real, whole[:, 1])
+        self._points(whole, real, whole[:, 1], whole[:, 2])
 
     def _double(self, first: int, last: int) -> None:
         if (last - first) % 2:
             raise self.lines.fault(last - 1, "dataset 2411: a node has two lines; export the file again")
         whole, _ = self.lines.table(np.arange(first, last, 2), [10] * 4)
         _, real = self.lines.table(np.arange(first + 1, last, 2), [], [25] * 3)
-        self._points(whole, real, np.zeros(len(whole), dtype=np.int64))
+        self._points(whole, real, np.zeros(len(whole), dtype=np.int64), whole[:, 2])
 
-    def _points(self, whole: Array, real: Array, systems: Array) -> None:
+    def _points(self, whole: Array, real: Array, systems: Array, displaced: Array) -> None:
         if len(whole) and whole[:, 0].min() < 1:
             raise InputError(
                 f"{self.lines.label}: node {whole[:, 0].min()}: nodes are numbered from 1; export it again"
             )
-        for kept, part in ((self.numbers, whole[:, 0]), (self.points, real), (self.systems, systems)):
-            kept.append(part)
+        self.numbers.append(whole[:, 0])
+        self.points.append(real)
+        self.systems.append(systems)
+        self.displaced.append(displaced)
 
     def _elements(self, first: int, last: int) -> None:
         whole, _ = self.lines.table(np.arange(first, last), [10] * 8)
@@ -167,7 +176,7 @@ class _File:
         whole, _ = self.lines.table(at, [10] * 3)
         for row, (number, kind, _) in zip(at.tolist(), whole.tolist(), strict=True):
             if kind:
-                self.ignored["systems that are not Cartesian"] += 1
+                self.ignored[NOT_CARTESIAN] += 1
                 continue
             self.axes[number] = self.lines.table(np.arange(row + 2, row + 6), [], [25] * 3)[1]
 
@@ -178,7 +187,7 @@ class _File:
         for row in range(first, last, 4):
             (number, kind, *_), _ = (a[0] for a in self.lines.table(np.array([row]), [10] * 5))
             if kind:
-                self.ignored["systems that are not Cartesian"] += 1
+                self.ignored[NOT_CARTESIAN] += 1
                 continue
             origin, x = self.lines.table(np.array([row + 2]), [], [13] * 6)[1][0].reshape(2, 3)
             z = self.lines.table(np.array([row + 3]), [], [13] * 3)[1][0]
@@ -214,7 +223,7 @@ class _File:
 
 def read_unv(path: Path) -> RawMesh:
     """Contents of a universal file. Raises `InputError`, with the line, for damaged datasets and unknown nodes."""
-    file = _File(path)
+    file = UniversalFile(path)
     label = file.lines.label
     if not file.numbers or not file.head:
         missing = "nodes (dataset 2411 or 15)" if not file.numbers else "elements (dataset 2412)"
@@ -224,7 +233,7 @@ def read_unv(path: Path) -> RawMesh:
     head, lines = np.concatenate(file.head), np.concatenate(file.rows)
     require_once(numbers, f"{label}: node")
     require_once(head[:, 0], f"{label}: element")
-    points = _placed(file, np.concatenate(file.points), np.concatenate(file.systems))
+    points = placed(file, np.concatenate(file.points), np.concatenate(file.systems))
     blocks, labels, properties = [], [], []
     start = 0
     for kind, nodes in file.nodes:
@@ -246,14 +255,14 @@ def read_unv(path: Path) -> RawMesh:
     node_groups: dict[str, Array] = {}
     for name, entities in file.groups:
         _add_group(name, entities, labels, numbers, groups, node_groups, notes)
-    _check_units(file, notes)
+    check_units(file, notes)
     if file.ignored:
         notes.append(f"datasets and elements that are not used: {listed_counts(file.ignored)}")
     more = {"stray_facets": True, "either_hand": True, "labels": labels, "node_groups": node_groups}
     return RawMesh(points, blocks, groups, {}, tuple(notes), **more)
 
 
-def _placed(file: _File, points: Array, systems: Array) -> Array:
+def placed(file: UniversalFile, points: Array, systems: Array) -> Array:
     """Nodes in the system of the part."""
     for number in np.unique(systems[systems > 0]).tolist():
         if number not in file.axes:
@@ -290,7 +299,7 @@ def _add_group(
             notes.append(f"group {name!r}: {len(nodes) - len(node_groups[name])} of {len(nodes)} nodes do not exist")
 
 
-def _check_units(file: _File, notes: list[str]) -> None:
+def check_units(file: UniversalFile, notes: list[str]) -> None:
     """A note on the units that the file states: many programs state metres whatever they write."""
     if file.length is None:
         return

@@ -57,7 +57,7 @@ def read_inp(path: str | Path, *, length_unit: str, part: int | str | None = Non
         notes.append(f"read: instance {body.instance.name!r} of part {body.instance.part!r}, as placed in the assembly")
     sections = sections_of(deck, body, solid)
     materials = materials_of(sections, length_unit, notes)
-    mesh_cell_sets = cell_sets(body, solid, [name for name, _ in sections], notes)
+    mesh_cell_sets = cell_sets(body, solid, [name for name, *_ in sections], notes)
     mesh_facet_sets = facet_sets(body, solid, notes)
     node_sets = _structural_sets(body, extra, solid, structure, mesh_facet_sets, notes)
     absent = [f"{name!r} ({count})" for name, count in body.missing.items() if count > 0]

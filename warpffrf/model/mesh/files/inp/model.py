@@ -104,11 +104,20 @@ class SurfaceDefinition:
 
 @dataclass(frozen=True)
 class Section:
-    """A *Solid Section: the material of an element set."""
+    """A *Solid Section: the material of an element set, and the name of its *Orientation."""
 
     elset: str
     material: str
     place: Place
+    orientation: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Orientation:
+    """An *Orientation: the first two axes (2, 3) in the frame of its part, None with the `fault` that it has."""
+
+    axes: np.ndarray | None
+    fault: str = ""
 
 
 @dataclass(eq=False)
@@ -125,6 +134,7 @@ class Scope:
     sets: dict[str, dict[str, SetDefinition]] = field(default_factory=lambda: {family: {} for family in FAMILIES})
     surfaces: dict[tuple[str, bool], SurfaceDefinition] = field(default_factory=dict)
     sections: list[Section] = field(default_factory=list)
+    orientations: dict[str, Orientation] = field(default_factory=dict)
     structural: list[Block] = field(default_factory=list)  # sections and properties of shells, beams, masses, ...
 
     def add_members(self, family: str, name: str, members: Members, internal: bool = False) -> None:
@@ -164,6 +174,7 @@ class MaterialText:
     name: str
     place: Place
     elastic: tuple[float, float] | None = None
+    orthotropic: list[list[float]] | None = None  # E_1, E_2, E_3; nu_12, nu_13, nu_23; G_12, G_13, G_23
     density: float | None = None
     faults: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)

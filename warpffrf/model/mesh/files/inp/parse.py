@@ -21,6 +21,7 @@ from warpffrf.model.mesh.files.inp.model import (
     Instance,
     MaterialText,
     Members,
+    Orientation,
     Scope,
     Section,
     SurfaceDefinition,
@@ -36,6 +37,9 @@ GENERATORS = {
 STRUCTURAL = (
     "SHELLSECTION", "BEAMSECTION", "BEAMGENERALSECTION", "MASS", "ROTARYINERTIA", "SPRING", "RIGIDBODY"
 )  # fmt: skip
+ORTHOTROPIC = ("ENGINEERING CONSTANTS", "ENGINEERINGCONSTANTS", "ORTHO", "ORTHOTROPIC")  # types of *Elastic
+PARALLEL = 1e-6  # sine of the angle between the points of an orientation below which they lie on one line
+TINY = np.finfo(float).tiny
 OTHER_FACES = {"SPOS", "SNEG", "SP", "SN", "EDGE", "E1", "E2", "E3", "E4", "END1", "END2"}
 
 
@@ -226,7 +230,40 @@ def _solid_section(parser: Parser, block: Block) -> None:
     if material is None:
         parser.deck.ignored["SOLIDSECTION without MATERIAL="] += 1
         return
-    parser.scope.sections.append(Section(block.required("ELSET"), material, block.place))
+    section = Section(block.required("ELSET"), material, block.place, block.value("ORIENTATION"))
+    parser.scope.sections.append(section)
+
+
+def _orientation(parser: Parser, block: Block) -> None:
+    """Point a on axis 1 and b in the plane of axes 1 and 2, from the origin or from a third point; then, on a second
+    line, an axis about which the system turns, and the angle [degrees]."""
+    parser.scope.orientations[fold(block.required("NAME"))] = _axes(block)
+
+
+def _axes(block: Block) -> Orientation:
+    system = (block.value("SYSTEM") or "RECTANGULAR").upper()
+    definition = (block.value("DEFINITION") or "COORDINATES").upper()
+    rows = [model.reals(fields, place, "*Orientation", 0) for fields, place in block.fields()]
+    if system != "RECTANGULAR" or definition != "COORDINATES":
+        return Orientation(None, f"it is of system {system}, defined by {definition}; only rectangular ones are read")
+    if not rows or len(rows[0]) not in (6, 9) or len(rows) > 2:
+        return Orientation(None, "it needs a line of two or three points, and at most one more")
+    a, b, c = np.reshape([*rows[0], 0.0, 0.0, 0.0][:9], (3, 3))
+    with np.errstate(over="ignore", invalid="ignore"):
+        first, normal = a - c, np.cross(a - c, b - c)
+        sizes = np.linalg.norm(first), np.linalg.norm(normal)
+    if not (0.0 < sizes[0] < np.inf and PARALLEL * sizes[0] * np.linalg.norm(b - c) < sizes[1] < np.inf):
+        return Orientation(None, "its points lie on one line")
+    e_1, e_3 = first / sizes[0], normal / sizes[1]
+    R = np.array([e_1, np.cross(e_3, e_1), e_3])
+    if len(rows) == 2:
+        about, angle = [*rows[1], 0.0][:2] if rows[1] else (1.0, 0.0)
+        if about not in (1.0, 2.0, 3.0):
+            return Orientation(None, f"it turns about the axis {about:g}, which is none of 1, 2, 3")
+        vector = np.zeros(3)
+        vector[int(about) - 1] = np.radians(angle)
+        R = Rotation.from_rotvec(vector).as_matrix().T @ R
+    return Orientation(R[:2])
 
 
 def _structural(parser: Parser, block: Block) -> None:
@@ -258,12 +295,42 @@ def _property(parser: Parser, block: Block, what: str, count: int) -> tuple[Mate
 
 def _elastic(parser: Parser, block: Block) -> None:
     kind = (block.value("TYPE") or "ISOTROPIC").upper()
+    if kind in ORTHOTROPIC:
+        _nine_constants(parser, block, kind)
+        return
     if kind not in ("ISOTROPIC", "ISO"):
         if parser.material is not None:
-            parser.material.faults.append(f"*Elastic of type {kind} is not isotropic")
+            parser.material.faults.append(f"*Elastic of type {kind} is neither isotropic nor orthotropic")
         return
     material, values = _property(parser, block, "*Elastic (Young's modulus, Poisson ratio)", 2)
     material.elastic = (values[0], values[1])
+
+
+def _nine_constants(parser: Parser, block: Block, kind: str) -> None:
+    """Nine constants on two lines: engineering constants, or D_1111, D_1122, D_2222, D_1133, D_2233, D_3333, D_1212,
+    D_1313, D_2323 of the stiffness."""
+    material, values = _property(parser, block, f"*Elastic, TYPE={kind}", 8)
+    rows = list(block.fields())
+    more = model.reals(*rows[1], f"*Elastic, TYPE={kind}", 1) if len(rows) > 1 else []
+    if len(values) != 8 or not more:
+        raise block.place.fault(f"*Elastic, TYPE={kind} needs eight constants on a line and the ninth on the next")
+    material.notes[:] = [note for note in material.notes if "rows of *Elastic" not in note]
+    if len(rows) > 2:
+        material.notes.append(f"of {len(rows) // 2} temperatures of *Elastic the first is used")
+    values = [*values, more[0]]
+    if kind.startswith("ENGINEERING"):
+        material.orthotropic = [values[:3], values[3:6], values[6:]]
+        return
+    D = np.array([values[k] for k in (0, 1, 3, 1, 2, 4, 3, 4, 5)]).reshape(3, 3)
+    with np.errstate(all="ignore"):
+        positive = np.all(np.isfinite(D)) and np.linalg.eigvalsh(D / max(np.abs(D).max(), TINY))[0] > 0.0
+    if not positive:
+        material.faults.append("its stiffness of the normal strains is not positive definite")
+        return
+    S = np.linalg.inv(D)
+    E = 1.0 / np.diag(S)
+    nu = [-S[0, 1] * E[0], -S[0, 2] * E[0], -S[1, 2] * E[1]]
+    material.orthotropic = [E.tolist(), nu, values[6:]]
 
 
 def _density(parser: Parser, block: Block) -> None:
@@ -285,6 +352,7 @@ HANDLERS: dict[str, Callable[[Parser, Block], None]] = {
     "ELSET": _set,
     "SURFACE": _surface,
     "SOLIDSECTION": _solid_section,
+    "ORIENTATION": _orientation,
     **dict.fromkeys(STRUCTURAL, _structural),
     "MATERIAL": _material,
     "ELASTIC": _elastic,

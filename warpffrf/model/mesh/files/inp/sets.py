@@ -27,7 +27,7 @@ from functools import cached_property
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.material import Material
+from warpffrf.model.material import Material, Orthotropic, SolidMaterial
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.model.mesh.facets import FacetSet, row_numbers
 from warpffrf.model.mesh.files.inp.model import (
@@ -35,6 +35,7 @@ from warpffrf.model.mesh.files.inp.model import (
     Deck,
     Instance,
     MaterialText,
+    Orientation,
     Scope,
     Section,
     SetDefinition,
@@ -348,12 +349,12 @@ def _single(corners: np.ndarray) -> np.ndarray:
     return single
 
 
-def sections_of(deck: Deck, body: Body, solid: Solid) -> list[tuple[str, MaterialText]]:
-    """Element sets (their names) that contain cells, with their materials.
+def sections_of(deck: Deck, body: Body, solid: Solid) -> list[tuple[str, MaterialText, Orientation | None]]:
+    """Element sets (their names) that contain cells, with their materials and orientations in the mesh's frame.
 
     Raises `InputError` for an unknown set or material and for a set with two sections.
     """
-    found: dict[str, tuple[str, MaterialText]] = {}
+    found: dict[str, tuple[str, MaterialText, Orientation | None]] = {}
     for scope in body.own:
         for section in scope.sections:
             material = material_text(deck, section)
@@ -362,9 +363,16 @@ def sections_of(deck: Deck, body: Body, solid: Solid) -> list[tuple[str, Materia
             if definition is None or not len(solid.cell_numbers(members)):
                 continue
             key = fold(section.elset)
+            of = None
+            if section.orientation is not None:
+                of = scope.orientations.get(fold(section.orientation))
+                if of is None:
+                    of = Orientation(None, f"there is no *Orientation {section.orientation!r} in its part")
+                elif of.axes is not None and body.instance is not None:
+                    of = Orientation(of.axes @ body.instance.rotation.T)
             if key in found and found[key][1] is not material:
                 raise section.place.fault(f"element set {section.elset!r} has a section of another material already")
-            found[key] = (definition.name, material)
+            found[key] = (definition.name, material, of)
     return list(found.values())
 
 
@@ -377,7 +385,9 @@ def material_text(deck: Deck, section: Section) -> MaterialText:
     return material
 
 
-def materials_of(sections: list[tuple[str, MaterialText]], length_unit: str, notes: list[str]) -> dict[str, Material]:
+def materials_of(
+    sections: list[tuple[str, MaterialText, Orientation | None]], length_unit: str, notes: list[str]
+) -> dict[str, SolidMaterial]:
     """{cell set: Material} [SI] of the sections; `notes` list omitted data."""
     if not sections:
         return {}
@@ -385,11 +395,11 @@ def materials_of(sections: list[tuple[str, MaterialText]], length_unit: str, not
     if system is None:
         return {}
     stress, density, units = system
-    made: dict[str, Material] = {}
-    for elset, text in sections:
+    made: dict[str, SolidMaterial] = {}
+    for elset, text, orientation in sections:
         for note in dict.fromkeys(text.notes):
             notes.append(f"material {text.name!r}: {note}")
-        material = material_in_si(text, stress, density, notes)
+        material = material_in_si(text, stress, density, notes, orientation)
         if material is not None:
             made[elset] = material
     if made:
@@ -397,10 +407,18 @@ def materials_of(sections: list[tuple[str, MaterialText]], length_unit: str, not
     return made
 
 
-def material_in_si(text: MaterialText, stress: float, density: float, notes: list[str]) -> Material | None:
-    """The material [SI]; None, with a note, where it is not usable. `stress`, `density`: the units of the deck."""
+def material_in_si(
+    text: MaterialText, stress: float, density: float, notes: list[str], orientation: Orientation | None = None
+) -> SolidMaterial | None:
+    """The material [SI]; None, with a note, where it is not usable. `stress`, `density`: the units of the deck;
+    `orientation`: of the section, which an orthotropic one needs."""
     faults = list(text.faults)
-    if text.elastic is None and not faults:
+    if text.orthotropic is not None and text.density is not None and not faults:
+        if orientation is not None and orientation.fault:
+            faults.append(f"*Orientation: {orientation.fault}")
+        else:
+            return _orthotropic(text, stress, density * text.density, orientation, notes)
+    if text.elastic is None and text.orthotropic is None and not faults:
         faults.append("it has no *Elastic")
     if text.density is None:
         faults.append("it has no *Density")
@@ -411,4 +429,23 @@ def material_in_si(text: MaterialText, stress: float, density: float, notes: lis
         except InputError as error:
             faults.append(str(error))
     notes.append(f"material {text.name!r} ({text.place}) is not used: {'; '.join(faults)}")
+    return None
+
+
+def _orthotropic(
+    text: MaterialText, stress: float, density: float, orientation: Orientation | None, notes: list[str]
+) -> Orthotropic | None:
+    """The orthotropic material [SI] of nine constants; None, with a note, where they are not possible."""
+    E, nu, G = text.orthotropic or ([], [], [])
+    axes = np.eye(3)[:2]
+    if orientation is not None and orientation.axes is not None:
+        axes = orientation.axes
+    else:
+        notes.append(f"material {text.name!r}: its section has no ORIENTATION, its axes are those of the coordinates")
+    try:
+        with np.errstate(over="ignore"):
+            moduli, shear = (stress * np.array(values) for values in (E, G))
+            return Material.orthotropic(moduli, nu, shear, density, axes=(axes[0], axes[1]), name=text.name)
+    except InputError as error:
+        notes.append(f"material {text.name!r} ({text.place}) is not used: {error}")
     return None

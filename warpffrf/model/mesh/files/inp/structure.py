@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.material import Material
+from warpffrf.model.material import Material, SolidMaterial
 from warpffrf.model.mesh.facets import FacetSet
 from warpffrf.model.mesh.files.inp import model
 from warpffrf.model.mesh.files.inp.deck import Block, Place
@@ -82,7 +82,7 @@ class _Reader:
         self.parts: list[Any] = []
         self.taken: list[Array] = []
         self.left_out: Counter[str] = Counter()
-        self.materials: dict[str, Material | None] = {}
+        self.materials: dict[str, SolidMaterial | None] = {}
 
     def read(self, blocks: list[Block]) -> DeckStructure:
         handlers: dict[str, Callable[[Block], None]] = {
@@ -135,9 +135,9 @@ class _Reader:
             text: MaterialText = material_text(self.deck, Section(block.value("ELSET") or "", name, block.place))
             self.materials[name] = material_in_si(text, self.stress, self.density, self.notes)
         material = self.materials[name]
-        if material is None:
+        if not isinstance(material, Material):
             raise block.place.fault(
-                f"*{block.keyword.title()} needs a material with *Elastic and *Density, {name!r} has not"
+                f"*{block.keyword.title()} needs a material with isotropic *Elastic and *Density, {name!r} has not"
             )
         return material
 
