@@ -35,7 +35,8 @@ def slab(
 
     def root(n: int) -> float:
         low, high = n * np.pi + 1e-12, (n + 0.5) * np.pi - 1e-12
-        return float(brentq(lambda m: m * np.sin(m) - biot * np.cos(m), low, high))
+        found: Any = brentq(lambda m: m * np.sin(m) - biot * np.cos(m), low, high)
+        return float(found)
 
     mu = np.array([root(n) for n in range(TERMS)])
     size = flux * length / conductivity

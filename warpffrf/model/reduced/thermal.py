@@ -162,6 +162,17 @@ class ReducedThermal:
         """Highest temperature [degrees Celsius] of the skin; that of the body, while it is heated from there."""
         return float(self.skin_temperature(state).max())
 
+    def response(self, target: str, source: str, duration: float) -> Array:
+        """Temperature (nodes, nodes) [K m2/W] of surface `target` per constant flux at the nodes of `source`, after a
+        `duration` [s], which may be infinite."""
+        b, r = len(self.surroundings), len(self.rates)
+        sizes = [columns * rows for columns, rows in self.grids.values()]
+        first = sum(sizes[: list(self.grids).index(self._named(source))])
+        here = slice(first, first + self.grids[source][0] * self.grids[source][1])
+        matrix = self.surfaces[self._named(target)]
+        grown = -np.expm1(-self.rates * duration) / self.rates
+        return matrix[:, b : b + r] @ (grown[:, None] * self.inflow[:, here]) + matrix[:, b + r :][:, here]
+
     def modal_force(self, state: Warmth) -> Array:
         """Forces (m,) [N sqrt(kg)/kg] of the expansion on the global modes."""
         return self._of(self.modal, state)
