@@ -14,7 +14,6 @@ STEEL = wf.Material(210e9, 0.3, 7850.0, conductivity=45.0, heat_capacity=460.0, 
 RADIUS, WALL, LENGTH = film_bearing.RADIUS, film_bearing.WALL, film_bearing.LENGTH
 OUTER = RADIUS + WALL
 H, AMBIENT = 300.0, 30.0  # W/(m2 K), degrees Celsius, outside
-AREA = 2.0 * np.pi * RADIUS * LENGTH  # m2, of the bore
 
 
 @cache
@@ -26,6 +25,12 @@ def sleeve(h: float = H, columns: int = 32, rows: int = 7) -> wf.ReducedBody:
         thermal=wf.films.BodyTemperature(convection={"outside": (h, AMBIENT)}, reference=AMBIENT),
         grid=wf.ContactGrid(contact_fixed=False), progress=False,
     )  # fmt: skip
+
+
+def bore_rise(heat: float) -> float:
+    """Mean temperature [K] of the bore above the surroundings under `heat` [W], of a ring of any distribution of it."""
+    outside = heat / (H * 2.0 * np.pi * OUTER * LENGTH)
+    return float(outside + heat * np.log(OUTER / RADIUS) / (2.0 * np.pi * STEEL.conductivity * LENGTH))  # type: ignore[operator]
 
 
 def bearing(

@@ -1,4 +1,4 @@
-r"""Heat conduction of a body and its thermal expansion, reduced beside its deformation.
+r"""Heat conduction of a body and its thermal expansion, reduced as its deformation is.
 
 Of the finite elements, with the shape functions N of the displacements,
 
@@ -7,7 +7,7 @@ Of the finite elements, with the shape functions N of the displacements,
 
 A theta the nodal loads of the stress D alpha theta that holds the body at its shape; in cells of the mixed formulation
 the part of lambda loads the projected dilatation, as their stiffness does. Nodes of fixed temperature are eliminated,
-theta = sum T_k on them. What is kept of it is told in `warpffrf.model.reduced.thermal`.
+theta = sum T_k on them. What is kept of it is described in `warpffrf.model.reduced.thermal`.
 
 The modes Phi span the slowest eigenmodes of (K_T, C) and the responses (K_T + s C)^-1 w to each of a few loads w, s = 0
 and `RATES` values of s above the slowest rate, `STEP` apart: a rational Krylov space, exact in each of these rates,
@@ -288,7 +288,7 @@ class _Observed:
         }
         for i, s in enumerate(self.contacts):
             found[f"temperature/{s.name}"] = _coefficients(s, self.areas[i].T @ fields)
-            # beside the global modes as the surface has them
+            # in addition to the global modes as the surface has them
             found[f"expansion/{s.name}"] = _coefficients(s, self.normal[i].T @ whole) - self.mode_normal[i] @ q
         return found
 

@@ -8,13 +8,14 @@ Every film with a temperature is coupled to those of its two bodies that were re
             mean over its surface
     heat    into the first body at each node, q = g w, g = k (1 - D/h)/h, w the wall's slope (`model.films.heat`), in
             sum exactly the film's `heat_to_a`; into the second, `heat_to_b` evenly over its surface
-    growth  modal forces on the global modes (`forces.ThermalLoad`), and the surfaces' expansion beside these modes as
+    growth  modal forces on the global modes (`forces.ThermalLoad`), and the surfaces' expansion in addition to these as
             forms of the film's gap
 
-The unknowns are the wall temperatures x. A run of the machine with them gives fluxes, these the body's temperatures, by
-its steady state or at the end of a step with constant fluxes, and these y(x). y - x = 0 is solved by the iteration
+The unknowns are the heats p into all walls. From them follow the bodies' temperatures, by their steady states or at the
+end of a step with constant fluxes, and so walls and growth; a run of the machine with these gives heats again, y(p).
+y - p = 0 is solved by the iteration
 
-    x + (1 + R S)^-1 (y - x)
+    p + (1 + S R)^-1 (y - p)
 
 with R the walls' temperatures per heat into the body, exact, and S an estimate of what the heat into walls falls by
 with their temperatures, without which it would diverge where bodies insulate better than films. With conductances G of
@@ -23,8 +24,8 @@ along, and E the exchange of oil,
 
     S = diag(G^T 1) - G^T (diag(G 1) + F + E)^-1 G.
 
-The iteration is accelerated by D. G. Anderson's method (J. ACM 12, 1965, 547); what it ends with depends on neither.
-Expansion follows from one round to the next.
+The iteration is accelerated by D. G. Anderson's method (J. ACM 12, 1965, 547), and steps that fail, or after which the
+next one would be larger, are halved; what it ends with depends on none of this.
 """
 
 from __future__ import annotations
@@ -62,6 +63,8 @@ LEAST_STEP = 1e-12  # K
 CAVITY = 1e-3  # least part of a node that conducts: a cavity conducts nothing, and has no flux to be known
 DEPENDENT = 1e-8  # of the largest: singular value of the changes that the acceleration leaves out
 LARGEST_STEP = 30.0  # K a round: viscosities change by three
+GROWS = 1.2  # a round whose step is larger than the last one's by more is repeated with half of that step
+LEAST_PART = 1.0 / 32.0  # of a step that is halved
 REMEMBERED = 8  # rounds, by the acceleration
 LINEAR = (4.0, 3.0)  # -dw/dT of a wall at a given temperature of the oil, with another wall of given temperature or not
 
@@ -104,15 +107,15 @@ def warm_equilibrium(scene: Scene, *, run: Run | None = None) -> WarmRun:
 
     run: a function of a scene that returns the Result of a run, over whose rows the heat of films is averaged; None:
     `wf.equilibrium`. For a shaft that whirls or a load that changes, `lambda scene: wf.simulate(scene, ...)`. At least
-    one film needs a temperature and a body reduced with `thermal=`; a wall temperature given for such a body is the
-    first guess. What does not settle is a status: "too_hot" where temperatures run away, "no_equilibrium" where
+    one film needs a temperature and a body reduced with `thermal=`; a wall temperature given for such a body is
+    replaced. What does not settle is a status: "too_hot" where temperatures run away, "no_equilibrium" where
     expansion closes a gap. Raises `InputError`.
     """
     walls = _walls(scene)
     bodies = _warm_bodies(scene)
 
     begin = {name: heat.steady() for name, heat in bodies.items()}
-    row = _Round(scene, walls, begin, run).settle(_guesses(walls), np.inf)
+    row = _Round(scene, walls, begin, run).settle(None, np.inf)
     return _joined([row], np.zeros(1))
 
 
@@ -120,8 +123,8 @@ def warm_equilibrium(scene: Scene, *, run: Run | None = None) -> WarmRun:
 def warm_up(
     scene: Scene, duration: float, *, step: float, start: float | WarmRun = 20.0, run: Run | None = None
 ) -> WarmRun:
-    """Temperatures of the bodies of `scene` over `duration` [s] in steps of `step` [s], slow beside the machine's own
-    motions, which `run` computes at the end of each step as in `warm_equilibrium`.
+    """Temperatures of the bodies of `scene` over `duration` [s] in steps of `step` [s], slow compared with its motions,
+    which `run` computes at the end of each step as in `warm_equilibrium`.
 
     start: uniform temperature [degrees Celsius] of all bodies, or an earlier WarmRun of the same scene, which is
     continued. Bodies advance exactly under fluxes constant over a step, those at its end: of first order in the step.
@@ -136,12 +139,11 @@ def warm_up(
     else:
         states, begin = {name: heat.uniform(start) for name, heat in bodies.items()}, 0.0
 
-    at_start = [w.temperature(states[w.port.body.name]) for w in walls]
-    rows = [_Round(scene, walls, states, run).settle(at_start, None)]
+    rows = [_Round(scene, walls, states, run).settle(None, None)]
     for _ in range(steps):
         if rows[-1].status != Status.COMPLETED:
             break
-        rows.append(_Round(scene, walls, dict(rows[-1].states), run).settle(rows[-1].x, float(step)))
+        rows.append(_Round(scene, walls, rows[-1].states, run).settle(rows[-1].p, float(step)))
         log.info("warm_up: %g s", begin + step * (len(rows) - 1))
     return _joined(rows, begin + float(step) * np.arange(len(rows)))
 
@@ -215,59 +217,37 @@ def _walls(scene: Scene) -> list[_Wall]:
     return found
 
 
-def _guesses(walls: list[_Wall]) -> list[Array]:
-    found = []
-    for w in walls:
-        heat: Any = w.film.temperature
-        given = getattr(heat, w.key)
-        T = heat.supply if given is None else given
-        found.append(
-            w.to_unknowns @ np.broadcast_to(T, w.area.shape).ravel() if w.side == 0 else np.array([np.mean(T)])
-        )
-    return found
-
-
 # --- one state of the machine and its bodies
 
 
 @dataclass(eq=False)
 class _Round:
-    """The machine with wall temperatures x, one array for each wall, from the bodies' `states`; `settle` finds x."""
+    """The machine with wall temperatures x, one array for each wall, under heats p, from the bodies' `states`; `settle`
+    finds them."""
 
     scene: Scene
     walls: list[_Wall]
     states: dict[str, Warmth]
     run: Run | None
     x: list[Array] = field(default_factory=list)
+    p: Array = field(default_factory=lambda: np.zeros(0))
     heat: Array = field(default_factory=lambda: np.zeros(0))
     fixed: Any = None
     result: Any = None
     status: Status = Status.COMPLETED
     message: str = ""
 
-    def settle(self, guess: list[Array], duration: float | None) -> _Round:
-        """Bodies advance by `duration` [s], infinite: to their steady states, None: not at all."""
-        self.x, before, past, R = [T.copy() for T in guess], self.states, [], self._response(duration)
+    def settle(self, guess: Array | None, duration: float | None) -> _Round:
+        """From a guess of the heats p [W], None: none. Bodies advance by `duration` [s], infinite: to their steady
+        states, None: not at all."""
+        before, R = dict(self.states), self._response(duration)
+        p = np.zeros(len(R)) if guess is None else guess.copy()
+        past: list[tuple[Array, Array]] = []
+        best: tuple[float, Array] | None = None
+        part, direction, off = 1.0, p, p
         for _ in range(ROUNDS):
-            grown = self._growth()
-            if not self._run_machine():
-                return self
-            heats, S = self._heats()
-            self._advance(before, heats, duration)
-            off = np.concatenate([w.temperature(self.states[w.port.body.name]) for w in self.walls])
-            x = np.concatenate(self.x)
-            off -= x
-            gap = min(float(self._history(w).gap[-1].min()) for w in self.walls)
-            moved = max(float(np.abs(now - was).max()) for now, was in zip(self._growth(), grown, strict=True))
-            step = np.linalg.solve(np.eye(len(x)) + R @ S, off)
-            log.info("warm bodies: walls off by %.3g K, expansion by %.3g um", np.abs(off).max(), 1e6 * moved)
-            if np.abs(off).max() < SETTLED and moved < STILL * gap:
-                return self
-            past = [*past[-REMEMBERED:], (x, step)]
-            step = _accelerated(past) - x
-            x = x + step * min(1.0, LARGEST_STEP / max(float(np.abs(step).max()), LEAST_STEP))
-            ends = np.cumsum([len(T) for T in self.x])[:-1]
-            self.x = np.split(np.maximum(x, COLDEST), ends)
+            self.states = self._advanced(before, p, duration)
+            self.x = [w.temperature(self.states[w.port.body.name]) for w in self.walls]
             hottest = self.walls[int(np.argmax([T.max() for T in self.x]))]
             if not max(float(T.max()) for T in self.x) <= HOTTEST:
                 return self._failed(
@@ -275,26 +255,49 @@ class _Round:
                     f"temperatures run away: {hottest.port.label} exceeds {HOTTEST:g} degrees Celsius under "
                     f"{hottest.film.label}; cool its body more (films.BodyTemperature), or supply more oil",
                 )
+            better = False
+            if self._run_machine():
+                self.p, S = self._heats()
+                grown, self.states = self._growth(), self._advanced(before, self.p, duration)
+                off = R @ (self.p - p)
+                gap = min(float(self._history(w).gap[-1].min()) for w in self.walls)
+                moved = max(float(np.abs(now - was).max()) for now, was in zip(self._growth(), grown, strict=True))
+                log.info("warm bodies: walls off by %.3g K, expansion by %.3g um", np.abs(off).max(), 1e6 * moved)
+                if np.abs(off).max() < SETTLED and moved < STILL * gap:
+                    return self
+                step = np.linalg.solve(np.eye(len(p)) + S @ R, self.p - p)
+                size = float(np.linalg.norm(R @ step))
+                better = best is None or size < GROWS * best[0] or part <= LEAST_PART
+            elif best is None or part <= LEAST_PART:
+                return self
+            if better:
+                past = [*past[-REMEMBERED:], (p, step)]
+                best, part, direction = (size, p), 1.0, _accelerated(past) - p
+                direction *= min(1.0, LARGEST_STEP / max(float(np.abs(R @ direction).max()), LEAST_STEP))
+            else:
+                past, part = past[-1:], 0.5 * part
+            assert best is not None  # the first run completed
+            p = best[1] + part * direction
         return self._failed(
             Status.NO_EQUILIBRIUM,
             f"temperatures of bodies and films do not settle in {ROUNDS} rounds, walls are off by "
-            f"{np.abs(off).max():.3g} K; take shorter steps, or a better guess, films.FilmTemperature(wall_a=...)",
+            f"{np.abs(off).max():.3g} K; take shorter steps of warm_up, or begin warm_up at other temperatures",
         )
 
-    def _advance(self, before: dict[str, Warmth], heats: list[Array], duration: float | None) -> None:
-        """The bodies' states under these heats [W] at the unknowns."""
+    def _advanced(self, before: dict[str, Warmth], p: Array, duration: float | None) -> dict[str, Warmth]:
+        """The bodies' states under the heats p [W] at the unknowns."""
         if duration is None:
-            return
+            return before
         flux: dict[str, dict[str, Array]] = {name: {} for name in before}
-        for w, heat in zip(self.walls, heats, strict=True):
+        ends = np.cumsum([len(w.to_unknowns) for w in self.walls])[:-1]
+        for w, heat in zip(self.walls, np.split(p, ends), strict=True):
             into = flux[w.port.body.name]
             into[w.port.name] = into.get(w.port.name, 0.0) + (w.to_flux @ heat).reshape(w.area.shape)
-        bodies = _warm_bodies(self.scene)
-        for name, q in flux.items():
-            steady = np.isinf(duration)
-            self.states[name] = (
-                bodies[name].steady(q) if steady else bodies[name].advance(before[name], duration, flux=q)
-            )
+        bodies, steady = _warm_bodies(self.scene), np.isinf(duration)
+        return {
+            name: bodies[name].steady(q) if steady else bodies[name].advance(before[name], duration, flux=q)
+            for name, q in flux.items()
+        }
 
     def _response(self, duration: float | None) -> Array:
         """R [K/W] of all unknowns."""
@@ -330,6 +333,7 @@ class _Round:
         if self.result.status != Status.COMPLETED:
             self._failed(self.result.status, self.result.message)
             return False
+        self.status, self.message = Status.COMPLETED, ""
         return True
 
     def _fixed(self) -> Scene:
@@ -368,7 +372,7 @@ class _Round:
             found.append(local + (w.port.surface.mode_normal @ q).reshape(local.shape))
         return found
 
-    def _heats(self) -> tuple[list[Array], Array]:
+    def _heats(self) -> tuple[Array, Array]:
         """Heat [W] into each wall at its unknowns, and S [W/K] of all unknowns."""
         heats, slopes = [], []
         self.heat = np.zeros(len(self.walls))
@@ -384,7 +388,7 @@ class _Round:
                 spread = (q + g * (total - q.sum()) / g.sum()).ravel()
                 heats.append(spread if self.walls[i].side == 0 else np.array([total]))
             slopes.append(_slope(made, film, [self.walls[i].side for i in here], g))
-        return heats, np.asarray(sla.block_diag(*slopes))
+        return np.concatenate(heats), np.asarray(sla.block_diag(*slopes))
 
 
 def _slope(film: Film, history: Any, sides: list[int], g: Array) -> Array:

@@ -20,7 +20,7 @@ E, NU, RHO, K, C, ALPHA = 210e9, 0.3, 7850.0, 45.0, 460.0, 12e-6
 STEEL = wf.Material(E, NU, RHO, conductivity=K, heat_capacity=C, expansion=ALPHA)
 SIZE, COUNTS, H, AMBIENT = (0.06, 0.04, 0.02), (12, 8, 6), 400.0, 35.0
 TOP = {"z_max": wf.surfaces.Plane()}
-STEADY, STEP, FREE = 5e-3, 0.02, 1e-3  # of the largest temperature or displacement: what a user is told
+STEADY, STEP, FREE = 5e-3, 0.02, 1e-3  # of the largest temperature or displacement: what is promised
 SAME_ELEMENTS = 1e-8  # steady states are those of the finite elements
 SINGLE = 2e-6  # skin in single precision
 
@@ -166,7 +166,7 @@ def test_a_body_in_warm_surroundings_takes_their_temperature_and_grows_evenly() 
 def ring(fixed: bool = True) -> wf.ReducedBody:
     inner, outer = 0.02, 0.05
     mesh = wf.mesh.roller(outer, inner, 0.001, sectors=24, layers=10, axial=1, order=2)
-    held = {"fixed": {"rim": 40.0}} if fixed else {"convection": {"rim": (300.0, 40.0)}}
+    held: dict[str, Any] = {"fixed": {"rim": 40.0}} if fixed else {"convection": {"rim": (300.0, 40.0)}}
     return wf.reduce(
         mesh, STEEL, contact={"bore": wf.surfaces.Bore()}, modes=4,
         thermal=wf.films.BodyTemperature(reference=40.0, **held), grid=wf.ContactGrid(contact_fixed=False),

@@ -40,8 +40,7 @@ def test_a_sleeve_has_the_temperature_at_which_its_heat_leaves() -> None:
     """The mean of the bore is that of a ring under the mean flux, whatever its distribution."""
     found, film = warm(), warm().result.film("film")
     heat = found.heat["film"][-1, 0]
-    outside = heat / (warm_sleeve.H * 2.0 * np.pi * warm_sleeve.OUTER * warm_sleeve.LENGTH)
-    inside = outside + heat * np.log(warm_sleeve.OUTER / warm_sleeve.RADIUS) / (2.0 * np.pi * 45.0 * warm_sleeve.LENGTH)
+    inside = warm_sleeve.bore_rise(heat)
     bore = thermal(warm_sleeve.sleeve()).temperature(found.states["sleeve"][-1], "bore")
     weight = np.array([0.5, *[1.0] * (bore.shape[1] - 2), 0.5])
     rise = np.average(bore.mean(axis=0), weights=weight) - warm_sleeve.AMBIENT
@@ -128,7 +127,7 @@ def test_the_heat_of_a_motion_is_that_of_its_rows() -> None:
 
 
 def test_a_wall_of_even_temperature_is_one_number() -> None:
-    """Nodes of one temperature give the film of a number; of two halves, the film beside each is that of its half."""
+    """Nodes of one temperature give the film of a number; of two halves, the film is colder and warmer there."""
     gaps = (30e-6, 20e-6)
     films = []
     for wall in (50.0, np.full((65, 9), 50.0), np.repeat([[45.0], [55.0]], [33, 32], axis=0) * np.ones(9)):

@@ -6,7 +6,7 @@
                     shape that add up, `warpffrf.model.surfaces.form_deviations`
     bearings        Pad, Dam, pads, JournalBearing: `scene.add_journal_bearing`, `journal_bearing`
     roughness       Roughness of a wall, with flow factors; MixedLubrication, asperities in addition, `roughness`
-    temperature     FilmTemperature, `heat`; BodyTemperature, of the bodies beside, `warpffrf.model.thermal`
+    temperature     FilmTemperature, `heat`; BodyTemperature, of the bodies next to it, `warpffrf.model.thermal`
     CAVITATIONS     treatment of pressures below that of cavitation, `cavitation`
 
 The oils are in `warpffrf.model.oils`.

@@ -21,7 +21,7 @@ class ThermalLoad(Force):
 
     body: of the scene, reduced with `thermal=`. state: of `body.reduced.thermal`, such as `.steady(...)`. signal: a
     number or signal [-] that multiplies the expansion. It is a load on the global modes, which moves interfaces as the
-    expansion does; what contact surfaces expand beside these modes is `body.reduced.thermal.local_expansion`, which
+    expansion does; what contact surfaces expand in addition is `body.reduced.thermal.local_expansion`, which
     `study.warm_equilibrium` adds to the gaps of films. Raises `InputError` for a body without temperatures.
     """
 

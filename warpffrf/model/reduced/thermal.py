@@ -6,7 +6,7 @@ surroundings of temperature T_k less the reference, h_k = int h N dA of convecti
 
     C theta' + K theta = B q + sum_k h_k T_k,
 
-is reduced as the deformation is, to modes and the static response beside them:
+is reduced as the deformation is, to modes and the static response in addition:
 
     theta = sum_k T_k theta_k + Phi a + G_res q,      a' = -Lambda a + Phi^T B q - P dT/dt,
     theta_k = K^-1 h_k,   Phi^T C Phi = 1,   Phi^T K Phi = Lambda,   G_res = K^-1 B - Phi Lambda^-1 Phi^T B,
@@ -61,7 +61,7 @@ class ReducedThermal:
     `rates` (r,) [1/s] of the modes; `inflow` (r, N) and `carried` (r, b), what fluxes and surroundings do to them;
     `grids`: contact surface -> (columns, rows), whose nodes are numbered one surface after the other; matrices
     (..., b + r + N): `mean` (1,), `skin` (n,) and `surfaces` by name, temperatures; `modal` (m,) forces on the global
-    modes, `expansion` by name, outward normal displacement [m] beside the global modes, `skin_expansion` (3 n,).
+    modes, `expansion` by name, outward normal displacement [m] in addition to global modes, `skin_expansion` (3 n,).
     """
 
     surroundings: dict[str, float]
@@ -178,7 +178,7 @@ class ReducedThermal:
         return self._of(self.modal, state)
 
     def local_expansion(self, state: Warmth, surface: str) -> Array:
-        """Outward normal displacement (columns, rows) [m] of a contact surface beside that of the global modes."""
+        """Outward normal displacement (columns, rows) [m] of a contact surface in addition to that of global modes."""
         return self._of(self.expansion[self._named(surface)], state).reshape(self.grids[surface])
 
     def _of(self, matrix: Array, state: Warmth) -> Array:
