@@ -70,7 +70,7 @@ def hot_side() -> tuple[np.ndarray, Any]:
     table = np.zeros((COUNTS[0] + 1, COUNTS[1] + 1))
     lines = [np.linspace(-0.5 * s, 0.5 * s, n + 1) for s, n in zip(SIZE[:2], COUNTS[:2], strict=True)]
     table[np.searchsorted(lines[0], x - 1e-6), np.searchsorted(lines[1], y - 1e-6)] = nodes
-    interpolated = RegularGridInterpolator(lines, table, bounds_error=False, fill_value=None)
+    interpolated = RegularGridInterpolator(lines, table, bounds_error=False, fill_value=0.0)
 
     def flux(X: Any, Y: Any) -> Any:
         return interpolated(np.stack([X - 0.5 * SIZE[0], Y - 0.5 * SIZE[1]], axis=-1))

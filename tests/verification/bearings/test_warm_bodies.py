@@ -57,7 +57,10 @@ def test_a_sleeve_has_the_temperature_at_which_its_heat_leaves() -> None:
 
 
 def test_a_cooled_sleeve_cools_its_film() -> None:
-    adiabatic = wf.equilibrium(warm_sleeve.bearing(), progress=False).film("film")
+    alone = wf.equilibrium(warm_sleeve.bearing(), progress=False)
+    adiabatic = alone.film("film")
+    assert any("is adiabatic here, although its body conducts heat" in note for note in alone.history.notes)
+    assert not any("is adiabatic here" in note for note in warm().result.history.notes)
     film = warm().result.film("film")
     assert film.temperature.max() < adiabatic.temperature.max()
     assert film.friction_power[-1] > adiabatic.friction_power[-1]
