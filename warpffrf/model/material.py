@@ -29,6 +29,8 @@ NEARLY_INCOMPRESSIBLE = 0.45  # Poisson's ratio above which elements use the mix
 FORMULATIONS = ("displacement", "mixed")
 ALONG = 1e-3  # sine of the angle between two axes below which they are parallel
 DEFINITE = 1e-9  # least eigenvalue of the scaled compliance, of 1
+THERMAL = ("conductivity", "heat_capacity", "expansion")
+MOST_EXPANSION = 1e-3  # 1/K: rubber and plastics reach some 2e-4; 12 is that of steel in 1e-6/K
 
 
 @named_arguments
@@ -40,8 +42,12 @@ class Material:
     `formulation` of its elements: "displacement", "mixed" (displacement and pressure, free of volumetric locking, see
     `warpffrf.offline.fe`), or None: mixed above `NEARLY_INCOMPRESSIBLE`.
 
-    Raises `InputError` for E <= 0, density <= 0, an unknown formulation and nu outside its range: at nu = 0.5 the
-    material is incompressible, and its bulk modulus E / (3 (1 - 2 nu)) infinite; 0.49999 differs from it negligibly.
+    conductivity [W/(m K)], heat_capacity [J/(kg K)], expansion [1/K], of lengths: for temperatures of the body,
+    `reduce(thermal=...)`; None: not known, and not needed without.
+
+    Raises `InputError` for E, density, conductivity or heat_capacity <= 0, an unknown formulation and nu outside its
+    range: at nu = 0.5 the material is incompressible, and its bulk modulus E / (3 (1 - 2 nu)) infinite; 0.49999 differs
+    from it negligibly.
 
     >>> steel = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
     >>> steel.density  # kg/m3
@@ -53,6 +59,9 @@ class Material:
     density: float
     name: str = field(default="", kw_only=True)
     formulation: str | None = field(default=None, kw_only=True)
+    conductivity: float | None = field(default=None, kw_only=True)
+    heat_capacity: float | None = field(default=None, kw_only=True)
+    expansion: float | None = field(default=None, kw_only=True)
 
     @staticmethod
     def orthotropic(
@@ -88,6 +97,15 @@ class Material:
             raise InputError(f"{label}: poisson_ratio must lie between -1 and 0.5 (excluded), got {nu:g}{cure}")
         if self.formulation not in (None, *FORMULATIONS):
             raise unknown_name(f"{label}: formulation", str(self.formulation), FORMULATIONS)
+        for key in THERMAL:
+            if (value := getattr(self, key)) is not None:
+                value = require_number(value, f"{label}: {key}", positive=key != "expansion")
+                object.__setattr__(self, key, value)
+        if self.expansion is not None and abs(self.expansion) > MOST_EXPANSION:
+            raise InputError(
+                f"{label}: expansion is per kelvin, 12e-6 of steel, and at most {MOST_EXPANSION:g}, got "
+                f"{self.expansion:g}"
+            )
         object.__setattr__(self, "youngs_modulus", E)
         object.__setattr__(self, "poisson_ratio", nu)
         object.__setattr__(self, "density", rho)

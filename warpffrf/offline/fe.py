@@ -83,7 +83,7 @@ def assemble(points: np.ndarray, cells: Mapping[str, np.ndarray], assignment: As
                 x = points[part]
                 dofs = (3 * part[:, :, None] + np.arange(3)).reshape(len(part), -1)
                 K = K + scatter(_stiffness(x, kind, material), dofs, 3 * n)
-                m = m + scatter(_mass(x, kind, material.density), part, n)
+                m = m + scatter(scalar_mass(x, kind, material.density), part, n)
     return sp.csr_matrix(K), sp.csr_matrix(sp.kron(m, sp.identity(3), format="csr"))
 
 
@@ -115,7 +115,8 @@ def _stiffness(x: np.ndarray, kind: str, material: SolidMaterial) -> np.ndarray:
     return K.reshape(e, 3 * k, 3 * k)
 
 
-def _mass(x: np.ndarray, kind: str, density: float) -> np.ndarray:
+def scalar_mass(x: np.ndarray, kind: str, density: float) -> np.ndarray:
+    """density int N_a N_b dV (e, k, k) of cells with node coordinates x (e, k, 3)."""
     r = rule(kind, MASS_DEGREE[kind])
     J = np.einsum("eai,qaj->eqij", x, r.gradients)
     weight = determinants(J) * r.weights * density

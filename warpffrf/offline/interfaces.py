@@ -215,7 +215,7 @@ def require_spread(points: np.ndarray, name: str) -> None:
         )
 
 
-def _facet_mass(mesh: Mesh, name: str) -> tuple[Sparse, float, np.ndarray]:
+def facet_mass(mesh: Mesh, name: str) -> tuple[Sparse, float, np.ndarray]:
     """W (n, n) [m2] of one component over all mesh nodes, area [m2], first moment of area (3,) [m3] of a set."""
     n = len(mesh.points)
     W = sp.csr_matrix((n, n))
@@ -236,7 +236,7 @@ def _facet_mass(mesh: Mesh, name: str) -> tuple[Sparse, float, np.ndarray]:
 def mean_motion(mesh: Mesh, name: str, point: np.ndarray) -> np.ndarray:
     """S (6, 3 k): translation and rotation at `point` (3,) of the rigid motion nearest to the k nodes of the set."""
     nodes = mesh.facets(name).node_set
-    W, _, _ = _facet_mass(mesh, name)
+    W, _, _ = facet_mass(mesh, name)
     X = rigid_modes(mesh.points[nodes], point)
     size = float(np.max(np.ptp(mesh.points[nodes], axis=0)))
     scale = np.repeat([1.0, 1.0 / size], 3)  # rotations times the size are lengths, like translations
@@ -246,7 +246,7 @@ def mean_motion(mesh: Mesh, name: str, point: np.ndarray) -> np.ndarray:
 
 def reference_point(mesh: Mesh, name: str) -> np.ndarray:
     """Reference point (3,) [m] of the facet set: area centroid, projected onto the axis if the set is a cylinder."""
-    _, total, moment = _facet_mass(mesh, name)
+    _, total, moment = facet_mass(mesh, name)
     center = moment / total
     points = mesh.points[mesh.facets(name).node_set]
     try:

@@ -18,6 +18,7 @@ from warpffrf.model.reduced.contact_surface import CrossCompliance, Recovery, Ta
 from warpffrf.model.reduced.data import Interface
 from warpffrf.model.reduced.inertia import InertiaTerms, SecondOrderMotion
 from warpffrf.model.reduced.local_mass import LocalMass
+from warpffrf.model.reduced.thermal import ReducedThermal
 from warpffrf.model.small_sliding import MatchedSurface
 from warpffrf.model.surfaces import Bore, Cone, ConicalBore, CrownedCylinder, Cup, Cylinder, Groove, Plane, Ring, Sphere
 from warpffrf.offline.contact.contact_grid import largest_radius
@@ -125,6 +126,7 @@ class PathProduct:
     cross: list[CrossCompliance] = field(default_factory=list)  # of each surface under loads on each later one
     matched: MatchedProduct | None = None
     membrane: MembraneTerms | None = None
+    thermal: ReducedThermal | None = None
     skin_second_order: np.ndarray | None = None  # (S, n, 3), of the shapes of `membrane`
 
 

@@ -26,6 +26,7 @@ from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.reduced.data import DisplaySurface
 from warpffrf.model.reduced.stress_field import StressPoints
 from warpffrf.model.surfaces import Matched, Shape
+from warpffrf.model.thermal import BodyTemperature
 from warpffrf.offline.bases import Basis
 from warpffrf.offline.contact.contact_choice import (
     depth_ratio,
@@ -80,6 +81,7 @@ def reduce(
     stress: Mapping[str, str | Matrix | StressPoints] | None = None,
     grid: ContactGrid = ContactGrid(),  # noqa: B008 (immutable)
     options: ReductionOptions = ReductionOptions(),  # noqa: B008
+    thermal: BodyTemperature | None = None,
     cache: bool = True,
     progress: bool = True,
 ) -> ReducedBody:
@@ -104,6 +106,8 @@ def reduce(
     grid: the grid of tractions on the contact surfaces: its spacing, or the half-width of the contact patches expected;
         functions of normal and tangential tractions; data for a contact-fixed grid and for reduced quadrature.
     options: settings that are rarely needed: inertia terms, stiffening, solver, memory.
+    thermal: also the temperature of the body and its thermal expansion, `films.BodyTemperature(...)`; the material then
+        requires conductivity, heat_capacity and expansion. On the general path.
     cache: look the result up in the user's cache and store it there. An interrupted reduction leaves a work file in
         the cache and is resumed by the next call.
     progress: report progress on stderr: bars on a terminal, lines elsewhere. Warnings are issued in any case.
@@ -138,6 +142,7 @@ def reduce(
         stress=stress,
         grid=grid,
         options=options,
+        thermal=thermal,
     )
     settings.check_against(mesh)
     assignment = assign(mesh, material)
@@ -197,6 +202,8 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
     report["notes"] += _not_used(settings, cyclic)
     if (stiffening := settings.options.stiffening) and given.cyclic is not None:
         report["notes"].append(f"stiffening={stiffening!r}: the periodic body was reduced on the general path")
+    if settings.thermal is not None and given.cyclic is not None:
+        report["notes"].append("thermal=: the periodic body was reduced on the general path")
     if membrane := product.facts.get("membrane"):
         notes, warnings = membrane_notes(membrane, mesh)
         report["notes"] += notes
@@ -289,6 +296,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         cross=tuple(product.cross),
         matched={} if product.matched is None else product.matched.surfaces,
         matched_compliance=None if product.matched is None else product.matched.compliance,
+        thermal=product.thermal,
     )
     report["quality"] = quality(body, product.surfaces, settings.limits)
     return body
@@ -354,6 +362,7 @@ def _product(
         "matched": settings.matched,
         "solver": settings.options.solver,
         "checkpoint": checkpoint,
+        "thermal": settings.thermal,
     }
     named = list(choice.shapes.items())
     memory = None if settings.options.memory_limit is None else int(settings.options.memory_limit)

@@ -16,9 +16,10 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number, unknown_name
-from warpffrf.model.material import Material, Orthotropic, SolidMaterial
+from warpffrf.model.material import THERMAL, Material, Orthotropic, SolidMaterial
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.surfaces import Matched
+from warpffrf.model.thermal import BodyTemperature
 from warpffrf.offline.bases import Basis, basis_options
 from warpffrf.offline.contact.node_loads import ContactFacets
 from warpffrf.offline.inertia.invariants import require_cells
@@ -27,6 +28,7 @@ from warpffrf.offline.options import ContactGrid, ReductionOptions, require_mode
 from warpffrf.offline.products import Limits, resolve_shapes
 from warpffrf.offline.small_sliding.cells import require_sets
 from warpffrf.offline.stress.plan import stress_settings
+from warpffrf.offline.thermal import require_thermal_input
 
 CYCLIC_BASES = ("free_free", "craig_chang")  # their span is that of free vibration and attachment modes
 
@@ -45,6 +47,7 @@ class Settings:
     grid: ContactGrid
     options: ReductionOptions
     matched: dict[str, Matched] = field(default_factory=dict)
+    thermal: BodyTemperature | None = None
 
     @classmethod
     def of(
@@ -59,6 +62,7 @@ class Settings:
         stress: Mapping[str, Any] | None,
         grid: Any,
         options: Any,
+        thermal: Any = None,
     ) -> Settings:
         """The settings for the arguments of `reduce`, checked as far as possible without the mesh."""
         chosen = basis_options(basis)
@@ -78,6 +82,7 @@ class Settings:
             grid=_require(grid, ContactGrid, "grid"),
             options=_require(options, ReductionOptions, "options"),
             matched={name: wanted.called(name) for name, wanted in faces.items() if isinstance(wanted, Matched)},
+            thermal=thermal,
         )
 
     def check_against(self, mesh: Mesh) -> None:
@@ -101,6 +106,8 @@ class Settings:
         if self.options.stiffening:
             require_cells(mesh, self.material, self.options.stiffening)
         require_sets(mesh, self.matched, self.contact, self.interfaces)
+        if self.thermal is not None:
+            require_thermal_input(mesh, self.material, self.thermal, self.contact)
         for name, shape in self.contact.items():
             mesh.facets(name)
             require_solid(mesh, name)
@@ -126,6 +133,8 @@ class Settings:
             return "surfaces.Matched: the compliance of its cells is computed on the general path"
         if self.options.stiffening:
             return f"stiffening={self.options.stiffening!r}: geometric stiffness is computed on the general path"
+        if self.thermal is not None:
+            return "thermal=: temperature and expansion are computed on the general path"
         if self.basis.kind not in CYCLIC_BASES or self.basis != type(self.basis)():
             return f"basis {self.basis.kind!r} with these options is computed on the general path"
         other = [name for name, kind in self.interfaces.items() if kind != "rigid"]
@@ -147,6 +156,7 @@ class Settings:
             "grid": self.grid.describe(),
             "options": {name: value for name, value in asdict(self.options).items() if name != "solver"},
             "matched": [[name, face.describe()] for name, face in self.matched.items()],
+            **({} if self.thermal is None else {"thermal": [self.thermal.describe(), _thermal_numbers(self.material)]}),
         }
 
 
@@ -173,6 +183,13 @@ def _numbers(material: SolidMaterial | Mapping[str, SolidMaterial] | None) -> An
     if isinstance(material, Orthotropic):
         return [*asdict(replace(material, name="")).values()]
     return None if material is None else {name: _numbers(one) for name, one in material.items()}
+
+
+def _thermal_numbers(material: Any) -> Any:
+    """The thermal properties of materials."""
+    if isinstance(material, Mapping):
+        return {name: _thermal_numbers(one) for name, one in material.items()}
+    return [getattr(material, name) for name in THERMAL]
 
 
 def require_solid(mesh: Mesh, name: str) -> None:

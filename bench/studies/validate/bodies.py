@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -11,12 +12,14 @@ from demos import elastica as bent
 from demos import plate as clamped
 from demos import snapping_arch as arch
 from demos import spinning_beam as spun
+from references.closed_forms.heat import disc
 from references.closed_forms.large_deflections import (
     LEVY_CLAMPED_SQUARE,
     LEVY_POISSON,
     Elastica,
     clamped_plate_frequency,
 )
+from references.finite_elements.heat import HeatedBox
 from references.large_deflections.equilibrium_path import EquilibriumPath, pushed_arch
 from scenes import rotating_bar, rotating_disc
 from scenes import rotating_modes as modes
@@ -45,6 +48,58 @@ def patch_test() -> Iterator[Row]:
         inside[(3 * mesh.outer_facets().node_set[:, None] + np.arange(3)).ravel()] = False
         u = np.linalg.solve(K[np.ix_(inside, inside)], -K[np.ix_(inside, ~inside)] @ exact[~inside])
         yield Row(f"displacement off by, {kind}", np.abs(u - exact[inside]).max(), 0.0, 1e-11, "m", np.abs(exact).max())
+
+
+@case(ROOM, "All nodes and eigenmodes by scikit-fem (tests/references/finite_elements/heat.py), without reduction")
+def heated_pad() -> Iterator[Row]:
+    """A pad of steel of 12 x 8 x 6 linear cells, cooled below, under a flux of 1e5 W/m2 above from time 0 on: hottest
+    place of the skin above the surroundings, and how far it bends up, at times over the largest time constant"""
+    size, counts, h = (0.06, 0.04, 0.02), (12, 8, 6), 400.0
+    steel = wf.Material(210e9, 0.3, 7850.0, conductivity=45.0, heat_capacity=460.0, expansion=12e-6)
+    body = wf.reduce(
+        box(size, counts, center=(0, 0, 0.01), order=1), steel, contact={"z_max": wf.surfaces.Plane()}, modes=4,
+        thermal=wf.films.BodyTemperature(convection={"z_min": (h, 0.0)}, reference=0.0), cache=False, progress=False,
+        grid=wf.ContactGrid(contact_fixed=False),
+    )  # fmt: skip
+    heat: Any = body.thermal
+    whole = HeatedBox(
+        size, counts, youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0, conductivity=45.0, heat_capacity=460.0,
+        expansion=12e-6, h=h,
+    )  # fmt: skip
+    # the flux falls to zero in the outermost cells along its columns
+    along = 0 if body.contact_surfaces["z_max"].grid.columns == counts[0] - 1 else 1
+    edge = size[along] / counts[along]
+    load = whole.load(lambda *x: 1e5 * np.clip(np.minimum(x[along], size[along] - x[along]) / edge, 0.0, 1.0))
+    for part, tolerance in ((0.01, 0.02), (0.1, 0.02), (1.0, 0.02), (np.inf, 5e-3)):
+        steady = np.isinf(part)
+        flux, after = {"z_max": 1e5}, part * heat.time
+        state = heat.steady(flux) if steady else heat.advance(heat.uniform(0.0), after, flux=flux)
+        theta = whole.steady(load) if steady else whole.after(after, load)
+        when = "steady" if steady else f"t = {part:g}"
+        yield Row(f"hottest, {when}", heat.hottest(state), float(theta.max()), tolerance, "K")
+        ours, theirs = (float(np.ptp(u[:, 2])) * 1e6 for u in (body.expansion(state).skin, whole.expansion(theta)))
+        yield Row(f"range of displacements, {when}", ours, theirs, tolerance, "µm")
+
+
+@case(ROOM, "S. P. Timoshenko, J. N. Goodier, Theory of Elasticity (1970), section 151: disc with a hole, free edges")
+def ring_with_gradient() -> Iterator[Row]:
+    """A ring of steel of 20 and 50 mm, 1 mm thick, heated inside and held at its temperature outside: growth"""
+    steel = wf.Material(210e9, 0.3, 7850.0, conductivity=45.0, heat_capacity=460.0, expansion=12e-6)
+    body = wf.reduce(
+        roller(0.05, 0.02, 0.001, sectors=24, layers=10, axial=1, order=2), steel, contact={"bore": wf.surfaces.Bore()},
+        modes=4, thermal=wf.films.BodyTemperature(fixed={"rim": 40.0}, reference=40.0), cache=False, progress=False,
+        grid=wf.ContactGrid(contact_fixed=False),
+    )  # fmt: skip
+    heat: Any = body.thermal
+    free, points = body.expansion(heat.steady({"bore": 5e4})), body.surface.points
+    r = np.hypot(points[:, 0], points[:, 2])
+    radial = np.sum((free.skin * points)[:, [0, 2]], axis=1) / r
+    for name, at in (("bore", 0.02), ("rim", 0.05)):
+        there = radial[np.abs(r - at) < 1e-6].mean()
+        theirs = disc(
+            at, inner=0.02, outer=0.05, flux=5e4, conductivity=45.0, rim=0.0, expansion=12e-6, poisson_ratio=0.3
+        )[1]  # fmt: skip
+        yield Row(f"growth of the {name}", 1e6 * float(there), 1e6 * float(theirs), 1e-3, "µm")
 
 
 @case(ROOM, "The same body by the general path, which shares no solution with that of repeated sectors")

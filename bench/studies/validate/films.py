@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import root
 
+import warpffrf as wf
 from references.closed_forms.films import (
     adiabatic_rise,
     couette_stress,
@@ -16,7 +17,7 @@ from references.closed_forms.films import (
 )
 from references.films.journal import JournalFilm
 from scenes import film_bearing as made
-from scenes import warm_pads, warm_slider
+from scenes import warm_pads, warm_sleeve, warm_slider
 from studies.films import film_acceptance as study
 from studies.films import oil_film
 from studies.validate.case import Row, case
@@ -159,6 +160,24 @@ def heated_couette() -> Iterator[Row]:
         brinkman = slope * warm_slider.VISCOSITY * speed**2 / warm_slider.CONDUCTIVITY
         found = (power[1] - power[0]) / (0.02 * width * warm_slider.VISCOSITY * speed**2 / gap)
         yield Row(f"τh/(μ0U), Br = {brinkman:.3g}", found, couette_stress(brinkman), 5e-3)
+
+
+@case(
+    ROOM, "H. S. Carslaw, J. C. Jaeger, Conduction of Heat in Solids (1959): ring under a flux, with convection outside"
+)
+def warm_sleeve_at_rest() -> Iterator[Row]:
+    """A shaft in a steel sleeve that conducts the heat of its film to its surroundings, 32 x 7 nodes: temperatures and
+    expansion of both found together; mean over the bore above the surroundings, under the film's own heat"""
+    scene = warm_sleeve.bearing()
+    found = wf.study.warm_equilibrium(scene)
+    sleeve: Any = warm_sleeve.sleeve()
+    heat = float(found.heat["film"][-1, 0])
+    bore = sleeve.thermal.temperature(found.states["sleeve"][-1], "bore").mean(axis=0)
+    rise = np.average(bore, weights=[0.5, *[1.0] * (len(bore) - 2), 0.5]) - warm_sleeve.AMBIENT
+    yield Row("rise of the bore", float(rise), warm_sleeve.bore_rise(heat), 2e-3, "K")
+    film = found.result.film("film")
+    away = float(film.heat_carried[-1] + film.heat_to_a[-1])
+    yield Row("heat carried away and conducted over generated", away / float(film.heat_generated[-1]), 1.0, 1e-6)
 
 
 @case(ROOM, "M. Fillon, J.-C. Bligoud and J. Frêne, J. Tribol. 114 (1992) 579, measured")

@@ -49,7 +49,8 @@ WALLS = wp.constant(3)
 CARRY_OVER = wp.constant(5)
 HELD = wp.constant(6)
 
-# --- columns of `Films.heat_table`: of the viscosity, then of alpha
+# --- columns of `Films.heat_table`: of the viscosity, then of alpha; after its ENTRIES rows one for each node of the
+# film, with the deviation of both walls [K] from their means
 THINNING = wp.constant(0)
 
 # --- values of a film, `FilmState.film_heat`
@@ -92,12 +93,19 @@ def table_at(model: Model, film: int, temperature: real, column: int) -> real:
 
 
 @wp.func
-def conducted(model: Model, film: int, alpha: real, temperature: real, wall: int) -> real:
-    """w [K] of wall A (0) or B (1), 0 of an adiabatic one."""
+def wall_at(model: Model, film: int, m: int, wall: int) -> real:
+    """degC of wall A (0) or B (1) at node m of a film: its mean, and the deviation in the rows after the table."""
+    row = model.elements[0].films[0].heat_table_start[film] + ENTRIES + m
+    return model.elements[0].films[0].heat[film, WALLS + wall] + model.elements[0].films[0].heat_table[row, wall]
+
+
+@wp.func
+def conducted(model: Model, film: int, m: int, alpha: real, temperature: real, wall: int) -> real:
+    """w [K] of wall A (0) or B (1) at node m of a film, 0 of an adiabatic one."""
     held = model.elements[0].films[0].heat[film, HELD + wall]
     both = held * model.elements[0].films[0].heat[film, HELD + 1 - wall]
-    T = model.elements[0].films[0].heat[film, WALLS + wall]
-    across = both * (model.elements[0].films[0].heat[film, WALLS + 1 - wall] - T)
+    T = wall_at(model, film, m, wall)
+    across = both * (wall_at(model, film, m, 1 - wall) - T)
     return held * (across + alpha * (temperature - T - real(0.5) * across))
 
 
@@ -263,7 +271,7 @@ def solve_column(
         for wall in range(2):
             alpha = oil.film_heat_line[w, n, ALPHA + wall]
             diagonal += conductance * model.elements[0].films[0].heat[film, HELD + wall] * alpha
-            right -= conductance * conducted(model, film, alpha, real(0.0), wall)
+            right -= conductance * conducted(model, film, m, alpha, real(0.0), wall)
         slope = softening(model, w, film, n, static, oil) / rho_c
         diagonal += slope
         right += slope * before
@@ -353,7 +361,7 @@ def book_heat(
         g = oil.film_heat_line[w, n, CONDUCTANCE]
         for wall in range(2):
             alpha = oil.film_heat_line[w, n, ALPHA + wall]
-            films.film_heat[w, 1, film, TO_A + wall] += g * conducted(model, film, alpha, T, wall)
+            films.film_heat[w, 1, film, TO_A + wall] += g * conducted(model, film, n - nodes, alpha, T, wall)
         generated = oil.film_heat_line[w, n, POWER] - softening(model, w, film, n, static, oil) * change
         films.film_heat[w, 1, film, GENERATED] += generated
         films.film_heat[w, 1, film, CARRIED] += rho_c * carried

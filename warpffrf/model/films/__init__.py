@@ -6,7 +6,7 @@
                     shape that add up, `warpffrf.model.surfaces.form_deviations`
     bearings        Pad, Dam, pads, JournalBearing: `scene.add_journal_bearing`, `journal_bearing`
     roughness       Roughness of a wall, with flow factors; MixedLubrication, asperities in addition, `roughness`
-    temperature     FilmTemperature, `heat`
+    temperature     FilmTemperature, `heat`; BodyTemperature, of the bodies next to it, `warpffrf.model.thermal`
     CAVITATIONS     treatment of pressures below that of cavitation, `cavitation`
 
 The oils are in `warpffrf.model.oils`.
@@ -33,10 +33,11 @@ from warpffrf.model.surfaces.form_deviations import (
     PocketForm,
     WornForm,
 )
+from warpffrf.model.thermal import BodyTemperature
 
 __all__ = [
     "CAVITATIONS", "QUADRATURES", "FEEDS", "FORMS", "ROUGHNESSES", "BarrelForm", "Feed", "Film", "Form",
-    "AxialGroove", "SupplyHole", "FilmTemperature",
+    "AxialGroove", "SupplyHole", "FilmTemperature", "BodyTemperature",
     "LobedForm", "MeasuredForm", "MixedLubrication", "CircumferentialGroove", "Roughness", "CompositeForm", "WornForm",
     "PadForm", "PocketForm", "Pad", "Dam", "pads", "JournalBearing",
 ]  # fmt: skip

@@ -130,7 +130,7 @@ class Film(reprs.Item):
     @property
     def notes(self) -> list[str]:
         """Notes for the user on the discretisation of the film and its rough walls."""
-        return self._held()[2] + self._rough_notes()
+        return self._held()[2] + self._rough_notes() + self._cold_notes()
 
     def held(self) -> tuple[np.ndarray, np.ndarray]:
         """Which nodes (columns, rows) have a given pressure, and that pressure (columns, rows) [Pa], 0 elsewhere. Where
@@ -184,6 +184,21 @@ class Film(reprs.Item):
             **({} if self.temperature is None else {"temperature": self.temperature.describe()}),
             **self.mixed.describe(),
         }
+
+    def _cold_notes(self) -> list[str]:
+        """Walls of bodies with temperatures, whose own the film does not have."""
+        if self.temperature is None:
+            return []
+        bare = [
+            port.label
+            for port, mean in zip(self.ports, self.temperature.means, strict=True)
+            if mean is None and port.body.reduced is not None and port.body.reduced.thermal is not None
+        ]
+        return [
+            f"{self.label}: {label} is adiabatic here, although its body conducts heat; study.warm_equilibrium and "
+            "study.warm_up find the temperatures of both"
+            for label in bare
+        ]
 
     def _rough_notes(self) -> list[str]:
         s = self.mixed.deviation

@@ -29,7 +29,8 @@ Proc. IMechE 182, 1967, 120; H. Heshmat and O. Pinkus, Mixing inlet temperatures
     T_1 = (carry_over Q_2 T_2 + (Q_1 - carry_over Q_2) T_supply)/Q_1,      at most with carry_over Q_2 = Q_1.
 
 Neglected: heat conducted along the film (k/(rho c U L), 1e-5), expansion of the oil in the balance of its mass, heat of
-compression (T e dp/dt; 1 % of P), temperatures of the walls as unknowns.
+compression (T e dp/dt; 1 % of P). Where walls have a temperature at each node, w has the local ones, alpha and mu(T)
+those of their means. Temperatures of bodies: `warpffrf.study.warm`.
 """
 
 from __future__ import annotations
@@ -39,7 +40,8 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.arguments import Matrix
+from warpffrf.model.errors import InputError, require_array, require_number
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.oil_temperature import COLDEST, HOTTEST, temperature_of
 from warpffrf.model.oils import Oil
@@ -49,6 +51,7 @@ STEP = 0.5  # K between entries of the table of viscosity: errors of 2e-5 betwee
 ENTRIES = round((HOTTEST - COLDEST) / STEP) + 1
 ACROSS = 16  # Gauss points across the gap
 ROUNDS = 60  # of the profile across the gap: its changes halve
+WALLS = ("wall_a", "wall_b")
 CAVITATIONS = ("jfo", "full_sommerfeld")  # that conserve oil
 
 
@@ -58,23 +61,30 @@ class FilmTemperature:
     """The temperature of a film, solved along and across the film and averaged across the gap.
 
     supply [degrees Celsius]: of oil that enters by feeds and ends. wall_a, wall_b [degrees Celsius]: of the first and
-    the second surface; None for adiabatic ones. carry_over [-]: fraction of the oil arriving at a feed that continues
+    the second surface, numbers, or (columns, rows) at the nodes of the film, the contact grid of the first; None for
+    adiabatic ones. carry_over [-]: fraction of the oil arriving at a feed that continues
     into the film, 1 where the groove only adds what is missing; the remainder is replaced by fresh oil. upstream: name
     of the film, of a pad, whose outflow arrives at the feeds and leading edges of this one; None: only fresh oil does.
     Raises `InputError`.
     """
 
     supply: float
-    wall_a: float | None = None
-    wall_b: float | None = None
+    wall_a: float | Matrix | None = None
+    wall_b: float | Matrix | None = None
     carry_over: float = 1.0
     upstream: str | None = None
 
     def __post_init__(self) -> None:
         label = "films.FilmTemperature"
-        for name in ("supply", "wall_a", "wall_b"):
+        object.__setattr__(self, "supply", temperature_of(self.supply, f"{label}: supply"))
+        for name in WALLS:
             value = getattr(self, name)
-            if value is not None or name == "supply":
+            if np.ndim(value):
+                nodes = require_array(value, f"{label}: {name} [degrees Celsius]", (None, None))
+                for T in (nodes.min(), nodes.max()):
+                    temperature_of(T, f"{label}: {name}")
+                object.__setattr__(self, name, nodes)
+            elif value is not None:
                 object.__setattr__(self, name, temperature_of(value, f"{label}: {name}"))
         part = require_number(self.carry_over, f"{label}: carry_over [-]", non_negative=True)
         if part > 1.0:
@@ -86,7 +96,7 @@ class FilmTemperature:
         reference temperature, alpha_A and alpha_B."""
         assert oil.thermal is not None
         thermal, mean = oil.thermal, COLDEST + STEP * np.arange(ENTRIES)[:, None]
-        A, B = self.wall_a, self.wall_b
+        A, B = self.means
         if A is None and B is None:
             thinning = np.log(thermal.viscosity(oil.viscosity, mean[:, 0]) / oil.viscosity)
             return np.column_stack([thinning, np.zeros((ENTRIES, 2))])
@@ -113,15 +123,35 @@ class FilmTemperature:
         """Of `oil`, for the device: rho c [J/(m3 K)], k [W/(m K)], supply, walls [degrees Celsius], carry-over, and 1
         for each wall with a temperature."""
         assert oil.thermal is not None
-        walls = (self.wall_a, self.wall_b)
+        walls = self.means
         return [
             oil.thermal.density * oil.thermal.heat_capacity, oil.thermal.conductivity, self.supply,
             *(0.0 if T is None else T for T in walls), self.carry_over, *(float(T is not None) for T in walls),
         ]  # fmt: skip
 
+    @property
+    def means(self) -> tuple[float | None, float | None]:
+        """Of both walls [degrees Celsius], None of adiabatic ones."""
+        a, b = (None if T is None else float(np.mean(np.asarray(T))) for T in (self.wall_a, self.wall_b))
+        return a, b
+
+    def deviations(self, film: Any) -> list[Array]:
+        """Of both walls from their means [K] at the nodes of `film`. Raises `InputError` for another number of
+        nodes."""
+        shape, found = (film.grid.columns, film.grid.rows), []
+        for name, mean in zip(WALLS, self.means, strict=True):
+            T = getattr(self, name)
+            if np.ndim(T) and np.shape(T) != shape:
+                raise InputError(
+                    f"{film.label}: {name} of its temperature has {np.shape(T)} nodes, those of the contact grid of "
+                    f"{film.a.label} are {shape}"
+                )
+            found.append(np.broadcast_to(0.0 if T is None else np.asarray(T) - mean, shape).ravel())
+        return found
+
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
-        return dict(vars(self))
+        return {name: T.tolist() if isinstance(T, np.ndarray) else T for name, T in vars(self).items()}
 
 
 def _integration() -> tuple[Array, Array, Array]:

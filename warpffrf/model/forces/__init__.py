@@ -23,6 +23,7 @@ from warpffrf.model.forces.joint_friction import CylindricalFriction, PrismaticF
 from warpffrf.model.forces.laws import BodyLoad, Coordinate, PointLoad, SlipLaw, SpringLaw, TensionLaw, scalar_law
 from warpffrf.model.forces.loads import NodalLoad, PointForce, PointTorque, Pretension, SurfaceLoad
 from warpffrf.model.forces.springs import BearingSpring, Bushing, JointSpringDamper, SpringDamper, TorsionalSpringDamper
+from warpffrf.model.forces.thermal_load import ThermalLoad
 
 FORCES = {
     element.kind: element
@@ -37,6 +38,7 @@ FORCES = {
         BearingSpring,
         SurfaceLoad,
         NodalLoad,
+        ThermalLoad,
         RevoluteFriction,
         PrismaticFriction,
         CylindricalFriction,
@@ -70,6 +72,7 @@ __all__ = [
     "SpringLaw",
     "SurfaceLoad",
     "TensionLaw",
+    "ThermalLoad",
     "TorsionalSpringDamper",
     "scalar_law",
 ]

@@ -21,6 +21,7 @@ from warpffrf.model.reduced.data import ReducedBodyData
 from warpffrf.model.reduced.file import content_hash, read_reduced_body, write_reduced_body
 from warpffrf.model.reduced.measured_modes import ModeComparison, compare_modes
 from warpffrf.model.reduced.summary import summary
+from warpffrf.model.reduced.thermal import Expansion, Warmth, expansion
 
 
 @named_arguments
@@ -33,8 +34,8 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
     [Hz] of its m global modes, and by name its interfaces (ports for joints and forces), contact_surfaces (with their
     local modes), matched faces (faces in small-sliding contact) and stress (points of stress evaluation). surface is
     the skin for visualisation, report contains quality measures and provenance the history; inertia_terms, cross and
-    matched_compliance [m/N] are the effects of rotation, of loads on several surfaces and of loads on matched faces
-    (`ReducedBodyData`).
+    matched_compliance [m/N] are the effects of rotation, of loads on several surfaces and of loads on matched faces,
+    thermal its temperature and thermal expansion (`ReducedBodyData`).
     """
 
     def _facts(self) -> dict[str, Any]:
@@ -71,6 +72,11 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
         reduced body...
         """
         return summary(self)
+
+    def expansion(self, state: Warmth) -> Expansion:
+        """Thermal expansion in a state of `body.thermal` [`warpffrf.model.reduced.thermal`], the body free of loads.
+        Raises `InputError` for a body that was reduced without `thermal=`."""
+        return expansion(self, state)
 
     def craig_bampton(self) -> CraigBampton:
         """Stiffness and mass over the motions of the interfaces and fixed-interface modes, for other programs: exact

@@ -43,6 +43,8 @@ def check_body(body: ReducedBodyData, arrays: Mapping[str, np.ndarray]) -> None:
     if t.size and (t.min() < 0 or t.max() >= n):
         raise InputError(f"surface/triangles name a point that is none of the {n}")
     _check_matched(body)
+    if body.thermal is not None and not np.all(body.thermal.rates > 0.0):
+        raise InputError("thermal/rates must be greater than zero")
     for name, s in body.contact_surfaces.items():
         if s.far is not None and s.far.quarter is not None and min(s.far.quarter.coefficients.shape) < 4:
             raise InputError(f"contact_surfaces/{name}/far/quarter has too few numbers for a spline")
@@ -135,11 +137,28 @@ def _shapes(body: ReducedBodyData) -> Iterator[tuple[str, Wanted]]:
     for name, field in body.stress.items():
         if field.membrane is not None:
             yield f"stress/{name}/membrane", (rank, len(field.points), 6)
+    yield from _thermal_shapes(body, m, n)
     motion = None if stiffening is None else stiffening.motion
     if motion is not None and body.surface.second_order is None:
         raise InputError("second-order motion has amplitudes, but the surface has no shapes of it")
     if body.surface.second_order is not None:
         yield "surface/second_order", (0 if motion is None else len(motion.forms), n, 3)
+
+
+def _thermal_shapes(body: ReducedBodyData, m: int, n: int) -> Iterator[tuple[str, Wanted]]:
+    heat = body.thermal
+    if heat is None:
+        return
+    if heat.grids != {name: (s.grid.columns, s.grid.rows) for name, s in body.contact_surfaces.items()}:
+        raise InputError("thermal has other contact surfaces or grids than the body")
+    r, b, nodes = len(heat.rates), len(heat.surroundings), heat.size
+    x = b + r + nodes
+    yield from (("thermal/rates", (None,)), ("thermal/inflow", (r, nodes)), ("thermal/carried", (r, b)))
+    yield from (("thermal/mean", (1, x)), ("thermal/skin", (n, x)), ("thermal/skin_expansion", (3 * n, x)))
+    yield "thermal/modal", (m, x)
+    for name, (columns, rows) in heat.grids.items():
+        for key in ("surfaces", "expansion"):
+            yield f"thermal/{key}/{name}", (columns * rows, x)
 
 
 def _contact_shapes(root: str, s: ContactSurface, m: int) -> Iterator[tuple[str, Wanted]]:

@@ -11,6 +11,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.contact_surface import ContactSurface, CrossCompliance
 from warpffrf.model.reduced.inertia import InertiaTerms
 from warpffrf.model.reduced.stress_field import StressField
+from warpffrf.model.reduced.thermal import ReducedThermal
 from warpffrf.model.small_sliding import MatchedSurface
 
 
@@ -67,6 +68,7 @@ class ReducedBodyData:
     matched_compliance: np.ndarray | None = (
         None  # (N, N) m/N of all forces of `matched`, in their order; None without matched faces
     )
+    thermal: ReducedThermal | None = None  # temperature and thermal expansion; None: without
 
     @property
     def local_modes(self) -> int:

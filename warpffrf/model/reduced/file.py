@@ -28,17 +28,18 @@ from warpffrf.model.reduced.far_field import FarField
 from warpffrf.model.reduced.inertia import GeometricStiffness, InertiaTerms, SecondOrderMotion
 from warpffrf.model.reduced.local_mass import LocalMass
 from warpffrf.model.reduced.stress_field import StressField
+from warpffrf.model.reduced.thermal import ReducedThermal
 from warpffrf.model.small_sliding import MatchedSurface
 
 Body = TypeVar("Body", bound=ReducedBodyData)
 
-SCHEMA = 11  # incremented with every change of the file contents; files of other schemas are refused
+SCHEMA = 12  # incremented with every change of the file contents; files of other schemas are refused
 MARK = "warpffrf reduced body"
 _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
 _INERTIA = ("first", "second", "gyroscopic")
 _PARTS = (
     "center_of_mass", "inertia", "frequencies", "surface", "interfaces", "contact_surfaces", "cross", "inertia_terms",
-    "stress", "matched", "matched_compliance",
+    "stress", "matched", "matched_compliance", "thermal",
 )  # fmt: skip
 _COMPLEX = ("transfer",)  # of harmonics
 _CENTRIFUGAL = "inertia_terms/stiffening/centrifugal"
@@ -135,6 +136,9 @@ def _flatten(body: ReducedBodyData) -> tuple[dict[str, np.ndarray], dict[str, An
         arrays.update({f"matched/{name}/{key}": array for key, array in face.arrays().items()})
     if body.matched_compliance is not None:
         arrays["matched_compliance"] = body.matched_compliance
+    if body.thermal is not None:
+        arrays.update({f"thermal/{key}": array for key, array in body.thermal.arrays().items()})
+        facts["thermal"] = body.thermal.facts()
     if body.stress:
         facts["stress"] = {name: field.facts() for name, field in body.stress.items()}
     for name, field in body.stress.items():
@@ -290,6 +294,7 @@ def _restore(
             for name, f in facts.get("matched", [])
         },
         matched_compliance=arrays.get("matched_compliance"),
+        thermal=ReducedThermal.restore(_under(arrays, "thermal/"), facts["thermal"]) if "thermal" in facts else None,
     )
 
 

@@ -20,6 +20,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import triangles
 from warpffrf.model.surfaces import Matched
+from warpffrf.model.thermal import BodyTemperature
 from warpffrf.offline.bases import Basis
 from warpffrf.offline.bases.build import GlobalBasis, build_basis
 from warpffrf.offline.elastic import Array, ElasticModel, free_model
@@ -49,6 +50,7 @@ from warpffrf.offline.progress import Progress
 from warpffrf.offline.quality import sampled_residual
 from warpffrf.offline.small_sliding.compliance import MatchedFaces
 from warpffrf.offline.structure.assembly import beam_surface, body_matrices, rigid_motions
+from warpffrf.offline.thermal import reduce_thermal
 
 DEFAULT_MEMORY = 8 << 30  # bytes
 
@@ -76,6 +78,7 @@ def reduce_general(
     matched: Mapping[str, Matched] | None = None,
     solver: str | None = None,
     checkpoint: Checkpoint | None = None,
+    thermal: BodyTemperature | None = None,
 ) -> PathProduct:
     """Reduce any mesh; `surfaces` are name and resolved shape. See the module docstring.
 
@@ -87,8 +90,8 @@ def reduce_general(
     also their geometric stiffness, "membrane": and the membrane energy of the first `membrane_modes` (None:
     `membrane.MODES`); `centrifugal`: also attachment modes of rotation; `matched`: joint faces with cells, by name;
     `solver`: a name in `solvers.SOLVERS`, None: the default; `checkpoint`: work file of finished parts, whose context
-    is entered by the caller. Raises `InputError` for a memory limit that is too small, a model that can move without
-    deforming, a solver that is not installed.
+    is entered by the caller; `thermal`: also temperature and expansion. Raises `InputError` for a memory limit that is
+    too small, a model that can move without deforming, a solver that is not installed.
     """
     # contact grids and observers; results that exceed the memory limit are refused first
     checkpoint = checkpoint or Checkpoint()
@@ -201,6 +204,11 @@ def reduce_general(
     matched_product = None
     if wanted_faces is not None:
         matched_product = wanted_faces.product(model, omega, Phi, T, beside_matched, limit, progress, checkpoint)
+    warm = None
+    if thermal is not None:
+        warm, facts["thermal"] = reduce_thermal(
+            mesh, assignment, thermal, contacts, skin, model, system, omega, Phi, progress
+        )
     if responses is not None:
         facts |= {"block": responses.width, "threads": responses.workers}
     shape = whole @ Phi
@@ -223,6 +231,7 @@ def reduce_general(
         cross=cross,
         matched=matched_product,
         membrane=membrane,
+        thermal=warm,
         skin_second_order=None if bent is None else bent.astype(np.float32),
     )
 

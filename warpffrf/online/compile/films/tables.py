@@ -250,7 +250,8 @@ def _add_heat(collector: Collector, film: Film, tables: Tables) -> None:
     tables.one(
         heat_nodes=film.grid.columns * film.grid.rows, heat=heat.numbers(film.oil), heat_upstream=upstream,
     )  # fmt: skip
-    tables.part(heat_table=heat.table(film.oil))
+    deviations = np.column_stack([*heat.deviations(film), np.zeros(film.grid.columns * film.grid.rows)])
+    tables.part(heat_table=np.concatenate([heat.table(film.oil), deviations]))
 
 
 def heat_at_start(compiled: Any) -> dict[str, Array]:
