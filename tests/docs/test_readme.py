@@ -96,7 +96,9 @@ def test_the_stress_under_the_pad_is_that_of_finite_elements(tmp_path: Path) -> 
     materials = wf.mesh.read(tmp_path / "machine.inp", length_unit="mm", part="shoe-1").materials
     radius, half, length, height = (1e-3 * made[name] for name in ("RADIUS", "HALF", "WIDTH", "HEIGHT"))
     depth = height * made["HARDENED"] ** 2
-    block = Block(radius, half, length, height, depth, (materials["hardened"], materials["core"]))
+    hardened, core = materials["hardened"], materials["core"]
+    assert isinstance(hardened, wf.Material) and isinstance(core, wf.Material)
+    block = Block(radius, half, length, height, depth, (hardened, core))
     found = pressed(block, LOAD, 1e-4, 7e-4, 5e-5 * np.arange(21))
     assert found.stress.max() / found.peak == pytest.approx(SHORT_LINE_CONTACT, rel=FINITE_ELEMENTS)
 

@@ -100,6 +100,7 @@ def heat_matrices(mesh: Mesh, assignment: Assignment) -> HeatMatrices:
     K, C, A = sp.csr_matrix((n, n)), sp.csr_matrix((n, n)), sp.csr_matrix((3 * n, n))
     for kind, all_cells in mesh.cells.items():
         for i, material in enumerate(assignment.materials):
+            assert isinstance(material, Material)  # `require_thermal_input`
             cells = all_cells[assignment.of_cell[kind] == i]
             k = cells.shape[1]
             chunk = max(1, CHUNK_BYTES // (8 * 3 * (3 * k) ** 2))

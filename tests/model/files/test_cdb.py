@@ -10,6 +10,7 @@ import pytest
 
 from warpffrf.model import mesh as wfmesh
 from warpffrf.model.errors import InputError
+from warpffrf.model.material import Material
 from warpffrf.model.mesh.files.columns import Lines
 
 HEX20 = [*range(20)]  # Ansys numbers the nodes of a hexahedron as VTK does
@@ -88,6 +89,7 @@ def test_a_box_is_read_with_components_and_material(tmp_path: Path, order: int) 
     assert mesh.cell_sets["FRONT"].tolist() == mesh.cell_sets["material_2"].tolist() == [0, 1, 2, 3]
     assert len(mesh.cell_sets["material_1"]) == 8
     steel = mesh.materials["material_1"]
+    assert isinstance(steel, Material)
     assert (steel.youngs_modulus, steel.poisson_ratio) == (210e9, 0.3) and steel.density == pytest.approx(7850.0)
 
 

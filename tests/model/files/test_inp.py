@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh
 from warpffrf.model.mesh.files.inp import read_inp
 
@@ -91,6 +92,7 @@ def test_surfaces_of_the_part_and_of_the_assembly() -> None:
 def test_materials_and_notes() -> None:
     brick = read_inp(ASSEMBLY, length_unit="mm", part="Brick-1")
     steel = brick.materials["All"]
+    assert isinstance(steel, Material)
     assert (steel.youngs_modulus, steel.poisson_ratio, steel.name) == (pytest.approx(2.1e11), 0.3, "Steel")
     assert steel.density == pytest.approx(7850.0)
     notes = "\n".join(brick.notes)
@@ -135,7 +137,8 @@ def test_flat_deck_with_two_kinds_two_materials_and_an_included_file() -> None:
     assert {name: cells.tolist() for name, cells in mesh.cell_sets.items()} == {
         "LOWER": [0], "UPPER": [1], "WHOLE": [0, 1]
     }  # fmt: skip
-    assert mesh.materials["LOWER"].youngs_modulus == 2.1e11 and mesh.materials["UPPER"].density == 2700.0
+    lower = mesh.materials["LOWER"]
+    assert isinstance(lower, Material) and lower.youngs_modulus == 2.1e11 and mesh.materials["UPPER"].density == 2700.0
     assert rows(mesh.facets("FOOT")) == rows(mesh.facets("FEET")) == {(0, 1, 2, 3)}
     assert rows(mesh.facets("SLOPE")) == {(5, 6, 8, 9)}
     assert rows(mesh.facets("SHELL")) == rows(mesh.facets("NALL")) == rows(mesh.outer_facets())

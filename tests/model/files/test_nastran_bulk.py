@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from warpffrf.model import mesh as wfmesh
 from warpffrf.model.errors import InputError
+from warpffrf.model.material import Material
 from warpffrf.model.mesh.elements import cell_kind
 
 KINDS = {"hex8": "hexahedron", "hex20": "hexahedron20", "wedge6": "wedge", "wedge15": "wedge15"}
@@ -117,6 +118,7 @@ def test_properties_and_materials(read: Read) -> None:
     mesh = read(deck, "mm")
     assert set(mesh.cell_sets) == {"property_3", "property_4"}
     steel, alu = mesh.materials["property_3"], mesh.materials["property_4"]
+    assert isinstance(steel, Material) and isinstance(alu, Material)
     assert steel.youngs_modulus == pytest.approx(210e9) and steel.density == pytest.approx(7850.0)
     assert alu.poisson_ratio == pytest.approx(70000 / 52000 - 1)
     assert any("MPa and t/mm3" in note for note in mesh.notes) and any("SPC1 (1)" in note for note in mesh.notes)

@@ -47,8 +47,9 @@ def test_a_sleeve_has_the_temperature_at_which_its_heat_leaves() -> None:
     print(f"bore {rise:.3f} K above the surroundings, closed form {inside:.3f} K; {bore.min():.1f} to {bore.max():.1f}")
     assert rise == pytest.approx(inside, rel=CLOSED_FORM)
     # the film had these walls, its heat is balanced, and heat flows from hot to cold
-    walls = found.scene.films[0].temperature.wall_a
-    np.testing.assert_allclose(bore, walls, atol=WALLS)
+    temperature = found.scene.films[0].temperature
+    assert temperature is not None
+    np.testing.assert_allclose(bore, np.asarray(temperature.wall_a), atol=WALLS)
     assert heat == film.heat_to_a[-1] > 0.3 * film.heat_generated[-1]
     left = film.heat_generated[-1] - film.heat_carried[-1] - film.heat_to_a[-1]
     assert abs(left) < BALANCE * film.heat_generated[-1]
