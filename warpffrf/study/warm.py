@@ -45,6 +45,7 @@ from warpffrf.model.films.film import places_around
 from warpffrf.model.films.heat import COLDEST, HOTTEST, STEP
 from warpffrf.model.forces import ThermalLoad
 from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.messages.progress import Progress
 from warpffrf.model.messages.status import Status
 from warpffrf.model.reduced.thermal import ReducedThermal, Warmth
 from warpffrf.model.scene import Scene
@@ -121,14 +122,21 @@ def warm_equilibrium(scene: Scene, *, run: Run | None = None) -> WarmRun:
 
 @named_arguments
 def warm_up(
-    scene: Scene, duration: float, *, step: float, start: float | WarmRun = 20.0, run: Run | None = None
+    scene: Scene,
+    duration: float,
+    *,
+    step: float,
+    start: float | WarmRun = 20.0,
+    run: Run | None = None,
+    progress: bool = True,
 ) -> WarmRun:
     """Temperatures of the bodies of `scene` over `duration` [s] in steps of `step` [s], slow compared with its motions,
     which `run` computes at the end of each step as in `warm_equilibrium`.
 
     start: uniform temperature [degrees Celsius] of all bodies, or an earlier WarmRun of the same scene, which is
     continued. Bodies advance exactly under fluxes constant over a step, those at its end: of first order in the step.
-    The first row is that of the start. Ends early with the status of a run that fails. Raises `InputError`.
+    The first row is that of the start. progress: show how many steps are done, and the time left. Ends early with the
+    status of a run that fails or is interrupted. Raises `InputError`.
     """
     steps, _ = step_count(require_number(duration, "warm_up: duration", positive=True), step)
     walls, bodies = _walls(scene), _warm_bodies(scene)
@@ -139,12 +147,14 @@ def warm_up(
     else:
         states, begin = {name: heat.uniform(start) for name, heat in bodies.items()}, 0.0
 
+    bar = Progress("warm_up", steps, enabled=progress)
     rows = [_Round(scene, walls, states, run).settle(None, None)]
-    for _ in range(steps):
+    for done in range(steps):
         if rows[-1].status != Status.COMPLETED:
             break
         rows.append(_Round(scene, walls, rows[-1].states, run).settle(rows[-1].p, float(step)))
-        log.info("warm_up: %g s", begin + step * (len(rows) - 1))
+        bar.update(done + 1)
+    bar.close()
     return _joined(rows, begin + float(step) * np.arange(len(rows)))
 
 
@@ -268,7 +278,7 @@ class _Round:
                 step = np.linalg.solve(np.eye(len(p)) + S @ R, self.p - p)
                 size = float(np.linalg.norm(R @ step))
                 better = best is None or size < GROWS * best[0] or part <= LEAST_PART
-            elif best is None or part <= LEAST_PART:
+            elif best is None or part <= LEAST_PART or self.status == Status.INTERRUPTED:
                 return self
             if better:
                 past = [*past[-REMEMBERED:], (p, step)]

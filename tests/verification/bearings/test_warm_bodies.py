@@ -169,3 +169,40 @@ def test_what_has_no_temperatures_is_refused() -> None:
         wf.forces.ThermalLoad(scene.bodies[0], 50.0)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="is rigid"):
         wf.forces.ThermalLoad(scene.bodies[1], state)
+
+
+def test_an_interrupted_transient_keeps_its_rows() -> None:
+    """The run that is interrupted is the last one, and what was there before is kept."""
+    scene, slow = warm_sleeve.bearing(), thermal(warm_sleeve.sleeve()).time
+    calls: list[float] = []
+
+    def run(scene: wf.Scene) -> wf.Result:
+        found = wf.equilibrium(scene, progress=False)
+        calls.append(slow)
+        if len(calls) == 3:  # of the first row one, of the second the second of several rounds
+            found.history.status = wf.Status.INTERRUPTED
+        return found
+
+    ended = wf.study.warm_up(scene, 0.5 * slow, step=0.1 * slow, start=60.0, run=run, progress=False)
+    assert ended.status == "interrupted" and len(calls) == 3
+    assert len(ended.time) == 2 and ended.mean_temperature("sleeve")[0] == pytest.approx(60.0)
+
+
+def test_stress_of_a_body_that_expands_is_not_given() -> None:
+    """Strains of free expansion are none of stresses: taken for such, 60 K would be 400 MPa in each direction."""
+    body = wf.reduce(
+        wf.mesh.box((0.04, 0.02, 0.01), (4, 2, 2), order=1), warm_sleeve.STEEL, interfaces={"x_min": "average"},
+        contact={"z_max": None}, modes=4, stress={"skin": "skin"}, progress=False,
+        thermal=wf.films.BodyTemperature(convection={"x_max": (100.0, 20.0)}),
+    )  # fmt: skip
+    scene = wf.Scene(gravity=(0, 0, 0))
+    block = scene.add_body(body, name="block")
+    scene.add(wf.joints.Fixed(scene.ground, block["x_min"]))
+    cold = wf.equilibrium(scene, progress=False)
+    assert np.all(cold.stress("block", "skin").von_mises < 1.0) and "von_mises" in cold.skins()["block"].fields
+    scene.add(wf.forces.ThermalLoad(block, thermal(body).uniform(80.0), name="warm"))
+    hot = wf.equilibrium(scene, progress=False)
+    with pytest.raises(InputError, match="body 'block' has a thermal load: its stress is not known"):
+        hot.stress("block", "skin")
+    skin = hot.skins()["block"]
+    assert "von_mises" not in skin.fields and "has a thermal load" in skin.stress.note

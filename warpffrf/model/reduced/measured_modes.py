@@ -45,9 +45,9 @@ Array = np.ndarray
 WHAT = "compare_modes"
 NEAR = 0.02  # of the extent of the skin: the largest distance of a measured point from it
 EQUAL = 1e-3  # relative difference of computed frequencies that count as equal
-ALIKE = 0.9  # criterion between computed modes above which the measured points do not tell them apart
+ALIKE = 0.9  # criterion between computed modes above which the measured points do not distinguish them
 RANK = 1e-6  # of the largest singular value of the shapes of equal frequency
-TOLD = 0.05  # criteria above which the report lists them
+LISTED = 0.05  # criteria above which the report lists them
 
 
 @named_arguments
@@ -87,8 +87,8 @@ class ModeComparison:
                 line += f"  {k:>8}  {f[k]:>12.6g}  {off:>12}  {mac:>6.3f}"
             else:
                 best = np.argsort(-self.mac[i])[:2]
-                told = ", ".join(f"{k}: {self.mac[i, k]:.2f}" for k in best if self.mac[i, k] > TOLD)
-                line += f"  {'none':>8}  MAC {told}" if told else f"  {'none':>8}"
+                others = ", ".join(f"{k}: {self.mac[i, k]:.2f}" for k in best if self.mac[i, k] > LISTED)
+                line += f"  {'none':>8}  MAC {others}" if others else f"  {'none':>8}"
             lines.append(line)
         alone = [str(k) for k in range(self.mac.shape[1]) if k not in set(partner.values())]
         lines += ["", f"computed modes without a partner: {', '.join(alone) or 'none'}"]
@@ -111,9 +111,11 @@ class ModeComparison:
             if not self.measured_frequencies[i] > 0.0:
                 raise InputError(f"updated_body: measured mode {i} has 0 Hz, and belongs to the elastic mode {k}")
             frequencies[k] = self.measured_frequencies[i]
-        told = ", ".join(f"{k}: {self.body.frequencies[k]:.5g} to {frequencies[k]:.5g}" for _, k in sorted(self.pairs))
+        changes = ", ".join(
+            f"{k}: {self.body.frequencies[k]:.5g} to {frequencies[k]:.5g}" for _, k in sorted(self.pairs)
+        )
         report = dict(self.body.report)
-        report["notes"] = [*report.get("notes", []), f"measured frequencies were taken over [Hz], of modes {told}"]
+        report["notes"] = [*report.get("notes", []), f"measured frequencies were taken over [Hz], of modes {changes}"]
         computed = self.body.provenance.get("computed_frequencies", self.body.frequencies.tolist())
         provenance = {**self.body.provenance, "computed_frequencies": computed}
         body = replace(self.body, frequencies=frequencies, report=report, provenance=provenance)

@@ -191,7 +191,7 @@ class SkinStress:
         """For each name of stress points that is needed: the nodes with stress from it, and the indices of their
         points."""
         free, found = np.ones(len(self.points), dtype=bool), []
-        fields = self.view.bodies[self.body].reduced.stress
+        fields = {} if self.view.expands(self.body) else self.view.bodies[self.body].reduced.stress
         matches = {name: same_places(self.points, field.points) for name, field in fields.items()}
         for name, match in sorted(matches.items(), key=lambda item: -np.count_nonzero(item[1] >= 0)):
             nodes = np.flatnonzero(free & (match >= 0))
@@ -213,6 +213,8 @@ class SkinStress:
     def note(self) -> str:
         """Text on missing stresses and the remedy; empty if every node has its stress."""
         whole = len(self.points)
+        if self.view.expands(self.body):
+            return f"body '{self.body}' has a thermal load, with which its stress is not known"
         if self.count == whole:
             return ""
         part = f"stress at {self.count} of {whole} nodes of its skin" if self.count else "no stress on its skin"

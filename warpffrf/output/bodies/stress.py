@@ -157,6 +157,11 @@ def stress_field(view: SceneView, body: str, points: str) -> StressField:
             f"body '{body}' has no stress points called {points!r}; it has: {known}. Name them when it is reduced: "
             "reduce(..., stress={name: points})"
         )
+    if view.expands(body):
+        raise InputError(
+            f"body '{body}' has a thermal load: its stress is not known, because part of its strain is expansion; take "
+            "the stress due to the other loads from a run without forces.ThermalLoad"
+        )
     return reduced.stress[points]
 
 

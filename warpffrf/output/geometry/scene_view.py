@@ -14,6 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.forces import ThermalLoad
 from warpffrf.model.reduced.inertia import interface_motion
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.small_sliding.sliding import cells_of
@@ -139,6 +140,11 @@ class SceneView:
     bearings: dict[str, dict[str, Any]] = field(default_factory=dict)  # as in `model.bearings.Bearing.describe`
     gears: dict[str, dict[str, Any]] = field(default_factory=dict)  # as in `model.gears.GearMesh.describe`
     description: dict[str, Any] = field(default_factory=dict)
+
+    def expands(self, body: str) -> bool:
+        """Whether a thermal load acts on the body of this name: its strains are then not those of stresses alone."""
+        loads = (force for force in self.description.get("forces", ()) if force["kind"] == ThermalLoad.kind)
+        return any(load["body"] == body for load in loads)
 
 
 def scene_view(scene: Any) -> SceneView:

@@ -104,9 +104,9 @@ def live_blueprint(recorder: Any, outputs: list[str]) -> Any:
         rrb.TimeSeriesView(origin=f"/{recorder.path('plots', 'outputs', name).lstrip('/')}", name=name)
         for name in outputs[: MOST_PANELS - 2]
     ]
-    beside = [rrb.Vertical(*legends, *plots)] if legends or plots else []
+    panels = [rrb.Vertical(*legends, *plots)] if legends or plots else []
     return rrb.Blueprint(
-        rrb.Horizontal(_machine_view(recorder, [], 1.0), *beside),
+        rrb.Horizontal(_machine_view(recorder, [], 1.0), *panels),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         rrb.TimePanel(state="collapsed", timeline="time", play_state="following"),
