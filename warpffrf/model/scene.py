@@ -38,6 +38,7 @@ from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.placement.gap import closing_distance, passed
 from warpffrf.model.placement.nearest import joined_bodies, shift_bodies
+from warpffrf.model.released import NOTHING
 from warpffrf.model.sensors import Sensor
 from warpffrf.model.wheelset import Wheelset, add_wheelset
 
@@ -86,6 +87,7 @@ class Scene(reprs.Shown):
         self.cams: list[CamPair] = []
         self.wheelsets: list[Wheelset] = []
         self.journal_bearings: list[JournalBearing] = []
+        self.released = NOTHING  # of a part of a run, `Stage`
         self._numbers: dict[str, int] = {}  # kind -> last number given to an unnamed item
 
     add_bearing = add_bearing

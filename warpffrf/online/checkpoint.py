@@ -23,6 +23,7 @@ from warpffrf.online.arrays.declaration import numbers_of
 from warpffrf.online.engine import OFF_END, Engine
 from warpffrf_kernels.core import control as k
 
+RELEASED = "released"  # of a checkpoint: how its joint rows hold, see `warpffrf.online.released`
 SAME_STEP = 1e-9  # relative: steps that differ by less are considered equal
 
 
@@ -94,6 +95,11 @@ def restore(engine: Engine, checkpoint: Mapping[str, np.ndarray], step: float, l
     Another step than the checkpoint's begins a new count of steps at the checkpoint's time. Raises `InputError` for a
     checkpoint of another scene, with `label` in front.
     """
+    if np.any(checkpoint.get(RELEASED, 0)) and not engine.scene.released.rows:
+        raise InputError(
+            f"{label}: it ends with joints or drives that are released, or hold where they stood since; go on with "
+            "stages that say which are released, Stage(..., overrides={'released': [names]})"
+        )
     check_checkpoint(engine.state.to_numpy(), checkpoint, label)
     engine.resume(checkpoint)
     engine.drained = engine.word("saved")

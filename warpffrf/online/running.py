@@ -38,6 +38,7 @@ from warpffrf.online.history.history import History
 from warpffrf.online.local_modes import LocalModes, as_local_modes
 from warpffrf.online.outcome import finish
 from warpffrf.online.periodic_checkpoint import Keeping, go_on
+from warpffrf.online.released import begin_changed
 from warpffrf.online.samples import Samples
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import RUB_IN, start_consistently, start_from_loads
@@ -140,6 +141,8 @@ class Running:
             if loaded:
                 start_from_loads(engine, step)
                 first_step = 0
+            elif not at_rest:
+                begin_changed(engine, step)
             if not at_rest:
                 self.notes.extend(engine.start_notes)
                 self.notes.extend([OTHER_LEVELS] if anew and not loaded else [])

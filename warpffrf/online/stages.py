@@ -11,11 +11,13 @@ their stage only; the next stage uses the scene and the options of the run:
     save_every, integrator, local_modes, step_error     as of `RunOptions`
     gravity                                             (3,) m/s2
     forces                                              {name: force}: replaces the scene's force of that name
+    released                                            [name, ...]: joints and drives that hold nothing
 
 A force may be replaced only by one of the same kind: size of the equations and meaning of the state then stay the same.
 Loads that jump between stages cause accelerations to jump; a jump of the potential energy
 with gravity, or with the stiffness or free length of a spring, is booked as work of forces. Joints, drives and bodies
-cannot be replaced, because positions would jump.
+cannot be replaced, because positions would jump. A released joint or drive holds again in the next stage that does not
+release it, where it stands then, and a motion that it meets stops there as in an impact (`warpffrf.online.released`).
 """
 
 from __future__ import annotations
@@ -30,14 +32,16 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
 from warpffrf.model.forces.laws import tension_of
 from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.released import Released
 from warpffrf.model.scene import Scene
 from warpffrf.online.checkpoint import is_dynamic, is_loaded
 from warpffrf.online.history.history import ENERGY_LINES, History, JointHistory
+from warpffrf.online.released import require_released, with_common_rows
 
 RUN_OPTIONS = ("save_every", "integrator", "local_modes", "step_error")
 OF_TIME = ("integrator", "step_error")
 KINDS = ("dynamic", "static")
-SCENE_VALUES = ("gravity", "forces")
+SCENE_VALUES = ("gravity", "forces", "released")
 # the other counters continue through the stages
 SUMMED = ("build_seconds", "seconds_in_graph", "loop_seconds", "finish_seconds")
 
@@ -82,7 +86,7 @@ class Stage:
         return {key: value for key, value in self.overrides.items() if key in RUN_OPTIONS}
 
     def scene(self, scene: Scene) -> Scene:
-        """`scene` itself, or a copy with this stage's gravity and forces; bodies, joints and contacts are shared.
+        """`scene` itself, or a copy with this stage's values; bodies, joints and contacts are shared.
         Raises `InputError` for overrides that do not exist in the scene."""
         if not any(key in self.overrides for key in SCENE_VALUES):
             return scene
@@ -90,6 +94,7 @@ class Stage:
         changed = copy.copy(scene)
         if "gravity" in self.overrides:
             changed.gravity = require_array(self.overrides["gravity"], f"{label}: gravity", (3,))
+        changed.released = Released(require_released(scene, self.overrides.get("released", ()), label))
         changed.forces = list(scene.forces)
         names = [force.name for force in scene.forces]
         forces = self.overrides.get("forces", {})
@@ -111,8 +116,8 @@ class Stage:
         return changed
 
 
-def check_stages(scene: Scene, stages: Any) -> list[Stage]:
-    """`stages` as a list, checked against each other and the scene; raises `InputError`."""
+def check_stages(scene: Scene, stages: Any) -> tuple[list[Stage], list[Scene]]:
+    """`stages` as a list, checked against each other and the scene, and the scene of each; raises `InputError`."""
     if not isinstance(stages, Sequence) or not stages or not all(isinstance(stage, Stage) for stage in stages):
         raise InputError(
             f"simulate: duration must be a number [s], or a list of Stage(name, duration, step), at least "
@@ -122,9 +127,8 @@ def check_stages(scene: Scene, stages: Any) -> list[Stage]:
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"simulate: two stages are called {name!r}; choose another name")
-    for stage in stages:
-        stage.scene(scene)
-    return list(stages)
+    labels = [f"stage {name!r}" for name in names]
+    return list(stages), with_common_rows(scene, [stage.scene(scene) for stage in stages], labels)
 
 
 def with_potential(checkpoint: Mapping[str, np.ndarray], before: Scene, after: Scene) -> dict[str, np.ndarray]:

@@ -22,6 +22,7 @@ from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history.history import BudgetLine, History
 from warpffrf.online.load_steps import run_static
 from warpffrf.online.local_modes import as_local_modes, refuse_other_modes
+from warpffrf.online.released import enter, left
 from warpffrf.online.stages import Stage, check_stages, joined, with_potential
 from warpffrf.output.accuracy.choose import refuse_other_options, run_to_accuracy
 from warpffrf.output.accuracy.limits import Limits
@@ -116,10 +117,10 @@ def simulate(
     chosen = run_arguments(options) | {"progress": progress}
     with terminated_as_interrupted(), speaking(progress):
         if stages is not None:
-            parts = check_stages(scene, stages)
+            parts, scenes = check_stages(scene, stages)
             if step is not None:
                 raise InputError("simulate: stages have their own step; leave that of the run out")
-            found = _staged(scene, parts, beginning, results, chosen, outputs)
+            found = _staged(scene, parts, scenes, beginning, results, chosen, outputs)
         elif limits is not None:
             found = _accurate(scene, beginning, whole, step, limits, chosen, outputs, results)
         elif step is None:
@@ -254,8 +255,9 @@ def _accurate(
 
 
 def _staged(
-    scene: Any, stages: list[Stage], beginning: Any, results: Any, options: dict[str, Any], outputs: Outputs
-) -> StagedResult:
+    scene: Any, stages: list[Stage], scenes: list[Scene], beginning: Any, results: Any, options: dict[str, Any],
+    outputs: Outputs,
+) -> StagedResult:  # fmt: skip
     """The stages in sequence, each from the checkpoint of the previous stage."""
     for stage in stages:
         as_local_modes(stage.options.get("local_modes", options["local_modes"]))
@@ -264,19 +266,19 @@ def _staged(
             outputs.check(stage_file(results, stage.name), None)
     refuse_other_modes(scene, stages, options["local_modes"])
     end = time_of(beginning.checkpoint) if isinstance(beginning, History) else 0.0
-    for stage in stages:
+    for stage, staged in zip(stages, scenes, strict=True):
         begin, end = end, end + stage.duration
-        refuse_short_signals(stage.scene(scene), begin, end)
+        refuse_short_signals(staged, begin, end)
     parts: dict[str, Result] = {}
     interrupted = ""
     with outputs.locked(results) as whole:
-        for stage in stages:
+        for stage, staged in zip(stages, scenes, strict=True):
             log.info("stage %s: %g s in steps of %g s", stage.name, stage.duration, stage.step)
             own = {name: value for name, value in stage.options.items() if name in options}
             if stage.kind == "static":
                 own |= {"kind": stage.kind, "integrator": None, "step_error": None, "project_start": False}
             file = None if results is None else stage_file(results, stage.name)
-            run_stage = _in_its_loads(scene, stage.scene(scene))
+            run_stage = _in_its_loads(scene, staged)
             try:
                 if isinstance(beginning, History) and beginning.stopping:
                     raise KeyboardInterrupt
@@ -300,12 +302,17 @@ def _in_its_loads(scene: Any, staged: Any) -> Callable[..., History]:
     """`_run` of the scene `staged`, a stage of `scene`, from and to checkpoints of `scene`."""
 
     def run_stage(_scene: Any, duration: float, *, start: Any, **options: Any) -> History:
+        begin: dict[str, Any] = {}
         if isinstance(start, History):
-            start = replace(start, checkpoint=with_potential(start.checkpoint, scene, staged))
+            begin = with_potential(start.checkpoint, scene, staged)
+            start = replace(start, checkpoint=begin)
+            if staged.released.rows:
+                enter(begin, staged)
         history = _run(staged, duration, start=start, **options)
         # the loads of a stage do not change the system: it is continued with the scene
         history.scene = scene
-        history.checkpoint = with_potential(history.checkpoint, staged, scene)
+        end = with_potential(history.checkpoint, staged, scene)
+        history.checkpoint = left(begin, end, staged) if staged.released.rows else end
         return history
 
     return run_stage

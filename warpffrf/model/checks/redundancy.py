@@ -42,6 +42,7 @@ from warpffrf.model.bodies import GROUND_INDEX
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints import Drive, Joint, Marker, Row
 from warpffrf.model.joints.base import coincident_within, gradient, value
+from warpffrf.model.released import RowKey
 
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
@@ -66,6 +67,16 @@ class ConstraintRow:
     drive: Drive | None
 
     @property
+    def key(self) -> RowKey:
+        """What tells it from the other rows of its scene."""
+        return self.owner, self.row
+
+    @property
+    def owners(self) -> set[str]:
+        """Names of its joint and its drive."""
+        return {self.owner, str(self.joint.name), *([str(self.drive.name)] if self.drive is not None else [])}
+
+    @property
     def label(self) -> str:
         """The constrained motion, for messages."""
         return f"{self.owner!r}: {self.row.held}"
@@ -80,6 +91,10 @@ class Redundancy:
     kept: tuple[bool, ...]
     rank: int
     rank_here: int
+
+    @property
+    def holding(self) -> frozenset[RowKey]:
+        return frozenset(row.key for row, kept in zip(self.rows, self.kept, strict=True) if kept)
 
     @property
     def dropped(self) -> list[ConstraintRow]:
@@ -127,6 +142,11 @@ def initial_pose(scene: Scene) -> Pose:
 
 
 def constraint_rows(scene: Scene) -> list[ConstraintRow]:
+    """The rows of `all_rows` that hold."""
+    return [item for item in all_rows(scene) if not item.owners & scene.released.names]
+
+
+def all_rows(scene: Scene) -> list[ConstraintRow]:
     """All rows: joints in the order of adding, those of drives after the joints; a drive of a function that its joint
     constrains (a distance) replaces that row."""
     rows: list[ConstraintRow] = []

@@ -131,7 +131,8 @@ def joint_coordinates(
     """First and second coordinate (T,) of a joint, NaN where it has none; `frames`: its own, if they are known."""
     time = rows["saved_time"]
     T, since = len(time), float(time[0]) if len(time) else 0.0
-    own = [d for d in compiled.scene.drives if d.joint is joint]
+    drives = [] if compiled.scene.released.rows else compiled.scene.drives  # of a stage, which may hold elsewhere
+    own = [d for d in drives if d.joint is joint]
     driven = {d.coordinate: compiled.inputs.resolved(d.position(), since) for d in own}
     found = coordinates(joint, driven, time, bodies, frames)
     first, second = [*found.values(), np.full(T, np.nan), np.full(T, np.nan)][:2]
@@ -308,7 +309,8 @@ def _count_turns(angle: np.ndarray, rate: np.ndarray, time: np.ndarray, driven: 
 
 
 def left_out_notes(scene: Scene, dropped: list[ConstraintRow], bodies: dict[str, BodyHistory], count: int) -> list[str]:
-    """A note for every row omitted as redundant that did not stay satisfied at the `count` saved steps."""
+    """A note for every row omitted as redundant that did not stay satisfied at the `count` saved steps; of a stage that
+    others release joints beside, as satisfied as in its first one."""
     notes = []
     length = scene_length(scene) if dropped else 1.0
     for item in dropped:
@@ -316,7 +318,8 @@ def left_out_notes(scene: Scene, dropped: list[ConstraintRow], bodies: dict[str,
             marker_motion(p, m, bodies, count) for p, m in zip(item.joint.ports, item.markers, strict=True)
         )
         row: Row = item.row
-        off = float(np.abs(value(row, x_a, A_a, x_b, A_b) - item.initial).max(initial=0.0))
+        values = np.asarray(value(row, x_a, A_a, x_b, A_b))
+        off = float(np.abs(values - (values[:1] if scene.released.rows else item.initial)).max(initial=0.0))
         if off > LEFT_OUT * (length if row.is_length else 1.0):
             notes.append(
                 f"joint {item.label} was left out as redundant at the initial pose, but the motion broke it by "
