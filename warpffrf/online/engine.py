@@ -289,7 +289,7 @@ class Engine:
         for word in OF_AN_ATTEMPT:
             state["ctl"][word] = 0
         rows = {OFF_END: np.ones(1, dtype=bool)} if self.off_end else {}
-        rows |= self.compiled.inputs.checkpoint()
+        rows |= self.compiled.inputs.checkpoint() | self.compiled.parameters.checkpoint()
         return state | rows | {f"{KEPT_MARK}{name}": a.numpy().copy() for name, a in self._kept().items()}
 
     def resume(self, checkpoint: Mapping[str, np.ndarray]) -> None:
@@ -301,6 +301,7 @@ class Engine:
                 self.make_room(given[name].shape[1])
         self.put_back(checkpoint)
         self.compiled.inputs.resume(checkpoint)
+        self.compiled.parameters.resume(checkpoint)
         here = self._kept()
         if {name: a.shape for name, a in here.items()} == {name: a.shape for name, a in given.items()}:
             for name, array in here.items():

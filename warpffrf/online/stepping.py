@@ -47,8 +47,8 @@ class Stepping:
         self.scene, self.step_size, self.save_every = scene, step, save_every
         self._start, self._options = start, options
         self._state: State | None = None  # that the run was set to last
-        self._changes: list[tuple[int, dict[str, float]]] = []  # of inputs, before each step, since then
-        self._set: dict[str, float] = {}  # inputs that change in the next step
+        self._changes: list[tuple[int, dict[str, float]]] = []  # of inputs and parameters, before each step, since then
+        self._set: dict[str, float] = {}  # inputs and parameters that change in the next step
         self._ended: History | None = None
         self.on_look: Callable[[], object] | None = None  # before rows are overwritten
         with WARP_LOCK:
@@ -61,7 +61,7 @@ class Stepping:
         )  # fmt: skip
         self._off_end, self._turned = off_end, turned
         self.engine = engine = running.engine
-        self.inputs = engine.compiled.inputs
+        self.inputs, self.parameters = engine.compiled.inputs, engine.compiled.parameters
         self._row: SavedRows | None = None  # of the present, if it is not in the ring
         self._carried: dict[str, np.ndarray]  # counts of steps since the last row that is kept
         self.stopped = bool(running.failed)  # after a failure: no further step can be made
@@ -135,13 +135,16 @@ class Stepping:
     # --- steps
 
     def set(self, name: str, value: float) -> None:
-        """Let the input `name` reach `value` in the next step."""
-        if value != self._set.get(name, self.inputs.values[name]):
+        """Let the input `name` reach `value` in the next step, or the parameter have it there."""
+        if value != self.value(name):
             self._set[name] = value
 
     def value(self, name: str) -> float:
-        """The value of an input, as it was set last."""
-        return self._set.get(name, self.inputs.values[name])
+        """The value of an input or parameter, as it was set last."""
+        if name in self._set:
+            return self._set[name]
+        inputs = self.inputs.values
+        return inputs[name] if name in inputs else self.parameters.values[name]
 
     def step(self) -> bool:
         """Make one step; returns whether that succeeded."""
@@ -189,7 +192,12 @@ class Stepping:
         """Set inputs in the step that begins after `at` user steps."""
         self._changes.append((at, values))
         begin = self._origin + self.step_size * at
-        self.inputs.set(values, begin, self._origin + self.step_size * (at + 1))
+        changed = {name: values[name] for name in values if name in self.parameters.values}
+        if changed:
+            self.parameters.set(changed, self.engine)
+            values = {name: values[name] for name in values if name not in changed}
+        if values:
+            self.inputs.set(values, begin, self._origin + self.step_size * (at + 1))
 
     def _replay_in_place(self, target: int) -> bool:
         if self.engine.graph is not self._graph:  # more room was made

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from warpffrf.model.pieces import Input
 from warpffrf.model.scene import Scene
 from warpffrf.model.step_count import SAME_TIME, step_count
 from warpffrf.online import Engine, Settings
+from warpffrf.online.compile.parameters import Parameters
 from warpffrf.online.history.present import Present
 from warpffrf.online.history.sensors import sensor_values
 from warpffrf.online.running import refuse_signals, velocity_jumps
@@ -39,35 +40,64 @@ CONTROLLER = "controller_"  # prefix of arrays of a state that are of a controll
 TURNS = "turns_"  # prefix of those that are counted angles of a joint
 
 
-class Inputs(MutableMapping[str, float]):
-    """Values of the inputs of a simulation by name, those set last. A value that is set now is reached at the end of
-    the next step. Raises `InputError` for an unknown name, and for what is no finite number."""
+class Settable(MutableMapping[str, float]):
+    """Values by name of what may be set between steps, those set last, with their `units`. Raises `InputError` for an
+    unknown name, and for what is no finite number."""
 
-    def __init__(self, simulation: Simulation, sources: Mapping[str, Input]) -> None:
-        self._simulation, self.sources = simulation, dict(sources)
-        self.units = {name: source.unit for name, source in sources.items()}
+    kind: ClassVar[str]
+
+    def __init__(self, simulation: Simulation, units: Mapping[str, str]) -> None:
+        self._simulation, self.units = simulation, dict(units)
 
     def __getitem__(self, name: str) -> float:
         return self._simulation._stepping.value(self._known(name))
 
     def __setitem__(self, name: str, value: float) -> None:
         if type(value) is not float or not -np.inf < value < np.inf:
-            value = require_number(value, f"Simulation: input {name!r}")
+            value = require_number(value, f"Simulation: {self.kind} {name!r}")
         self._simulation._stepping.set(self._known(name), value)
 
     def _known(self, name: str) -> str:
         if name not in self.units:
-            raise unknown_name("Simulation: input", name, self.units)
+            raise unknown_name(f"Simulation: {self.kind}", name, self.units)
         return name
 
     def __delitem__(self, name: str) -> None:
-        raise InputError(f"Simulation: input {name!r} cannot be removed; set it to the value that it shall have")
+        raise InputError(f"Simulation: {self.kind} {name!r} cannot be removed; set it to the value that it shall have")
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.units)
 
     def __len__(self) -> int:
         return len(self.units)
+
+
+class Inputs(Settable):
+    """Values of the inputs of a simulation by name, those set last. A value that is set now is reached at the end of
+    the next step. Raises `InputError` for an unknown name, and for what is no finite number."""
+
+    kind = "input"
+
+    def __init__(self, simulation: Simulation, sources: Mapping[str, Input]) -> None:
+        super().__init__(simulation, {name: source.unit for name, source in sources.items()})
+        self.sources = dict(sources)
+
+
+class ParameterValues(Settable):
+    """Values of the parameters of a simulation by name (`stiffness[strut]`, `friction[roller on plate]`), those set
+    last. A value that is set now acts from the beginning of the next step on. Raises `InputError` for an unknown name,
+    and for a value that it cannot have."""
+
+    kind = "parameter"
+
+    def __init__(self, simulation: Simulation, parameters: Parameters) -> None:
+        super().__init__(simulation, {name: each.unit for name, each in parameters.known.items()})
+        self._parameters = parameters
+
+    def __setitem__(self, name: str, value: float) -> None:
+        number = require_number(value, f"Simulation: parameter {name!r}")
+        self._parameters.require(self._known(name), number)
+        super().__setitem__(name, number)
 
 
 class Outputs(Mapping[str, "float | np.ndarray"]):
@@ -101,7 +131,8 @@ class Simulation:
     options: as of `simulate`, with an integrator of time steps; save_every thins the rows of `result()`.
 
     A step that fails does not raise: `step` and `run` return the `status`, and the next one raises `InputError` with
-    the reason. Raises `InputError` for wrong input.
+    the reason. `parameters`: constants that may change between steps, by name, see docs/stepping.md. Raises
+    `InputError` for wrong input.
 
     >>> torque = wf.signals.Input("motor torque", unit="N m")
     >>> rig = wf.Scene()
@@ -160,6 +191,7 @@ class Simulation:
         self._readers: dict[str, Callable[[Present], float | np.ndarray]] = {}  # by the names of outputs
         self._stepping.on_look = self._last_rows_if_counting
         self.inputs = Inputs(self, self._stepping.inputs.inputs)
+        self.parameters = ParameterValues(self, self._stepping.parameters)
         self.outputs = Outputs(self, [str(s.name) for s in scene.sensors] if outputs is None else list(outputs))
         for name, value in (inputs or {}).items():
             self.inputs[name] = value

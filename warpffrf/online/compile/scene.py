@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,7 @@ from warpffrf.online.compile.layers import LAYER_ITERATIONS, fill_layers
 from warpffrf.online.compile.lumped import fill_lumped
 from warpffrf.online.compile.matched import fill_matched
 from warpffrf.online.compile.pairs import fill_pairs
+from warpffrf.online.compile.parameters import Parameters
 from warpffrf.online.compile.patches.plan import PatchPlan
 from warpffrf.online.compile.patches.sides import PatchSide
 from warpffrf.online.compile.patches.tables import fill_patches
@@ -69,6 +71,11 @@ class CompiledScene:
     patches: dict[int, PatchPlan]  # by number of the contact
     notes: list[str]
     inputs: DeviceInputs
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """The constants that may change between steps."""
+        return Parameters(self)
 
 
 def enlarge(worlds: Sequence[CompiledScene], slots: int) -> None:

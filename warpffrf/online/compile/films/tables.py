@@ -162,7 +162,7 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     theta, z = (v.ravel() for v in np.meshgrid(film.theta, grid.z, indexing="ij"))
     stations = stations_of(film, basis)
     entries = _entries(basis, stations)
-    kind, numbers = _oil(film.oil)
+    kind, numbers = oil_numbers(film.oil)
     table, ranges = _second_form(film)
     travels = film.cavitation in ("jfo", "reynolds")
     law, law_numbers, law_table = _asperities(film)
@@ -346,7 +346,7 @@ def _rest_velocities(collector: Collector) -> tuple[Array, Array]:
     return np.array(v), np.array(omega)
 
 
-def _oil(oil: Oil) -> tuple[int, list[float]]:
+def oil_numbers(oil: Oil) -> tuple[int, list[float]]:
     """Kind and numbers of an oil."""
     a, b = (0.0, 0.0) if oil.density is None else (oil.density.a, oil.density.b)
     return int(OIL_FORMS[oil.form]), [oil.viscosity, *oil.numbers, a, b]
