@@ -1,6 +1,6 @@
 """Joints and drives that the stages of a run release and hold again: rows and checkpoints.
 
-All stages have the same rows, see `warpffrf.model.released`. The end of each tells in its checkpoint how they hold,
+All stages have the same rows, see `warpffrf.model.released`. The checkpoint at the end of each has how they hold,
 `RELEASED` (joint rows,): AS_BUILT, LOOSE, or ELSEWHERE, where they stood.
 
 A stage in time in which other rows hold than before begins with the accelerations and multipliers of the new rows, and

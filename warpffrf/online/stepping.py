@@ -24,7 +24,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.arrays.ring import SavedRows, joined, taken
 from warpffrf.online.checkpoint import off_end_of, restore
 from warpffrf.online.diagnosis.patch_off_end import OffEnd
-from warpffrf.online.history.history import History
+from warpffrf.online.history.history import ENERGY_LINES, History
 from warpffrf.online.running import Outrun, Running
 from warpffrf.online.warp_lock import WARP_LOCK, replays_side_by_side
 
@@ -194,7 +194,11 @@ class Stepping:
         begin = self._origin + self.step_size * at
         changed = {name: values[name] for name in values if name in self.parameters.values}
         if changed:
-            self.parameters.set(changed, self.engine)
+            state = self.engine.state
+            gained = self.parameters.set(changed, lambda row: float(state.stretch.numpy()[0, row]))
+            energy = state.energy.numpy().copy()
+            energy[0, 0, [ENERGY_LINES.index(line) for line in ("potential", "force_work")]] += gained
+            state.energy.assign(energy)
             values = {name: values[name] for name in values if name not in changed}
         if values:
             self.inputs.set(values, begin, self._origin + self.step_size * (at + 1))

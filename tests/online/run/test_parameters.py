@@ -9,7 +9,7 @@ import warpffrf as wf
 from scenes.block_on_belt import LOAD, block, wheel_body
 from scenes.block_on_belt import MASS as BLOCK
 from scenes.connected_rotor import CLEARANCE, FORCES, SPEED, film_scene
-from warpffrf.model.bodies import Port
+from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError
 
 MASS, STEP, G = 2.0, 1e-3, 9.81
@@ -138,7 +138,7 @@ def test_oil_becomes_warm() -> None:
     assert found[0] == pytest.approx(found[1], rel=1e-6)  # what the start at 40 degrees leaves in the cavities
 
 
-def floor(scene: wf.Scene) -> Port:
+def floor(scene: wf.Scene) -> SurfacePort:
     return scene.ground.surface(wf.surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0)), name="floor")
 
 

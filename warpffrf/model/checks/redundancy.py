@@ -68,7 +68,7 @@ class ConstraintRow:
 
     @property
     def key(self) -> RowKey:
-        """What tells it from the other rows of its scene."""
+        """Its owner and function, which no other row of its scene has."""
         return self.owner, self.row
 
     @property

@@ -94,8 +94,8 @@ def compile_joints(collector: Collector) -> JointTable:
 
 
 def _held_at(item: ConstraintRow, signal: Signal | None, coordinate: float) -> tuple[Signal | None, float]:
-    """Signal and reference of a row that holds at `coordinate`, beside the `signal` of a drive. An angle is taken
-    relative to its signal, so that it may have any number of turns."""
+    """Signal and reference of a row that holds at `coordinate`, in addition to the `signal` of a drive. An angle is
+    taken relative to its signal, so that it may have any number of turns."""
     if item.row.kind == "direction":
         return None, coordinate
     breaks, c = (signal or Constant(0.0)).polynomial()

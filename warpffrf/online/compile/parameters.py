@@ -19,7 +19,6 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.films.film import Film
 from warpffrf.model.oil_temperature import temperature_of
 from warpffrf.online.compile.films.tables import oil_numbers
-from warpffrf.online.history.history import ENERGY_LINES
 
 if TYPE_CHECKING:
     from warpffrf.online.compile.scene import CompiledScene
@@ -58,18 +57,17 @@ class Parameters:
             least = "positive" if each.positive else "at least 0"
             raise InputError(f"Simulation: parameter {name!r} must be {least}, got {value:g}")
 
-    def set(self, values: Mapping[str, float], engine: Any) -> None:
-        """Give parameters, by name, new `values`; the state of the `engine` has the energy that a spring then has."""
-        state = engine.state
+    def set(self, values: Mapping[str, float], stretch: Callable[[int], float]) -> float:
+        """Give parameters, by name, new `values`; returns the energy [J] that springs gain, with the coordinates
+        `stretch` of their rows."""
+        gained = 0.0
         for name, value in values.items():
             each = self.known[name]
             if each.row >= 0:
-                stretch = float(state.stretch.numpy()[0, each.row] - each.owner.reference.numpy()[each.row])
-                energy = state.energy.numpy().copy()
-                jump = 0.5 * (value - self.values[name]) * stretch**2
-                energy[0, 0, [ENERGY_LINES.index(line) for line in ("potential", "force_work")]] += jump
-                state.energy.assign(energy)
+                off = stretch(each.row) - float(each.owner.reference.numpy()[each.row])
+                gained += 0.5 * (value - self.values[name]) * off**2
             self._put(name, value)
+        return gained
 
     def _put(self, name: str, value: float) -> None:
         each = self.known[name]

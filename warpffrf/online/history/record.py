@@ -309,8 +309,8 @@ def _count_turns(angle: np.ndarray, rate: np.ndarray, time: np.ndarray, driven: 
 
 
 def left_out_notes(scene: Scene, dropped: list[ConstraintRow], bodies: dict[str, BodyHistory], count: int) -> list[str]:
-    """A note for every row omitted as redundant that did not stay satisfied at the `count` saved steps; of a stage that
-    others release joints beside, as satisfied as in its first one."""
+    """A note for every row omitted as redundant that did not stay satisfied at the `count` saved steps; in a run
+    whose stages release joints, as satisfied as at the first of them."""
     notes = []
     length = scene_length(scene) if dropped else 1.0
     for item in dropped:
