@@ -77,7 +77,7 @@ def test_a_results_file_gives_the_same_recording(result: wf.Result, tmp_path: Pa
     assert [a.describe() for a in loaded.view.anchors] == [a.describe() for a in result.view.anchors]
     assert loaded.view.bodies["bar"].inertia == pytest.approx(np.diag([0.01, 0.2, 0.2]))
     paths = [record(r, tmp_path / f"{n}.rrd").path for n, r in enumerate((result, loaded))]
-    for name in ("spring", "weight"):  # one entity at a time: the order of their chunks depends on the clock
+    for name in ("spring", "weight"):
         vectors = [columns(p, f"/world/force_arrows/{name}/force", "Arrows3D:vectors") for p in paths]
         assert vectors[0] == vectors[1] and len(vectors[0]) == STEPS + 1
 
