@@ -18,7 +18,7 @@ from fmpy.fmi1 import FMICallException  # type: ignore[import-not-found]
 from fmpy.fmi2 import FMU2Slave  # type: ignore[import-not-found]
 from fmpy.fmi3 import FMU3Slave  # type: ignore[import-not-found]
 from fmpy.validation import validate_fmu  # type: ignore[import-not-found]
-from fmu_scenes import DAMPING, SPACE, SPEED, STIFFNESS
+from fmu_scenes import DAMPING, SPEED, STIFFNESS
 
 STEP = 1e-3
 TERMINATED = 3  # kind of status of FMI 2.0
@@ -162,7 +162,8 @@ def failures(path: str) -> Any:
 
 
 def coupled(first: str, second: str, window: float, step: float, count: int, sweeps: int) -> Any:
-    """Places (count + 1, 4) of two pendulums, with forces that are exchanged after each window, in so many sweeps.
+    """Places (count + 1, 4) of the ends of two halves of a beam, with forces exchanged after each window, in so
+    many sweeps.
 
     In a sweep each half makes the steps of the window under the forces of the sweep before, from the state at its
     begin, and its motion at all steps gives the forces of the next one (Jacobi waveform iteration). Forces within the
@@ -175,9 +176,7 @@ def coupled(first: str, second: str, window: float, step: float, count: int, swe
 
     def force(both: np.ndarray) -> np.ndarray:
         apart, speed = both[1, :2] - both[0, :2], both[1, 2:] - both[0, 2:]
-        length = np.hypot(*apart)
-        along = apart / length
-        return (STIFFNESS * (length - SPACE) + DAMPING * speed @ along) * along
+        return STIFFNESS * apart + DAMPING * speed
 
     now = motion()
     places, per = [now[:, :2].ravel().tolist()], round(window / step)

@@ -1,4 +1,4 @@
-"""Scene files of the tests of FMUs: a motor, and two pendulums that a spring-damper joins, whole and in halves."""
+"""Scene files of the tests of FMUs: a motor, and a beam, whole and in halves."""
 
 from __future__ import annotations
 
@@ -29,65 +29,87 @@ duration = 1.0
 step = 1e-3
 """
 SPEED = "body_angular_velocity_y[rotor]"  # of the motor
-STIFFNESS, DAMPING = 60.0, 0.5  # N/m, N s/m of the coupling
-SPACE = 0.4  # m between the pendulums, the free length
+STIFFNESS, DAMPING = 3e4, 5.0  # N/m, N s/m of the joint of both halves, each 8.4 kN/m at its end
+LOAD = -20.0  # N at the end of the first half, from the beginning on
+
+RUN = "[simulate]\nduration = 1.0\nstep = {step}\n"
+BODY = """\
+[materials.steel]
+youngs_modulus = 210e9
+poisson_ratio = 0.3
+density = 7850
+[meshes.half]
+kind = "box"
+size = [0.5, 0.02, 0.01]
+counts = [10, 1, 1]
+center = [0.25, 0, 0]
+order = 2
+[reduced_bodies.half]
+mesh = "half"
+material = "steel"
+interfaces = { x_min = "rigid", x_max = "rigid" }
+modes = 3
+"""
+FIRST = ("first", 0.0, "x_min", "x_max")  # name, place [m], interfaces that are clamped and joined
+SECOND = ("second", 0.5, "x_max", "x_min")
 
 
-def pendulum(name: str, x: float, mass: float, angular_velocity: float) -> str:
-    """A pendulum of 0.5 m that hangs below (x, 0, 0.5)."""
+def beam(name: str, x: float, clamped: str, free: str) -> str:
+    """Half a beam of 1 m that is clamped at one end."""
     return f"""\
 [bodies.{name}]
-mass = {mass}
-inertia_tensor = [0.01, 0.01, 0.01]
+body = "half"
 position = [{x}, 0, 0]
-angular_velocity = [0, {angular_velocity}, 0]
-velocity = [{-0.5 * angular_velocity}, 0, 0]
-[joints.{name}_hinge]
-kind = "revolute"
+[joints.{name}_wall]
+kind = "fixed"
 a = "ground"
-b = {{ body = "{name}", point = [0, 0, 0.5] }}
-axis = [0, 1, 0]
+b = "{name}.{clamped}"
 [sensors.{name}_place]
 kind = "position"
-port = "{name}"
+port = "{name}.{free}"
 [sensors.{name}_speed]
 kind = "velocity"
-port = "{name}"
+port = "{name}.{free}"
 """
 
 
-SCENE = "[scene]\ngravity = [0, 0, -9.81]\n"
-RUN = "[simulate]\nduration = 1.0\nstep = {step}\n"
-FIRST = ("first", 0.0, 1.0, 1.0)  # name, x, mass, angular velocity
-SECOND = ("second", SPACE, 0.6, -0.5)
+def load(which: tuple[str, float, str, str]) -> str:
+    """The load at the end of the first half."""
+    if which != FIRST:
+        return ""
+    return f"""\
+[forces.load]
+kind = "point_force"
+port = "first.x_max"
+force = [0, 0, {LOAD}]
+"""
 
 
-def half(*which: float | str, step: float) -> str:
-    """One pendulum with the force on it, by its components, as inputs."""
-    name = which[0]
+def half(which: tuple[str, float, str, str], *, step: float) -> str:
+    """One half with the force on its end, by its components, as inputs."""
+    port = f"{which[0]}.{which[3]}"
     inputs = "".join(f'[signals.f{a}]\nkind = "input"\nname = "force {a}"\nunit = "N"\n' for a in "xz")
-    load = f"""\
+    joined = f"""\
 [forces.along]
 kind = "point_force"
-port = "{name}"
+port = "{port}"
 force = ["fx", [1, 0, 0]]
 [forces.up]
 kind = "point_force"
-port = "{name}"
+port = "{port}"
 force = ["fz", [0, 0, 1]]
 """
-    return SCENE + inputs + pendulum(*which) + load + RUN.format(step=step)  # type: ignore[arg-type]
+    return BODY + inputs + beam(*which) + load(which) + joined + RUN.format(step=step)
 
 
 def whole(step: float) -> str:
-    """Both pendulums with the spring-damper."""
+    """Both halves, joined by a bushing."""
     joined = f"""\
 [forces.coupling]
-kind = "spring_damper"
-a = "first"
-b = "second"
-stiffness = {STIFFNESS}
-damping = {DAMPING}
-free_length = {SPACE}
+kind = "bushing"
+a = "first.x_max"
+b = "second.x_min"
+stiffness = [{STIFFNESS}, {STIFFNESS}, {STIFFNESS}, 0, 0, 0]
+damping = [{DAMPING}, {DAMPING}, {DAMPING}, 0, 0, 0]
 """
-    return SCENE + pendulum(*FIRST) + pendulum(*SECOND) + joined + RUN.format(step=step)
+    return BODY + beam(*FIRST) + beam(*SECOND) + load(FIRST) + joined + RUN.format(step=step)

@@ -91,32 +91,32 @@ def test_wrong_calls_are_named_and_the_process_goes_on(motor: dict[str, Any]) ->
     assert len(set(found["speed"])) == 1  # of the last step that succeeded
 
 
+@pytest.mark.slow
 def test_two_halves_are_the_whole(tmp_path: Path) -> None:
-    """Two pendulums that a spring-damper joins, each an FMU, with windows of a tenth of the shortest period: 1 %.
+    """Two halves of a beam, each an FMU, joined by a stiff bushing, with windows of a tenth of its period: 1 %.
 
-    With one exchange per window, and forces that are held, the coupling adds energy and the pair is off by its own
-    amplitude; sweeps over the window converge to the whole."""
-    window, count = 0.048, 20  # s; the second mode of the pair has 0.481 s
+    With one exchange per window, and forces that are held, the coupling adds energy and the halves are off by more than
+    the amplitude; sweeps over the window converge to the whole beam."""
+    count = 15
+    (tmp_path / "whole.toml").write_text(fmu_scenes.whole(1e-3))
+    modes = wf.eigenmodes(wf.load_scene(tmp_path / "whole.toml").scene, 1, about="initial", progress=False)
+    window = round(0.1 / modes.frequencies[0], 6)  # s
     step = window / 10
     (tmp_path / "whole.toml").write_text(fmu_scenes.whole(step))
-    scene = wf.load_scene(tmp_path / "whole.toml").scene
-    modes = wf.eigenmodes(scene, 2, about="initial", progress=False)
-    assert 1.0 / modes.frequencies[-1] == pytest.approx(10 * window, rel=0.05)
-    sim, places = wf.Simulation(scene, step=step), []
+    sim, places = wf.Simulation(wf.load_scene(tmp_path / "whole.toml").scene, step=step), []
     for n in range(count + 1):
         places.append([sim.outputs[f"sensor_{a}[{which[0]}_place]"] for which in (FIRST, SECOND) for a in "xz"])
         if n < count:
             sim.run(10 * step)
     paths = []
     for which in (FIRST, SECOND):
-        (tmp_path / f"{which[0]}.toml").write_text(fmu_scenes.half(*which, step=step))
+        (tmp_path / f"{which[0]}.toml").write_text(fmu_scenes.half(which, step=step))
         paths.append(str(tmp_path / f"{which[0]}.fmu"))
         assert cli.main(["fmu", str(tmp_path / f"{which[0]}.toml"), "-o", paths[-1]]) == 0
     scale = np.ptp(np.array(places), axis=0).max()
-    sweeps = (1, 2, 3)
+    sweeps = (1, 3, 5)
     found = driven(*[("coupled", *paths, window, step, count, each) for each in sweeps])
     error = {each: np.abs(np.array(one) - places).max() / scale for each, one in zip(sweeps, found, strict=True)}
-    print(error)
-    assert error[3] < 0.01  # 1 % at a tenth of the period; 9e-4
-    assert error[2] < 0.1 * error[1]
-    assert error[3] < 0.3 * error[2]
+    print(window, scale, error)
+    assert error[1] > 1.0
+    assert error[5] < 0.01
