@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from warpffrf.model.mesh import select as selection
 from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation, check_structure, check_used
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.facets import FacetSet, node_numbers, outer_faces
-from warpffrf.model.mesh.files import pyvista_export
+from warpffrf.model.mesh.files import pyvista_export, writer
 from warpffrf.model.mesh.files.set_names import SetNames
 from warpffrf.model.mesh.periodicity import Cyclic
 from warpffrf.model.mesh.report import MeshReport
@@ -319,6 +320,11 @@ class Mesh(reprs.Shown):
         unknown cell set and for cells without material.
         """
         return make_report(self, material)
+
+    def write(self, path: str | Path, *, overwrite: bool = False) -> Path:
+        """Write the mesh with its sets to a .vtu file, or an .inp for Abaqus and CalculiX, lengths in m; returns its
+        path. Raises `InputError` for another suffix, and for a file that exists unless `overwrite` is set."""
+        return writer.write(self, path, overwrite=overwrite)
 
     def to_pyvista(self) -> Any:
         """`pyvista.UnstructuredGrid` of cells and set facets, an array of 0 and 1 per set; `pyvista_export`."""

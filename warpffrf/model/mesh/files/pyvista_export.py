@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.structure import Beam, Shell
+from warpffrf.model.mesh.files.marked_blocks import LINE, marked_blocks
 
 if TYPE_CHECKING:
     from warpffrf.model.mesh.data import Mesh
@@ -30,8 +30,9 @@ VTK_TYPES = {
     "quad9": 28,
     "tri3": 5,
     "tri6": 22,
+    LINE: 3,
 }
-_VERTEX, _LINE = 1, 3
+_VERTEX = 1
 
 
 def to_pyvista(mesh: Mesh) -> Any:
@@ -46,36 +47,14 @@ def to_pyvista(mesh: Mesh) -> Any:
     except ImportError as error:
         raise InputError("to_pyvista needs pyvista; install it with: pip install warpffrf[vtk]") from error
 
-    blocks: list[tuple[int, np.ndarray]] = [(VTK_TYPES[kind], nodes) for kind, nodes in mesh.cells.items()]
-    count = mesh.cell_count
-    places: dict[str, list[np.ndarray]] = {name: [members] for name, members in mesh.cell_sets.items()}
-    for beam in mesh.structure.of(Beam):
-        blocks.append((_LINE, beam.nodes))
-        count += len(beam.nodes)
-    by_kind: dict[str, list[tuple[str | None, np.ndarray]]] = {}
-    for shell in mesh.structure.of(Shell):
-        by_kind.setdefault(shell.kind, []).append((None, shell.nodes))
-    for name, facets in mesh.facet_sets.items():
-        for kind, nodes in facets.blocks.items():
-            by_kind.setdefault(kind, []).append((name, nodes))
-    for kind, members in by_kind.items():
-        rows = np.concatenate([nodes for _, nodes in members])
-        _, first, place = np.unique(np.sort(rows, axis=1), axis=0, return_index=True, return_inverse=True)
-        stops = np.cumsum([len(nodes) for _, nodes in members])[:-1]
-        for (name, _), part in zip(members, np.split(place.ravel(), stops), strict=True):
-            if name is not None:
-                places.setdefault(name, []).append(count + part)
-        blocks.append((VTK_TYPES[kind], rows[first]))
-        count += len(first)
+    parts, marks = marked_blocks(mesh)
+    blocks = [(VTK_TYPES[kind], nodes) for kind, nodes in parts]
     if not blocks:
         blocks = [(_VERTEX, np.arange(len(mesh.points))[:, None])]
-        count = len(mesh.points)
     connectivity = np.concatenate([np.insert(nodes, 0, nodes.shape[1], axis=1).ravel() for _, nodes in blocks])
     types = np.concatenate([np.full(len(nodes), number, dtype=np.uint8) for number, nodes in blocks])
     grid = pyvista.UnstructuredGrid(connectivity, types, np.array(mesh.points))
-    for name, parts in places.items():
-        marks = np.zeros(count, dtype=np.int32)
-        marks[np.concatenate(parts)] = 1
-        grid.cell_data[name] = marks
+    for name, members in marks.items():
+        grid.cell_data[name] = members
     grid.set_active_scalars(None)  # sets are equivalent: pictures in one colour, equal arrays in files
     return grid
