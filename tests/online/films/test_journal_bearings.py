@@ -13,6 +13,7 @@ from warpffrf.model.errors import InputError
 R, C, LENGTH = 0.05, 148e-6, 0.07  # m
 VISCOSITY, SPEED, LOAD = 0.0277, 100.0 * np.pi, 10e3  # Pa s, rad/s, N
 QUARTER = np.radians(75.0)
+TRUE = 1.5  # the largest factor between an estimate and the difference to a much finer grid
 SAME = 0.01  # of the stiffness, between differences of equilibria and the derivative
 
 Array = np.ndarray
@@ -106,6 +107,16 @@ def test_stiffness_of_tilting_pads_is_that_of_equilibria_and_has_no_cross_coupli
         assert abs(each.stiffness[0, 1] - each.stiffness[1, 0]) < SAME * each.stiffness[0, 0]
     assert whirling.critical_mass == np.inf
     assert whirling.stiffness[0, 0] < 0.9 * slow.stiffness[0, 0]  # the pads follow in part
+
+
+def test_errors_of_the_grids_of_all_pads_are_true() -> None:
+    """Of a shaft in the middle, whose place no grid changes, and pads that follow its whirl in part."""
+    coarse, fine = (tilting(load=(0.0, 0.0), nodes=nodes).bearing_coefficients("b") for nodes in ((12, 5), (32, 13)))
+    for name in ("stiffness", "damping"):
+        said = getattr(coarse, f"{name}_error").max()
+        true = np.abs(getattr(coarse, name) - getattr(fine, name)).max()
+        print(f"{name}: said {said:.4g}, true {true:.4g}, of {getattr(fine, name).max():.4g}")
+        assert true / TRUE < said < TRUE * true
 
 
 @pytest.mark.parametrize("preload", [0.0, 0.2])
