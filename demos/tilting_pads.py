@@ -86,9 +86,10 @@ def build(shaft: wf.ReducedBody, speed: float, *, off: float = OFF, size: Size =
             )},
         )  # fmt: skip
         scene.add(wf.joints.Fixed(bent[end], journal, name=f"{name} seat"))
-        scene.add_tilting_pad_bearing(
+        scene.add_journal_bearing(
             f"{name} bearing", journal["journal"], wf.films.pads(4, ARC, first=0.25 * np.pi, preload=PRELOAD),
-            clearance=CLEARANCE, length=WIDTH, thickness=THICKNESS, oil=OIL, pivot="point", position=(0, place, 0),
+            clearance=CLEARANCE, length=WIDTH, oil=OIL, position=(0, place, 0),
+            tilting=wf.films.TiltingPads(THICKNESS, pivot="point"),
             first=(0, 0, -1), nodes=size.nodes, temperature=wf.films.FilmTemperature(SUPPLY, wall_b=SHAFT),
         )  # fmt: skip
     motor = scene.add_rigid_body(
@@ -237,8 +238,10 @@ def main(out: str | Path = "out/tilting_pads", *, quick: bool = False, progress:
     (speeds, found), (_, passing) = whirl(time, places, size), whirl(time, by_hand, size)
     steady, heat = film.steady(speeds), pad_temperatures(result)
     peak = int(np.abs(found[:, 1]).argmax())
-    near = np.abs(angle(time, size) - np.interp(speeds[peak], speed_at(time, size), angle(time, size))) < 1.15 * np.pi
+    turned = angle(time, size)
+    near = np.abs(turned - np.interp(speeds[peak], speed_at(time, size), turned)) < np.pi
     orbits = {name: each[near, 1] - each[near, 1].mean() for name, each in (("run", places), ("by hand", by_hand))}
+    orbits = {name: np.append(orbit, orbit[0]) for name, orbit in orbits.items()}
     rpm, um = speeds / RPM / 1e3, 1e6
     K, wC = film.stiffness / 1e6, film.damping * film.speeds[:, None, None] / 1e6
     save_panels([

@@ -315,7 +315,7 @@ def value_kinds() -> dict[str, Form]:
     friction laws, rolling resistance, characteristics of springs, oils, feeds and forms of films, matched faces,
     contacts, integrators, treatments of local modes, stress points, parts of bearings."""
     from warpffrf.model.damping import DAMPINGS
-    from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES, Dam, FilmTemperature, Pad, pads
+    from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES, Dam, FilmTemperature, Pad, TiltingPads, pads
     from warpffrf.model.forces import CHARACTERISTICS
     from warpffrf.model.friction import FRICTION_LAWS
     from warpffrf.model.gears import Gear, GearPair
@@ -328,7 +328,19 @@ def value_kinds() -> dict[str, Form]:
     from warpffrf.offline.bases import BASES
 
     online = importlib.import_module("warpffrf.online")
-    others = [StressPoints, Matched, SmallSliding, DowsonHigginson, Thermal, iso_vg, Pad, Dam, pads, FilmTemperature]
+    others = [
+        StressPoints,
+        Matched,
+        SmallSliding,
+        DowsonHigginson,
+        Thermal,
+        iso_vg,
+        Pad,
+        Dam,
+        pads,
+        TiltingPads,
+        FilmTemperature,
+    ]
     others += [online.LocalModes, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
     registered = {
@@ -410,6 +422,7 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
     of_films |= dict.fromkeys(("form_a", "form_b"), FORMS)
     of_films |= dict.fromkeys(("roughness_a", "roughness_b"), ROUGHNESSES)
     taken = {(section, name): kinds for section in ("films", "journal_bearings") for name, kinds in of_films.items()}
+    taken[("journal_bearings", "tilting")] = ("tilting_pads",)
     for section, laws in contacts.items():
         taken |= {(section, "law"): laws, (section, "friction"): FRICTION_LAWS}
     taken |= {(section, "rolling_resistance"): ROLLING_LAWS for section in ("lumped_contacts", "bearings")}
@@ -505,10 +518,11 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
             )
         },
         "journal_bearings": {
-            kind: form_of(title, flat(call, mixed=MixedLubrication), of_journals, ("scene", "name"))
-            for kind, title, call in (
-                ("fixed_pads", "journal bearing", Scene.add_journal_bearing),
-                ("tilting_pads", "tilting-pad bearing", Scene.add_tilting_pad_bearing),
+            "": form_of(
+                "journal bearing",
+                flat(Scene.add_journal_bearing, mixed=MixedLubrication),
+                of_journals,
+                ("scene", "name"),
             )
         },
         "arrange": {

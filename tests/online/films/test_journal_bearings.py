@@ -29,14 +29,17 @@ def journal(scene: wf.Scene, at: tuple[float, float] = (0.1, 0.0)) -> Any:
     return shaft["journal"]
 
 
-def tilting(preload: float = 0.47, load: tuple[float, float] = (LOAD, 0.0), **given: Any) -> wf.Result:
+def tilting(
+    preload: float = 0.47, load: tuple[float, float] = (LOAD, 0.0), nodes: Any = None, **given: Any
+) -> wf.Result:
     """The equilibrium under a load along e_0 and e_1 of four pads, the load between two pivots."""
     scene = wf.Scene()
     surface = journal(scene)
     pads = wf.films.pads(4, QUARTER, first=0.25 * np.pi, preload=preload)
-    scene.add_tilting_pad_bearing(
-        "b", surface, pads, clearance=C, length=LENGTH, thickness=0.02, oil=wf.oils.Newtonian(VISCOSITY), **given
-    )
+    scene.add_journal_bearing(
+        "b", surface, pads, clearance=C, length=LENGTH, oil=wf.oils.Newtonian(VISCOSITY), nodes=nodes,
+        tilting=wf.films.TiltingPads(0.02, **given),
+    )  # fmt: skip
     shaft = scene.body("shaft")
     plane = scene.add(wf.joints.Planar(scene.ground, shaft, axis=(0, 1, 0), name="plane"))
     scene.add(wf.joints.Drive(plane, SPEED, quantity="velocity"))
@@ -140,10 +143,12 @@ def test_what_is_no_bearing_is_refused() -> None:
         wf.films.Pad(0.0, 1.0, dam=wf.films.Dam(1e-5, 1.2))
     with pytest.raises(InputError, match="has a dam"):
         scene = wf.Scene()
-        scene.add_tilting_pad_bearing(
+        scene.add_journal_bearing(
             "b", journal(scene), [wf.films.Pad(0.0, 1.0, dam=wf.films.Dam(1e-5, 0.5))], clearance=C, length=LENGTH,
-            thickness=0.02, oil=wf.oils.Newtonian(VISCOSITY),
+            tilting=wf.films.TiltingPads(0.02), oil=wf.oils.Newtonian(VISCOSITY),
         )  # fmt: skip
+    with pytest.raises(InputError, match=r"tilting must be films.TiltingPads\(...\) or None"):
+        fixed(wf.films.pads(3, 1.7), tilting=0.02)
     with pytest.raises(InputError, match="pivot"):
         tilting(pivot="ball")
     with pytest.raises(InputError, match="no journal bearing called|journal bearing"):

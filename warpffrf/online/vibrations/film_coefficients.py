@@ -307,4 +307,4 @@ def _grid_errors(bearing: _Bearing, rate: float) -> tuple[Array, Array]:
         left = np.hstack([np.eye(2), -np.linalg.solve(free.T, to.T).T])
         right = np.vstack([np.eye(2), -np.linalg.solve(free, fro)])
         found += left @ (change[0] + 1j * rate * change[1]) @ right
-    return np.abs(found.real), np.abs(found.imag) / rate
+    return np.abs(np.real(found)), np.abs(np.imag(found)) / rate
