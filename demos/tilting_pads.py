@@ -241,8 +241,9 @@ def main(out: str | Path = "out/tilting_pads", *, quick: bool = False, progress:
     turned = angle(time, size)
     near = np.abs(turned - np.interp(speeds[peak], speed_at(time, size), turned)) < np.pi
     orbits = {name: each[near, 1] - each[near, 1].mean() for name, each in (("run", places), ("by hand", by_hand))}
-    orbits = {name: np.append(orbit, orbit[0]) for name, orbit in orbits.items()}
     rpm, um = speeds / RPM / 1e3, 1e6
+    closed = {name: np.append(orbit, orbit[0]) for name, orbit in orbits.items()}
+    orbits = {name: (um * np.real(orbit), um * np.imag(orbit)) for name, orbit in closed.items()}
     K, wC = film.stiffness / 1e6, film.damping * film.speeds[:, None, None] / 1e6
     save_panels([
         Panel("Whirl with the unbalance", "speed [1000 rpm]", "amplitude [µm]",
@@ -251,8 +252,7 @@ def main(out: str | Path = "out/tilting_pads", *, quick: bool = False, progress:
                "disc, by hand, each speed held": (rpm, um * np.abs(steady[:, 1])),
                "journal, by hand": (rpm, um * np.abs(passing[:, 0]))}),
         Panel(f"Orbit of the disc at {speeds[peak] / RPM:.0f} rpm", "down [µm]", "with the rotation [µm]",
-              {"run": (um * orbits["run"].real, um * orbits["run"].imag)},
-              {"by hand": (um * orbits["by hand"].real, um * orbits["by hand"].imag)}, equal=True),
+              {"run": orbits["run"]}, {"by hand": orbits["by hand"]}, equal=True),
         Panel("Hottest oil of the pads on the left", "speed [1000 rpm]", "[°C]",
               {f"pad {i + 1}": (speed_at(time, size) / RPM / 1e3, heat[:, i]) for i in range(4)},
               points={"each speed held": (np.repeat(film.speeds / RPM / 1e3, 4), film.hottest.ravel())},

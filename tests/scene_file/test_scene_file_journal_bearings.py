@@ -1,4 +1,4 @@
-"""Journal bearings in scene files: the same scene as from Python, and refusals with their line."""
+"""Journal and thrust bearings in scene files: the same scene as from Python, and refusals with their line."""
 
 from __future__ import annotations
 
@@ -95,3 +95,44 @@ def test_what_is_wrong_is_refused_with_its_line(tmp_path: Path) -> None:
     ):
         with pytest.raises(InputError, match=message):
             load_scene(written(tmp_path, FILE.replace(right, wrong)))
+
+
+THRUST = """
+[bodies.shaft]
+kind = "rigid"
+mass = 20.0
+inertia_tensor = [0.1, 0.1, 0.1]
+position = [0, 4e-5, 0]
+angular_velocity = [0, 300, 0]
+surfaces = { collar = { kind = "plane", origin = [0, 0, 0], outward = [0, -1, 0] } }
+
+[thrust_bearings.t]
+runner = "shaft.collar"
+pads = { kind = "pads", count = 3, arc = 1.3, offset = 0.6 }
+inner_radius = 0.04
+outer_radius = 0.08
+oil = { kind = "iso_vg", grade = 32, temperature = 50, heat_capacity = 2000 }
+temperature = { kind = "film_temperature", supply = 40 }
+tilting = { kind = "tilting_pads", thickness = 0.015 }
+
+[sensors.pad]
+kind = "position"
+port = "t pad 2.pivot"
+"""
+
+
+def test_a_file_has_the_pads_of_a_thrust_bearing(tmp_path: Path) -> None:
+    scene = wf.Scene()
+    collar = wf.surfaces.Plane(origin=(0, 0, 0), outward=(0, -1, 0))
+    shaft = scene.add_rigid_body(
+        20.0, (0.1,) * 3, name="shaft", position=(0, 4e-5, 0), angular_velocity=(0, 300, 0), surfaces={"collar": collar}
+    )
+    films = scene.add_thrust_bearing(
+        "t", shaft["collar"], wf.films.pads(3, 1.3, offset=0.6), inner_radius=0.04, outer_radius=0.08,
+        oil=wf.oils.iso_vg(32, temperature=50, heat_capacity=2000), tilting=wf.films.TiltingPads(0.015),
+        temperature=wf.films.FilmTemperature(40),
+    )  # fmt: skip
+    scene.add(wf.sensors.Position(films[1].a.body["pivot"], name="pad"))
+    loaded = load_scene(written(tmp_path, THRUST)).scene
+    assert loaded.content_hash() == scene.content_hash()
+    assert [film.temperature.upstream for film in loaded.films if film.temperature] == [f"t pad {n}" for n in (3, 1, 2)]

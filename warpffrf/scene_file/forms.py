@@ -421,8 +421,9 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
     of_films = {"asperities": LAWS, "oil": (*OILS, "iso_vg"), "temperature": ("film_temperature",)}
     of_films |= dict.fromkeys(("form_a", "form_b"), FORMS)
     of_films |= dict.fromkeys(("roughness_a", "roughness_b"), ROUGHNESSES)
-    taken = {(section, name): kinds for section in ("films", "journal_bearings") for name, kinds in of_films.items()}
-    taken[("journal_bearings", "tilting")] = ("tilting_pads",)
+    bearings = ("journal_bearings", "thrust_bearings")
+    taken = {(section, name): kinds for section in ("films", *bearings) for name, kinds in of_films.items()}
+    taken |= {(section, "tilting"): ("tilting_pads",) for section in bearings}
     for section, laws in contacts.items():
         taken |= {(section, "law"): laws, (section, "friction"): FRICTION_LAWS}
     taken |= {(section, "rolling_resistance"): ROLLING_LAWS for section in ("lumped_contacts", "bearings")}
@@ -451,8 +452,9 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     of_program = ("scene", "progress", "overwrite", "resume", "check")
     rings: dict[str, str] = {"inner": "port", "outer": "port", "element_body": "reduced_bodies"}
     options: dict[str, type] = {"contact": RollingContact, "materials": Materials}
-    of_journals: dict[str, str] = {
+    of_pads: dict[str, str] = {
         "journal": "port",
+        "runner": "port",
         "support": "port",
         "pads": "value",
         "oil": "value",
@@ -517,13 +519,11 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
                 ("scene", "name"),
             )
         },
-        "journal_bearings": {
-            "": form_of(
-                "journal bearing",
-                flat(Scene.add_journal_bearing, mixed=MixedLubrication),
-                of_journals,
-                ("scene", "name"),
-            )
+        **{
+            f"{kind}_bearings": {
+                "": form_of(f"{kind} bearing", flat(call, mixed=MixedLubrication), of_pads, ("scene", "name"))
+            }
+            for kind, call in (("journal", Scene.add_journal_bearing), ("thrust", Scene.add_thrust_bearing))
         },
         "arrange": {
             "place": form_of("place", Scene.place, {"port": "port", "onto": "port"}, ("self",)),

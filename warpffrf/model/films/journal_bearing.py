@@ -125,7 +125,7 @@ def pads(count: int, arc: float, *, first: float = 0.0, preload: float = 0.0, of
     """
     count = require_count(count, "films.pads: count", 1)
     found = [Pad(first + k * TURN / count, arc, preload=preload, offset=offset) for k in range(count)]
-    _refuse_overlap(found, "films.pads")
+    refuse_overlap(found, "films.pads")
     return found
 
 
@@ -222,7 +222,7 @@ def add_journal_bearing(
     1
     """
     at = _Frame.of(f"journal bearing {name!r}", journal, pads, clearance, length, (position, axis, first), sense)
-    _refuse_overlap(at.pads, at.label)
+    refuse_overlap(at.pads, at.label)
     held: Any = scene.ground if support is None else support
     bearing = JournalBearing(name, at.pads, at.place)
     film = partial(Film, oil=oil, ambient_pressure=ambient_pressure, cavitation=cavitation, mixed=mixed)
@@ -240,13 +240,11 @@ def add_journal_bearing(
             k = SOFT * float(oil.viscosity) * speed * at.radius**5 * at.length / at.clearance**3
         bearing.tilt_stiffness = k
         names = [f"{name} pad {number}" for number in range(1, len(at.pads) + 1)]
-        order = sorted(range(len(names)), key=lambda i: at.pads[i].middle)
+        warm = downstream(temperature, at.pads, names, sense)
         for i, pad in enumerate(at.pads):
             body = _tilting_pad(scene, bearing, at, i, tilting, held, (32, 9) if nodes is None else nodes)
             inlet = AxialGroove(pad.middle - 0.5 * sense * pad.arc, SLACK * at.radius, feed_pressure)
-            before = names[order[(order.index(i) - sense) % len(order)]]
-            warm = replace(temperature, upstream=before) if temperature is not None and len(order) > 1 else temperature
-            one = film(body["pad"], journal, name=names[i], feeds=[inlet], temperature=warm)
+            one = film(body["pad"], journal, name=names[i], feeds=[inlet], temperature=warm[i])
             bearing.films.append(scene.add(one))
     else:
         raise InputError(f"{at.label}: tilting must be films.TiltingPads(...) or None for fixed pads, got {tilting!r}")
@@ -388,9 +386,20 @@ class _Frame:
         return mass, center, (m @ np.sum(off**2, axis=1)) * np.eye(3) - (off.T * m) @ off + along
 
 
-def _refuse_overlap(found: Sequence[Pad], label: str) -> None:
+def refuse_overlap(found: Sequence[Pad], label: str) -> None:
     edges = sorted((pad.middle - 0.5 * pad.arc, pad.middle + 0.5 * pad.arc) for pad in found)
     following = [begin for begin, _ in edges[1:]] + [edges[0][0] + TURN]
     for (_, end), begin in zip(edges, following, strict=True):
         if begin < end - SLACK:
             raise InputError(f"{label}: pads overlap at {end:.4g} rad; give them smaller arcs, or move them apart")
+
+
+def downstream(
+    temperature: FilmTemperature | None, pads: Sequence[Pad], names: Sequence[str], sense: int
+) -> list[FilmTemperature | None]:
+    """Of the films called `names` of all pads, each downstream of the one before it."""
+    if temperature is None or len(pads) == 1:
+        return [temperature] * len(pads)
+    order = sorted(range(len(pads)), key=lambda i: pads[i].middle)
+    before = [order[(order.index(i) - sense) % len(pads)] for i in range(len(pads))]
+    return [replace(temperature, upstream=names[i]) for i in before]
