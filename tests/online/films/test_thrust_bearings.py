@@ -1,5 +1,5 @@
-"""Thrust bearings in one call: fixed tapers beside finite differences in polar coordinates, tilting pads about their
-pivots."""
+"""Thrust bearings in one call: fixed tapers compared with finite differences in polar coordinates, and tilting pads
+about their pivots."""
 
 from __future__ import annotations
 
