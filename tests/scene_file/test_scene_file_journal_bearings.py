@@ -1,4 +1,4 @@
-"""Journal bearings in scene files: the same scene as from Python, and refusals with their line."""
+"""Journal and thrust bearings in scene files: the same scene as from Python, and refusals with their line."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ angular_velocity = [0, 300, 0]
 surfaces = { front = { kind = "cylinder", radius = 0.05, axis_point = [0, -0.2, 0], axis_direction = [0, 1, 0] }, back = { kind = "cylinder", radius = 0.05, axis_point = [0, 0.2, 0], axis_direction = [0, 1, 0] } }
 
 [journal_bearings.front]
-kind = "fixed_pads"
 journal = "shaft.front"
 pads = [
   { kind = "pad", middle = 0.0, arc = 2.8 },
@@ -33,13 +32,11 @@ oil = { kind = "newtonian", viscosity = 0.02, thermal = { kind = "thermal", law 
 temperature = { kind = "film_temperature", supply = 45, wall_a = 50 }
 
 [journal_bearings.back]
-kind = "tilting_pads"
 journal = "shaft.back"
 pads = { kind = "pads", count = 4, arc = 1.3, first = 0.785, preload = 0.4 }
 clearance = 1e-4
 length = 0.05
-thickness = 0.015
-pivot = "point"
+tilting = { kind = "tilting_pads", thickness = 0.015, pivot = "point" }
 position = [0, 0.2, 0]
 oil = { kind = "iso_vg", grade = 32, temperature = 50, heat_capacity = 2000 }
 temperature = { kind = "film_temperature", supply = 40, carry_over = 0.8 }
@@ -72,9 +69,9 @@ def test_a_file_has_the_bodies_and_films_of_the_calls(tmp_path: Path) -> None:
         clearance=1e-4, length=0.05, position=(0, -0.2, 0), oil=wf.oils.Newtonian(0.02, thermal=thermal),
         temperature=wf.films.FilmTemperature(45, wall_a=50),
     )  # fmt: skip
-    bearing = scene.add_tilting_pad_bearing(
+    bearing = scene.add_journal_bearing(
         "back", shaft["back"], wf.films.pads(4, 1.3, first=0.785, preload=0.4), clearance=1e-4, length=0.05,
-        thickness=0.015, pivot="point", position=(0, 0.2, 0),
+        tilting=wf.films.TiltingPads(0.015, pivot="point"), position=(0, 0.2, 0),
         oil=wf.oils.iso_vg(32, temperature=50, heat_capacity=2000), nodes=(24, 9),
         temperature=wf.films.FilmTemperature(40, carry_over=0.8),
     )  # fmt: skip
@@ -90,7 +87,7 @@ def test_a_file_has_the_bodies_and_films_of_the_calls(tmp_path: Path) -> None:
 
 def test_what_is_wrong_is_refused_with_its_line(tmp_path: Path) -> None:
     for right, wrong, message in (
-        ('kind = "fixed_pads"', 'kind = "fixed"', "there is no kind 'fixed'"),
+        ('kind = "tilting_pads"', 'kind = "tilting"', "there is no kind 'tilting'"),
         ("arc = 1.3", "arc = 1.9", "pads overlap"),
         ("thickness = 0.015", "thickness = -0.015", "thickness"),
         ("supply = 45", "supply = 318", "from kelvins subtract 273.15"),
@@ -98,3 +95,44 @@ def test_what_is_wrong_is_refused_with_its_line(tmp_path: Path) -> None:
     ):
         with pytest.raises(InputError, match=message):
             load_scene(written(tmp_path, FILE.replace(right, wrong)))
+
+
+THRUST = """
+[bodies.shaft]
+kind = "rigid"
+mass = 20.0
+inertia_tensor = [0.1, 0.1, 0.1]
+position = [0, 4e-5, 0]
+angular_velocity = [0, 300, 0]
+surfaces = { collar = { kind = "plane", origin = [0, 0, 0], outward = [0, -1, 0] } }
+
+[thrust_bearings.t]
+runner = "shaft.collar"
+pads = { kind = "pads", count = 3, arc = 1.3, offset = 0.6 }
+inner_radius = 0.04
+outer_radius = 0.08
+oil = { kind = "iso_vg", grade = 32, temperature = 50, heat_capacity = 2000 }
+temperature = { kind = "film_temperature", supply = 40 }
+tilting = { kind = "tilting_pads", thickness = 0.015 }
+
+[sensors.pad]
+kind = "position"
+port = "t pad 2.pivot"
+"""
+
+
+def test_a_file_has_the_pads_of_a_thrust_bearing(tmp_path: Path) -> None:
+    scene = wf.Scene()
+    collar = wf.surfaces.Plane(origin=(0, 0, 0), outward=(0, -1, 0))
+    shaft = scene.add_rigid_body(
+        20.0, (0.1,) * 3, name="shaft", position=(0, 4e-5, 0), angular_velocity=(0, 300, 0), surfaces={"collar": collar}
+    )
+    films = scene.add_thrust_bearing(
+        "t", shaft["collar"], wf.films.pads(3, 1.3, offset=0.6), inner_radius=0.04, outer_radius=0.08,
+        oil=wf.oils.iso_vg(32, temperature=50, heat_capacity=2000), tilting=wf.films.TiltingPads(0.015),
+        temperature=wf.films.FilmTemperature(40),
+    )  # fmt: skip
+    scene.add(wf.sensors.Position(films[1].a.body["pivot"], name="pad"))
+    loaded = load_scene(written(tmp_path, THRUST)).scene
+    assert loaded.content_hash() == scene.content_hash()
+    assert [film.temperature.upstream for film in loaded.films if film.temperature] == [f"t pad {n}" for n in (3, 1, 2)]

@@ -34,10 +34,10 @@ def bearing(
         position=(0.1 * CLEARANCE, 0, 0),
     )  # fmt: skip
     thermal = wf.oils.Thermal(wf.oils.ExponentialLaw(0.0341), SUPPLY, 2000.0, density=860.0)
-    scene.add_tilting_pad_bearing(
+    scene.add_journal_bearing(
         "b", shaft["journal"], wf.films.pads(4, np.radians(75.0), first=0.25 * np.pi, preload=0.47),
-        clearance=CLEARANCE, length=LENGTH, thickness=0.02, oil=wf.oils.Newtonian(0.0277, thermal=thermal), sense=sense,
-        nodes=nodes, temperature=temperature,
+        clearance=CLEARANCE, length=LENGTH, oil=wf.oils.Newtonian(0.0277, thermal=thermal), sense=sense, nodes=nodes,
+        tilting=wf.films.TiltingPads(0.02), temperature=temperature,
     )  # fmt: skip
     plane = scene.add(wf.joints.Planar(scene.ground, shaft, axis=(0, 1, 0), name="plane"))
     scene.add(wf.joints.Drive(plane, speed, quantity="velocity"))

@@ -29,7 +29,8 @@ from warpffrf.model.errors import (
     unknown_name,
 )
 from warpffrf.model.films import Film
-from warpffrf.model.films.journal_bearing import JournalBearing, add_journal_bearing, add_tilting_pad_bearing
+from warpffrf.model.films.journal_bearing import JournalBearing, add_journal_bearing
+from warpffrf.model.films.thrust_bearing import add_thrust_bearing
 from warpffrf.model.forces import Pretension
 from warpffrf.model.gears.mesh import GearMesh, add_gear_pair
 from warpffrf.model.joints import Drive, Joint
@@ -95,7 +96,7 @@ class Scene(reprs.Shown):
     add_cam = add_cam
     add_wheelset = add_wheelset
     add_journal_bearing = add_journal_bearing
-    add_tilting_pad_bearing = add_tilting_pad_bearing
+    add_thrust_bearing = add_thrust_bearing
 
     @property
     def finite_sliding(self) -> list[Contact]:

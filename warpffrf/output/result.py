@@ -195,9 +195,8 @@ class Result(reprs.Shown):
     def bearing_coefficients(self, name: str, frequency: float | None = None) -> FilmCoefficients:
         """Stiffness and damping of the journal bearing called `name` about the last saved step, all of its films
         together, for motions of `frequency` [Hz], None for that of the rotation of the shaft. Tilting pads follow the
-        motion about their pivots with their inertia, so that these are the reduced coefficients at that frequency; its
-        errors are those of bearings with one film. See `FilmResult.coefficients`. Raises InputError for an unknown
-        name, and a result from a file."""
+        motion about their pivots with their inertia, so that these are the reduced coefficients at that frequency. See
+        `FilmResult.coefficients`. Raises InputError for an unknown name, and a result from a file."""
         from warpffrf.online.vibrations.film_coefficients import bearing_coefficients
 
         if frequency is not None:

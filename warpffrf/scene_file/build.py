@@ -37,7 +37,7 @@ TITLE = "title"
 RUNS = ("equilibrium", "static", "simulate")  # calls that run the scene, each a table
 FITTED = "fitted"  # a contact surface whose shape is fitted
 FILE_KEYS = {"file", "column", "factor"}
-PAIRS = ("gear_pairs", "cams", "wheelsets", "journal_bearings")  # assemblies
+PAIRS = ("gear_pairs", "cams", "wheelsets", "journal_bearings", "thrust_bearings")  # assemblies
 FIRST_ITEMS = ("joints", "contacts")  # other items refer to them
 WHOLE = ("interface", "point", "surface")
 
@@ -214,11 +214,12 @@ class Builder:
         return body, value[len(body) + 1 :], None
 
     def _bodies_of_assemblies(self) -> Iterator[str]:
-        """Names of the bodies that the tables [wheelsets], [journal_bearings] and [bearings] create, of rings on a
-        surface too, which cannot be distinguished from interfaces before bodies are made."""
+        """Names of the bodies that the tables [wheelsets], [journal_bearings], [thrust_bearings] and [bearings] create,
+        of rings on a surface too, which cannot be distinguished from interfaces before bodies are made."""
         for name in self.source.values.get("wheelsets", {}):
             yield from (name, f"{name} left rail", f"{name} right rail")
-        for name, table in self.source.values.get("journal_bearings", {}).items():
+        with_pads = [self.source.values.get(f"{kind}_bearings", {}) for kind in ("journal", "thrust")]
+        for name, table in (item for tables in with_pads for item in tables.items()):
             pads = table.get("pads") if isinstance(table, dict) else None
             count = pads.get("count") if isinstance(pads, dict) else len(pads) if isinstance(pads, list) else 0
             yield from (name, *(f"{name} pad {i + 1}" for i in range(count if type(count) is int else 0)))

@@ -315,7 +315,7 @@ def value_kinds() -> dict[str, Form]:
     friction laws, rolling resistance, characteristics of springs, oils, feeds and forms of films, matched faces,
     contacts, integrators, treatments of local modes, stress points, parts of bearings."""
     from warpffrf.model.damping import DAMPINGS
-    from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES, Dam, FilmTemperature, Pad, pads
+    from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES, Dam, FilmTemperature, Pad, TiltingPads, pads
     from warpffrf.model.forces import CHARACTERISTICS
     from warpffrf.model.friction import FRICTION_LAWS
     from warpffrf.model.gears import Gear, GearPair
@@ -328,7 +328,19 @@ def value_kinds() -> dict[str, Form]:
     from warpffrf.offline.bases import BASES
 
     online = importlib.import_module("warpffrf.online")
-    others = [StressPoints, Matched, SmallSliding, DowsonHigginson, Thermal, iso_vg, Pad, Dam, pads, FilmTemperature]
+    others = [
+        StressPoints,
+        Matched,
+        SmallSliding,
+        DowsonHigginson,
+        Thermal,
+        iso_vg,
+        Pad,
+        Dam,
+        pads,
+        TiltingPads,
+        FilmTemperature,
+    ]
     others += [online.LocalModes, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
     registered = {
@@ -409,7 +421,9 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
     of_films = {"asperities": LAWS, "oil": (*OILS, "iso_vg"), "temperature": ("film_temperature",)}
     of_films |= dict.fromkeys(("form_a", "form_b"), FORMS)
     of_films |= dict.fromkeys(("roughness_a", "roughness_b"), ROUGHNESSES)
-    taken = {(section, name): kinds for section in ("films", "journal_bearings") for name, kinds in of_films.items()}
+    bearings = ("journal_bearings", "thrust_bearings")
+    taken = {(section, name): kinds for section in ("films", *bearings) for name, kinds in of_films.items()}
+    taken |= {(section, "tilting"): ("tilting_pads",) for section in bearings}
     for section, laws in contacts.items():
         taken |= {(section, "law"): laws, (section, "friction"): FRICTION_LAWS}
     taken |= {(section, "rolling_resistance"): ROLLING_LAWS for section in ("lumped_contacts", "bearings")}
@@ -438,8 +452,9 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     of_program = ("scene", "progress", "overwrite", "resume", "check")
     rings: dict[str, str] = {"inner": "port", "outer": "port", "element_body": "reduced_bodies"}
     options: dict[str, type] = {"contact": RollingContact, "materials": Materials}
-    of_journals: dict[str, str] = {
+    of_pads: dict[str, str] = {
         "journal": "port",
+        "runner": "port",
         "support": "port",
         "pads": "value",
         "oil": "value",
@@ -504,12 +519,11 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
                 ("scene", "name"),
             )
         },
-        "journal_bearings": {
-            kind: form_of(title, flat(call, mixed=MixedLubrication), of_journals, ("scene", "name"))
-            for kind, title, call in (
-                ("fixed_pads", "journal bearing", Scene.add_journal_bearing),
-                ("tilting_pads", "tilting-pad bearing", Scene.add_tilting_pad_bearing),
-            )
+        **{
+            f"{kind}_bearings": {
+                "": form_of(f"{kind} bearing", flat(call, mixed=MixedLubrication), of_pads, ("scene", "name"))
+            }
+            for kind, call in (("journal", Scene.add_journal_bearing), ("thrust", Scene.add_thrust_bearing))
         },
         "arrange": {
             "place": form_of("place", Scene.place, {"port": "port", "onto": "port"}, ("self",)),

@@ -13,6 +13,7 @@ from warpffrf.model.errors import InputError
 R, C, LENGTH = 0.05, 148e-6, 0.07  # m
 VISCOSITY, SPEED, LOAD = 0.0277, 100.0 * np.pi, 10e3  # Pa s, rad/s, N
 QUARTER = np.radians(75.0)
+TRUE = 1.5  # the largest factor between an estimate and the difference to a much finer grid
 SAME = 0.01  # of the stiffness, between differences of equilibria and the derivative
 
 Array = np.ndarray
@@ -28,14 +29,17 @@ def journal(scene: wf.Scene, at: tuple[float, float] = (0.1, 0.0)) -> Any:
     return shaft["journal"]
 
 
-def tilting(preload: float = 0.47, load: tuple[float, float] = (LOAD, 0.0), **given: Any) -> wf.Result:
+def tilting(
+    preload: float = 0.47, load: tuple[float, float] = (LOAD, 0.0), nodes: Any = None, **given: Any
+) -> wf.Result:
     """The equilibrium under a load along e_0 and e_1 of four pads, the load between two pivots."""
     scene = wf.Scene()
     surface = journal(scene)
     pads = wf.films.pads(4, QUARTER, first=0.25 * np.pi, preload=preload)
-    scene.add_tilting_pad_bearing(
-        "b", surface, pads, clearance=C, length=LENGTH, thickness=0.02, oil=wf.oils.Newtonian(VISCOSITY), **given
-    )
+    scene.add_journal_bearing(
+        "b", surface, pads, clearance=C, length=LENGTH, oil=wf.oils.Newtonian(VISCOSITY), nodes=nodes,
+        tilting=wf.films.TiltingPads(0.02, **given),
+    )  # fmt: skip
     shaft = scene.body("shaft")
     plane = scene.add(wf.joints.Planar(scene.ground, shaft, axis=(0, 1, 0), name="plane"))
     scene.add(wf.joints.Drive(plane, SPEED, quantity="velocity"))
@@ -108,6 +112,16 @@ def test_stiffness_of_tilting_pads_is_that_of_equilibria_and_has_no_cross_coupli
     assert whirling.stiffness[0, 0] < 0.9 * slow.stiffness[0, 0]  # the pads follow in part
 
 
+def test_errors_of_the_grids_of_all_pads_are_true() -> None:
+    """Of a shaft in the middle, whose place no grid changes, and pads that follow its whirl in part."""
+    coarse, fine = (tilting(load=(0.0, 0.0), nodes=nodes).bearing_coefficients("b") for nodes in ((12, 5), (32, 13)))
+    for name in ("stiffness", "damping"):
+        said = getattr(coarse, f"{name}_error").max()
+        true = np.abs(getattr(coarse, name) - getattr(fine, name)).max()
+        print(f"{name}: said {said:.4g}, true {true:.4g}, of {getattr(fine, name).max():.4g}")
+        assert true / TRUE < said < TRUE * true
+
+
 @pytest.mark.parametrize("preload", [0.0, 0.2])
 def test_pads_without_load_stay_off_the_shaft(preload: float) -> None:
     """The two upper pads carry nothing; the soft stiffness of the pivots keeps them from touching."""
@@ -129,10 +143,12 @@ def test_what_is_no_bearing_is_refused() -> None:
         wf.films.Pad(0.0, 1.0, dam=wf.films.Dam(1e-5, 1.2))
     with pytest.raises(InputError, match="has a dam"):
         scene = wf.Scene()
-        scene.add_tilting_pad_bearing(
+        scene.add_journal_bearing(
             "b", journal(scene), [wf.films.Pad(0.0, 1.0, dam=wf.films.Dam(1e-5, 0.5))], clearance=C, length=LENGTH,
-            thickness=0.02, oil=wf.oils.Newtonian(VISCOSITY),
+            tilting=wf.films.TiltingPads(0.02), oil=wf.oils.Newtonian(VISCOSITY),
         )  # fmt: skip
+    with pytest.raises(InputError, match=r"tilting must be films.TiltingPads\(...\) or None"):
+        fixed(wf.films.pads(3, 1.7), tilting=0.02)
     with pytest.raises(InputError, match="pivot"):
         tilting(pivot="ball")
     with pytest.raises(InputError, match="no journal bearing called|journal bearing"):

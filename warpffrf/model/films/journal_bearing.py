@@ -17,6 +17,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -124,15 +125,41 @@ def pads(count: int, arc: float, *, first: float = 0.0, preload: float = 0.0, of
     """
     count = require_count(count, "films.pads: count", 1)
     found = [Pad(first + k * TURN / count, arc, preload=preload, offset=offset) for k in range(count)]
-    _refuse_overlap(found, "films.pads")
+    refuse_overlap(found, "films.pads")
     return found
+
+
+@named_arguments
+@dataclass(frozen=True)
+class TiltingPads:
+    """Rigid pads that tilt: their `thickness` [m] and `density` [kg/m3]; the `pivot` is on their back, behind the point
+    at the fraction `offset` of the arc: "line", a hinge along the axis, or "point", which also admits tilting along the
+    axis. tilt_stiffness [N m/rad] of the pivots holds pads that carry no load, which would otherwise tilt until they
+    touch (spragging); None: a thousandth of mu w R^5 L/c^3, the size of that of a film, w the speed of the shaft at the
+    start. Raises `InputError`."""
+
+    thickness: float
+    pivot: str = "line"
+    tilt_stiffness: float | None = None
+    density: float = 7850.0
+
+    def __post_init__(self) -> None:
+        label = "films.TiltingPads"
+        for name, unit in (("thickness", "[m]"), ("density", "[kg/m3]")):
+            object.__setattr__(
+                self, name, require_number(getattr(self, name), f"{label}: {name} {unit}", positive=True)
+            )
+        if self.pivot not in PIVOTS:
+            raise unknown_name(f"{label}: pivot", self.pivot, PIVOTS)
+        if self.tilt_stiffness is not None:
+            k = require_number(self.tilt_stiffness, f"{label}: tilt_stiffness [N m/rad]", non_negative=True)
+            object.__setattr__(self, "tilt_stiffness", k)
 
 
 @dataclass(eq=False, repr=False)
 class JournalBearing(reprs.Shown):
-    """A journal bearing, as made by `scene.add_journal_bearing` and `scene.add_tilting_pad_bearing`: its `place`, its
-    `pads`, the `bodies` that carry the `films`, of one bore or by pad, and the `pivots` of tilting pads with their
-    tilt_stiffness [N m/rad]."""
+    """A journal bearing, as made by `scene.add_journal_bearing`: its `place`, its `pads`, the `bodies` that carry the
+    `films`, of one bore or by pad, and the `pivots` of tilting pads with their tilt_stiffness [N m/rad]."""
 
     name: str
     pads: list[Pad]
@@ -156,29 +183,33 @@ def add_journal_bearing(
     clearance: float,
     length: float,
     oil: Oil,
+    tilting: TiltingPads | None = None,
     position: Vector = (0.0, 0.0, 0.0),
     axis: Vector = (0.0, 1.0, 0.0),
     first: Vector | None = None,
     sense: int = 1,
     support: Body | Ground | None = None,
-    nodes: tuple[int, int] = (72, 9),
+    nodes: tuple[int, int] | None = None,
     feed_pressure: float = 0.0,
     ambient_pressure: float = 0.0,
     cavitation: str = "jfo",
     mixed: MixedLubrication | None = None,
     temperature: FilmTemperature | None = None,
 ) -> JournalBearing:
-    """Add a journal bearing with fixed pads: a rigid bore with the form of the pads, held in `support`, its film, and
-    grooves between the pads. Returns it, with the film and the body of its `name`.
+    """Add a journal bearing, and return it: with fixed pads a rigid bore with their form, its film, and grooves between
+    the pads, with the `name` of the bearing; with `tilting` ones a body, a film and a pivot for each, called "NAME pad
+    1" and so on.
 
     journal: a round surface of the shaft, `shaft["journal"]`, about `axis` at the initial pose. pads:
-    `films.pads(...)`, or a list of `films.Pad(...)`; one of 2 pi is a bore without a groove. clearance [m]: of the
-    pads, their radius of curvature minus that of the journal. length [m]. position (3,) [m]: of its centre, axis (3,),
-    first (3,): direction from which angles count, to `axis` x first; world axes at the initial pose; first None: +x
-    made perpendicular to the axis. sense: 1 if the shaft rotates to greater angles, -1 otherwise, which decides where
-    pads begin. support: a rigid body or the ground, None: the ground. nodes: (columns, rows) of the film; edges of pads
-    and dams should lie on columns. feed_pressure [Pa]: in the grooves. ambient_pressure [Pa], cavitation, mixed,
-    temperature: as of `Film`. Raises `InputError`.
+    `films.pads(...)`, or a list of `films.Pad(...)`; one of 2 pi is a bore without a groove. tilting:
+    `films.TiltingPads(...)`, None for fixed pads. clearance [m]: of the pads, their radius of curvature minus that of
+    the journal; (1 - preload) of it remains at the pivots of tilting pads. length [m]. position (3,) [m]: of its
+    centre, axis (3,), first (3,): direction from which angles count, to `axis` x first; world axes at the initial pose;
+    first None: +x made perpendicular to the axis. sense: 1 if the shaft rotates to greater angles, -1 otherwise, which
+    decides where pads begin. support: a rigid body or the ground, None: the ground. nodes: (columns, rows) of each
+    film, None: 72 x 9 of a bore, 32 x 9 of a tilting pad; edges of pads and dams should lie on columns. feed_pressure
+    [Pa]: in the grooves, at the leading edges of tilting pads. ambient_pressure [Pa], cavitation, mixed, temperature:
+    as of `Film`; tilting pads are each downstream of the one before. Raises `InputError`.
 
     >>> scene = wf.Scene()
     >>> round_ = wf.surfaces.Cylinder(radius=0.05, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
@@ -191,128 +222,77 @@ def add_journal_bearing(
     1
     """
     at = _Frame.of(f"journal bearing {name!r}", journal, pads, clearance, length, (position, axis, first), sense)
-    _refuse_overlap(at.pads, at.label)
-    form: Form | None = None
-    for pad in at.pads:
-        parts: list[Form] = []
-        if pad.preload:
-            parts.append(PadForm(pad.preload * at.clearance, pad.narrowest(sense), pad.within))
-        if pad.dam is not None:
-            half = 0.5 * pad.dam.width * at.length * (1.0 + SLACK)
-            parts.append(PocketForm(pad.dam.depth, pad.pocket(sense), (-half, half)))
-        for part in parts:
-            form = part if form is None else form + part
+    refuse_overlap(at.pads, at.label)
+    held: Any = scene.ground if support is None else support
+    bearing = JournalBearing(name, at.pads, at.place)
+    film = partial(Film, oil=oil, ambient_pressure=ambient_pressure, cavitation=cavitation, mixed=mixed)
+    if tilting is None:
+        body = _bore(scene, bearing, at, held, (72, 9) if nodes is None else nodes)
+        feeds = [
+            AxialGroove(middle, width * at.radius * (1.0 + SLACK), feed_pressure) for middle, width in at.grooves()
+        ]
+        one = film(body["bore"], journal, name=name, form_a=at.form(), feeds=feeds, temperature=temperature)
+        bearing.films.append(scene.add(one))
+    elif isinstance(tilting, TiltingPads):
+        k = tilting.tilt_stiffness
+        if k is None:
+            speed = float(np.linalg.norm(getattr(journal.body, "angular_velocity", 0.0)))
+            k = SOFT * float(oil.viscosity) * speed * at.radius**5 * at.length / at.clearance**3
+        bearing.tilt_stiffness = k
+        names = [f"{name} pad {number}" for number in range(1, len(at.pads) + 1)]
+        warm = downstream(temperature, at.pads, names, sense)
+        for i, pad in enumerate(at.pads):
+            body = _tilting_pad(scene, bearing, at, i, tilting, held, (32, 9) if nodes is None else nodes)
+            inlet = AxialGroove(pad.middle - 0.5 * sense * pad.arc, SLACK * at.radius, feed_pressure)
+            one = film(body["pad"], journal, name=names[i], feeds=[inlet], temperature=warm[i])
+            bearing.films.append(scene.add(one))
+    else:
+        raise InputError(f"{at.label}: tilting must be films.TiltingPads(...) or None for fixed pads, got {tilting!r}")
+    scene.journal_bearings.append(bearing)
+    return bearing
+
+
+def _bore(scene: Scene, bearing: JournalBearing, at: _Frame, held: Any, nodes: tuple[int, int]) -> Body:
+    """The body of fixed pads, in `held`."""
     hole = Bore(radius=at.radius, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
     reduced = at.rigid_film_body(
         LIGHT, (LIGHT * at.radius**2,) * 3, contact={"bore": hole}, extent=at.ends, nodes=nodes,
         thickness=WALL * at.radius,
     )  # fmt: skip
-    body = scene.add_body(reduced, name=name, position=at.place.center, rotation=at.rotation)
-    held: Any = scene.ground if support is None else support
-    scene.add(Fixed(held.at(held.to_user(at.place.center)), body["center"], name=name))
-    film = Film(
-        body["bore"], journal, oil=oil, name=name, form_a=form, ambient_pressure=ambient_pressure,
-        cavitation=cavitation, mixed=mixed, temperature=temperature,
-        feeds=[AxialGroove(middle, width * at.radius * (1.0 + SLACK), feed_pressure) for middle, width in at.grooves()],
+    body = scene.add_body(reduced, name=bearing.name, position=at.place.center, rotation=at.rotation)
+    scene.add(Fixed(held.at(held.to_user(at.place.center)), body["center"], name=bearing.name))
+    bearing.bodies.append(body)
+    return body
+
+
+def _tilting_pad(
+    scene: Scene, bearing: JournalBearing, at: _Frame, i: int, tilting: TiltingPads, held: Any, nodes: tuple[int, int]
+) -> Body:
+    """The body of pad i, on its pivot on `held`."""
+    pad, called, t = at.pads[i], f"{bearing.name} pad {i + 1}", tilting.thickness
+    if pad.dam is not None:
+        raise InputError(f"{at.label}: pad {i + 1} has a dam, which fixed pads have; leave it out")
+    towards = at.outward(pad.narrowest(at.sense))
+    back = (at.radius + t) * towards
+    shape = Bore(radius=at.radius, axis_point=-pad.preload * at.clearance * towards, axis_direction=(0, 1, 0))
+    mass, center, inertia = at.sector(pad, t, tilting.density)
+    edges = (pad.middle - 0.5 * pad.arc, pad.middle + 0.5 * pad.arc)
+    reduced = at.rigid_film_body(
+        mass, inertia, contact={"pad": shape}, extent=(edges, at.ends), nodes=nodes, points={"pivot": back},
+        center_of_mass=center, thickness=t,
     )  # fmt: skip
-    bearing = JournalBearing(name, at.pads, at.place, [body], [scene.add(film)])
-    scene.journal_bearings.append(bearing)
-    return bearing
-
-
-@named_arguments
-def add_tilting_pad_bearing(
-    scene: Scene,
-    name: str,
-    journal: SurfacePort,
-    pads: Sequence[Pad],
-    *,
-    clearance: float,
-    length: float,
-    thickness: float,
-    oil: Oil,
-    pivot: str = "line",
-    tilt_stiffness: float | None = None,
-    density: float = 7850.0,
-    position: Vector = (0.0, 0.0, 0.0),
-    axis: Vector = (0.0, 1.0, 0.0),
-    first: Vector | None = None,
-    sense: int = 1,
-    support: Body | Ground | None = None,
-    nodes: tuple[int, int] = (32, 9),
-    feed_pressure: float = 0.0,
-    ambient_pressure: float = 0.0,
-    cavitation: str = "jfo",
-    mixed: MixedLubrication | None = None,
-    temperature: FilmTemperature | None = None,
-) -> JournalBearing:
-    """Add a journal bearing of rigid tilting pads, each with its body, film and pivot, called "NAME pad 1" and so on,
-    on `support`; returns it.
-
-    thickness [m] and density [kg/m3] of the pads; the pivot is on their back, behind the point at the fraction `offset`
-    of the arc: "line", a hinge along the axis, or "point", which also admits tilting along the axis. tilt_stiffness [N
-    m/rad] of the pivots holds pads that carry no load, which would otherwise tilt until they touch (spragging); None: a
-    thousandth of mu w R^5 L/c^3, the size of that of a film, w the speed of the shaft at the start. clearance [m]: of
-    the pads, before assembly, (1 - preload) of it remains at the pivots. nodes: (columns, rows) of each film.
-    feed_pressure [Pa]: at the leading edges; ambient_pressure [Pa]: at the other ones. name of the bearing, its length
-    [m], position (3,) [m], axis (3,), first (3,), sense, oil, cavitation, mixed: as of `scene.add_journal_bearing`.
-    temperature: `films.FilmTemperature(...)` of all pads, each downstream of the one before it. Raises `InputError`.
-    """
-    at = _Frame.of(f"tilting-pad bearing {name!r}", journal, pads, clearance, length, (position, axis, first), sense)
-    _refuse_overlap(at.pads, at.label)
-    if pivot not in PIVOTS:
-        raise unknown_name(f"{at.label}: pivot", pivot, PIVOTS)
-    t = require_number(thickness, f"{at.label}: thickness [m]", positive=True)
-    rho = require_number(density, f"{at.label}: density [kg/m3]", positive=True)
-    held: Any = scene.ground if support is None else support
-    bearing = JournalBearing(name, at.pads, at.place)
-    if tilt_stiffness is None:
-        speed = float(np.linalg.norm(getattr(journal.body, "angular_velocity", 0.0)))
-        tilt_stiffness = SOFT * float(oil.viscosity) * speed * at.radius**5 * at.length / at.clearance**3
-    k = require_number(tilt_stiffness, f"{at.label}: tilt_stiffness [N m/rad]", non_negative=True)
-    bearing.tilt_stiffness = k
-    order = sorted(range(1, len(at.pads) + 1), key=lambda number: at.pads[number - 1].middle)
-
-    def downstream(number: int) -> FilmTemperature | None:
-        if temperature is None or len(order) == 1:
-            return temperature
-        before = order[(order.index(number) - sense) % len(order)]
-        return replace(temperature, upstream=f"{name} pad {before}")
-
-    for number, pad in enumerate(at.pads, start=1):
-        called = f"{name} pad {number}"
-        if pad.dam is not None:
-            raise InputError(f"{at.label}: pad {number} has a dam, which fixed pads have; leave it out")
-        towards = at.outward(pad.narrowest(sense))
-        back = (at.radius + t) * towards
-        shape = Bore(
-            radius=at.radius, axis_point=-pad.preload * at.clearance * towards, axis_direction=(0, 1, 0)
-        )  # fmt: skip
-        mass, center, inertia = at.sector(pad, t, rho)
-        edges = (pad.middle - 0.5 * pad.arc, pad.middle + 0.5 * pad.arc)
-        reduced = at.rigid_film_body(
-            mass, inertia, contact={"pad": shape}, extent=(edges, at.ends), nodes=nodes, points={"pivot": back},
-            center_of_mass=center, thickness=t,
-        )  # fmt: skip
-        body = scene.add_body(reduced, name=called, position=at.place.center, rotation=at.rotation)
-        behind = held.at(held.to_user(at.place.center + at.world(back)))
-        if pivot == "line":
-            joint: Joint = Revolute(behind, body["pivot"], axis=at.place.axis, name=called)
-        else:
-            around = at.place.around(pad.narrowest(sense))
-            joint = Universal(behind, body["pivot"], axis=at.place.axis, second_axis=around, name=called)
-        bearing.pivots.append(scene.add(joint))
-        if k:
-            scene.add(Bushing(behind, body["pivot"], (0.0, 0.0, 0.0, k, k, k), name=called))
-        inlet = AxialGroove(pad.middle - 0.5 * sense * pad.arc, SLACK * at.radius, feed_pressure)
-        film = Film(
-            body["pad"], journal, oil=oil, name=called, ambient_pressure=ambient_pressure, cavitation=cavitation,
-            mixed=mixed, feeds=[inlet], temperature=downstream(number),
-        )  # fmt: skip
-        bearing.bodies.append(body)
-        bearing.films.append(scene.add(film))
-    scene.journal_bearings.append(bearing)
-    return bearing
+    body = scene.add_body(reduced, name=called, position=at.place.center, rotation=at.rotation)
+    behind = held.at(held.to_user(at.place.center + at.world(back)))
+    if tilting.pivot == "line":
+        joint: Joint = Revolute(behind, body["pivot"], axis=at.place.axis, name=called)
+    else:
+        around = at.place.around(pad.narrowest(at.sense))
+        joint = Universal(behind, body["pivot"], axis=at.place.axis, second_axis=around, name=called)
+    bearing.pivots.append(scene.add(joint))
+    if k := bearing.tilt_stiffness:
+        scene.add(Bushing(behind, body["pivot"], (0.0, 0.0, 0.0, k, k, k), name=called))
+    bearing.bodies.append(body)
+    return body
 
 
 @dataclass(frozen=True)
@@ -325,6 +305,7 @@ class _Frame:
     length: float  # m
     radius: float  # m, of curvature of the pads
     place: Place
+    sense: int
 
     @classmethod
     def of(
@@ -341,7 +322,7 @@ class _Frame:
             raise InputError(f"{label}: sense must be 1 or -1, got {sense!r}")
         c = require_number(clearance, f"{label}: clearance [m]", positive=True)
         L = require_number(length, f"{label}: length [m]", positive=True)
-        return cls(label, list(pads), c, L, float(shape.radius_at(0.0)) + c, Place.of(label, *where))
+        return cls(label, list(pads), c, L, float(shape.radius_at(0.0)) + c, Place.of(label, *where), sense)
 
     @property
     def rigid_film_body(self) -> Any:
@@ -370,6 +351,20 @@ class _Frame:
         """Unit vector (3,) of the user frame."""
         return np.array([np.cos(angle), 0.0, -np.sin(angle)])
 
+    def form(self) -> Form | None:
+        """Of fixed pads."""
+        form: Form | None = None
+        for pad in self.pads:
+            parts: list[Form] = []
+            if pad.preload:
+                parts.append(PadForm(pad.preload * self.clearance, pad.narrowest(self.sense), pad.within))
+            if pad.dam is not None:
+                half = 0.5 * pad.dam.width * self.length * (1.0 + SLACK)
+                parts.append(PocketForm(pad.dam.depth, pad.pocket(self.sense), (-half, half)))
+            for part in parts:
+                form = part if form is None else form + part
+        return form
+
     def grooves(self) -> list[tuple[float, float]]:
         """Middle and arc [rad] between pads."""
         edges = sorted((pad.middle - 0.5 * pad.arc, pad.middle + 0.5 * pad.arc) for pad in self.pads)
@@ -391,9 +386,20 @@ class _Frame:
         return mass, center, (m @ np.sum(off**2, axis=1)) * np.eye(3) - (off.T * m) @ off + along
 
 
-def _refuse_overlap(found: Sequence[Pad], label: str) -> None:
+def refuse_overlap(found: Sequence[Pad], label: str) -> None:
     edges = sorted((pad.middle - 0.5 * pad.arc, pad.middle + 0.5 * pad.arc) for pad in found)
     following = [begin for begin, _ in edges[1:]] + [edges[0][0] + TURN]
     for (_, end), begin in zip(edges, following, strict=True):
         if begin < end - SLACK:
             raise InputError(f"{label}: pads overlap at {end:.4g} rad; give them smaller arcs, or move them apart")
+
+
+def downstream(
+    temperature: FilmTemperature | None, pads: Sequence[Pad], names: Sequence[str], sense: int
+) -> list[FilmTemperature | None]:
+    """Of the films called `names` of all pads, each downstream of the one before it."""
+    if temperature is None or len(pads) == 1:
+        return [temperature] * len(pads)
+    order = sorted(range(len(pads)), key=lambda i: pads[i].middle)
+    before = [order[(order.index(i) - sense) % len(pads)] for i in range(len(pads))]
+    return [replace(temperature, upstream=names[i]) for i in before]

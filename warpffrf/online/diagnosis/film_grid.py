@@ -148,9 +148,10 @@ def _error_of(engine: Engine, i: int, film: Film) -> FilmGridError:
 def film_figures(
     engine: Engine, i: int, film: Film, by: tuple[int, int], moved: tuple[Array, int] | None = None
 ) -> Array | None:
-    """Load (3,) [N], oil in through feeds and out at the ends [m3/s], shear around [N] of a film on a finer grid; None
-    where it is not found. moved: a vector (3,) of A's axes, and whether it is a displacement [m] (0) or a velocity
-    [m/s] (1) of B; the film is then at rest otherwise."""
+    """Load (3,) [N], oil in through feeds and out at the ends [m3/s], shear around [N], moment (3,) [N m] of the load
+    about A's centre of mass, of a film on a finer grid; None where it is not found. moved: translation and rotation
+    (6,) of A about this centre, in its axes, and whether it is a displacement [m, rad] (0) or a velocity [m/s, rad/s]
+    (1); the film is then at rest otherwise."""
     films, state, scratch = engine.compiled.films, engine.state, engine.scratch
     functions, points = (
         slice(*(int(n) for n in getattr(films, f"{name}_start").numpy()[i : i + 2])) for name in ("function", "point")
@@ -165,9 +166,11 @@ def film_figures(
     line = scratch.film_line.numpy()[0, points]
     numbers = np.column_stack([line[:, int(GAP)], line[:, int(FILLING)] / own.weight, line[:, int(NORMAL) :][:, :3]])
     h, filling, *normal = finer.points(numbers).T
+    place = film.a.surface.shape.point(basis.theta, basis.z) - film.a.body.center_of_mass
+    along_normal = np.concatenate([np.array(normal), np.cross(place, np.array(normal).T).T])  # (6, points)
     if moved is not None:
-        closing = moved[0] @ np.array(normal)
-        h, filling = (h - closing, 0.0 * h) if moved[1] == 0 else (h, -closing)
+        opening = moved[0] @ along_normal
+        h, filling = (h + opening, 0.0 * h) if moved[1] == 0 else (h, opening)
     of_nodes = scratch.film_carried.numpy()[0, functions]
     carried = np.column_stack([nodes(way) for way in of_nodes.T])
     void = state.film_void.numpy()[0, 0, functions]
@@ -185,9 +188,9 @@ def film_figures(
         began, rate = nodes(void), nodes(np.divide(refill, own.area, out=np.zeros_like(void), where=own.area > 0.0))
     else:  # a slack: any size does
         T, keeps = 0.0 * T, np.maximum(keeps, np.abs(carried).max() * film.grid.pitch)
-    place = np.repeat(np.arange(len(h)), basis.function.shape[1]), basis.function.ravel()
+    entries = np.repeat(np.arange(len(h)), basis.function.shape[1]), basis.function.ravel()
     value, x, z = (
-        sp.csr_matrix((v.ravel(), place), shape=(len(h), basis.functions))
+        sp.csr_matrix((v.ravel(), entries), shape=(len(h), basis.functions))
         for v in (basis.value, basis.around, basis.along)
     )
     w, u_x, u_z = basis.weight, *(value @ carried).T
@@ -229,7 +232,8 @@ def film_figures(
     shear = w @ (2.0 * mu * u_x / h * np.clip(1.0 - (value @ D) / h, 0.0, 1.0) + 0.5 * h * (x @ p))
     fed = basis.held & (finer.nodes(own.fed.reshape(shape).astype(float)).ravel() > 0.0)
     flows = rest[fed].sum(), -rest[basis.held & ~fed].sum()
-    return np.array([*(w * here @ np.column_stack(normal)), *flows, shear])
+    wrench = along_normal @ (w * here)
+    return np.array([*wrench[:3], *flows, shear, *wrench[3:]])
 
 
 def film_grid_notes(engine: Engine, found: dict[str, FilmGridError]) -> list[str]:

@@ -22,7 +22,12 @@ that do not depend on w this is the criterion of Routh and Hurwitz.
 
 **Grid error.** As in `diagnosis.film_grid`, at the gap of the state the forces of the film with nodes of the grid, on
 twice the rows and on twice the columns are compared, here their central differences for small displacements and
-velocities of the wall; 4/3 of the change is the error.
+velocities of the walls; 4/3 of the change is the error. With the change dT of T in all motions, of a pad also its
+tilts b, along with those a of the shaft, the stiffness of pads that follow, T_aa - T_ab T_bb^-1 T_ba, changes by
+
+    [1, -T_ab T_bb^-1] dT [1; -T_bb^-1 T_ba],
+
+summed with its sign over the pads, whose grids err to the same side.
 """
 
 from __future__ import annotations
@@ -53,6 +58,7 @@ SAME = 1e-7  # of the speed
 UNKNOWN = np.full((2, 2), np.nan), np.full((2, 2), np.nan)
 SLOWEST = 1e-3  # of the speed: a slow motion, where pads that follow it have no other derivative
 LEAST = 1.0  # Pa, of a film without pressure
+WRENCH = [0, 1, 2, 6, 7, 8]  # of `film_figures`
 TURNS = 1e-9  # of the speed of the other body: the first one rests
 
 
@@ -61,10 +67,10 @@ class FilmCoefficients:
     """Small motions of the inner body of a film against the outer one, along e_0 and e_1 of the film: the force that
     causes a displacement e at the frequency of the motion is `stiffness` e + `damping` e'.
 
-    stiffness (2, 2) N/m, damping (2, 2) N s/m; stiffness_error, damping_error (2, 2): what finer grids of the film
-    change, estimated, NaN in motion and with quadrature "reduced". critical_mass [kg]: above it a rigid mass that the
-    film alone carries whirls, inf if none does; whirl_frequency [Hz] of that motion, whirl_ratio of it to the
-    rotational speed; NaN without whirl.
+    stiffness (2, 2) N/m, damping (2, 2) N s/m; stiffness_error, damping_error (2, 2): what finer grids of the film,
+    of a bearing of all its films, change, estimated, NaN in motion and with quadrature "reduced". critical_mass [kg]:
+    above it a rigid mass that the film alone carries whirls, inf if none does; whirl_frequency [Hz] of that motion,
+    whirl_ratio of it to the rotational speed; NaN without whirl.
     """
 
     stiffness: Array
@@ -114,6 +120,30 @@ class _Motions:
         """T(0) [N/m] and T'(0) [N s/m]."""
         X, X_rate = self.response.unknowns(0.0)
         return -self.by_place + self._by_film(X), self._by_film(X_rate)
+
+    def on_finer_grids(self) -> Array | None:
+        """What finer grids change of K [N/m] and C [N s/m] (2, ways, ways); None where no finer film was found."""
+        film, move = self.engine.scene.films[self.index], GAP_STEP * self.gap
+        if film.quadrature != "full":
+            return None
+        self.engine.put_back(self.probe.base)
+        at_rest = np.zeros(self.probe.count)
+        self.probe.place(at_rest, at_rest, at_rest)
+        turn = rot.matrix(self.probe.base["p"][0, film.a.body.index])
+        ways = np.concatenate([turn.T @ self.ways[self.own][:3], self.ways[self.own][3:]])  # (6, ways) of A's axes
+        forces = [
+            [
+                [film_figures(self.engine, self.index, film, by, (sign * move * way, order)) for sign in (1.0, -1.0)]
+                for order in (0, 1) for way in ways.T
+            ]
+            for by in ((1, 1), (1, 2), (2, 1))
+        ]  # fmt: skip
+        if any(found is None for grid in forces for pair in grid for found in pair):
+            return None
+        own, rows, columns = np.array(forces, dtype=float)[..., WRENCH] @ ways  # (orders and ways, signs, ways)
+        change = OF_CHANGE * (rows + columns - 2.0 * own)
+        slopes = -(change[:, 0] - change[:, 1]) / (2.0 * move)
+        return slopes.reshape(2, ways.shape[1], ways.shape[1]).transpose(0, 2, 1)
 
     def _by_film(self, x: Array) -> Array:
         """F_x x (ways, columns)."""
@@ -187,9 +217,13 @@ class _Bearing:
         if rate == 0.0 and all(part.ways.shape[1] == 2 for part in self.parts):
             K, C = zip(*(part.slow() for part in self.parts), strict=True)
             return sum(K), sum(C)  # pyright: ignore[reportReturnType]
-        rate = rate or SLOWEST * max(self.speed, 1.0)
+        rate = self.in_motion(rate)
         T = self.at(rate)
         return np.real(T), np.imag(T) / rate
+
+    def in_motion(self, rate: float) -> float:
+        """[rad/s], of a slow motion in place of none."""
+        return rate or SLOWEST * max(self.speed, 1.0)
 
 
 def _reduced(T: Array) -> Array:
@@ -226,8 +260,8 @@ def _coefficients(bearing: _Bearing, history: History, frequency: float) -> Film
     K, C = bearing.matrices(2.0 * np.pi * frequency)
     mass, whirl = _threshold(bearing)
     errors = UNKNOWN
-    if len(bearing.parts) == 1 and not is_dynamic(history.checkpoint):
-        errors = _grid_errors(bearing.parts[0])
+    if not is_dynamic(history.checkpoint):
+        errors = _grid_errors(bearing, 2.0 * np.pi * frequency)
     ratio = whirl / bearing.speed if bearing.speed > 0.0 else np.nan
     return FilmCoefficients(K, C, *errors, mass, whirl / (2.0 * np.pi), ratio)
 
@@ -261,26 +295,16 @@ def _threshold(bearing: _Bearing) -> tuple[float, float]:
     return min(found)
 
 
-def _grid_errors(motions: _Motions) -> tuple[Array, Array]:
-    """Errors (2, 2) of stiffness and damping; NaN where no finer film was found."""
-    engine, index, move = motions.engine, motions.index, GAP_STEP * motions.gap
-    film = engine.scene.films[index]
-    if film.quadrature != "full":
-        return UNKNOWN
-    directions = film.a.surface.shape.frame[:2]
-    engine.put_back(motions.probe.base)
-    at_rest = np.zeros(motions.probe.count)
-    motions.probe.place(at_rest, at_rest, at_rest)
-    forces = [
-        [
-            [film_figures(engine, index, film, by, (sign * move * way, order)) for sign in (1.0, -1.0)]
-            for order in (0, 1) for way in directions
-        ]
-        for by in ((1, 1), (1, 2), (2, 1))
-    ]  # fmt: skip
-    if any(found is None for grid in forces for pair in grid for found in pair):
-        return UNKNOWN
-    own, rows, columns = np.array(forces, dtype=float)[..., :3] @ directions.T  # (columns of K and C, signs, 2)
-    change = OF_CHANGE * (rows + columns - 2.0 * own)
-    found = (change[:, 0] - change[:, 1]).T / (2.0 * move)
-    return np.abs(found[:, :2]), np.abs(found[:, 2:])
+def _grid_errors(bearing: _Bearing, rate: float) -> tuple[Array, Array]:
+    """Errors (2, 2) of stiffness and damping at `rate` [rad/s]; NaN where no finer film was found."""
+    rate, found = bearing.in_motion(rate), np.zeros((2, 2), complex)
+    for part in bearing.parts:
+        change = part.on_finer_grids()
+        if change is None:
+            return UNKNOWN
+        T = part.at(rate)
+        to, fro, free = T[:2, 2:], T[2:, :2], T[2:, 2:]
+        left = np.hstack([np.eye(2), -np.linalg.solve(free.T, to.T).T])
+        right = np.vstack([np.eye(2), -np.linalg.solve(free, fro)])
+        found += left @ (change[0] + 1j * rate * change[1]) @ right
+    return np.abs(np.real(found)), np.abs(np.imag(found)) / rate
