@@ -61,7 +61,7 @@ def roller_response() -> Iterator[Row]:
         lower, upper = (at_rest.joint(f"guide {name}").coordinate[-1] for name in ("lower", "upper"))
         apart.append(upper - lower)
     closed, between = 1.5 * responses.LOAD / hertz.approach, (MORE - LESS) * responses.LOAD / (apart[1] - apart[0])
-    static = found[:, :, 0].real
+    static = np.real(found[:, :, 0])
     linear = 1.0 / (static[1, 1] - static[0, 1])
     yield Row("stiffness of the contact", linear, closed, 1e-3, "N/m")
     yield Row("stiffness of the contact, of equilibria", linear, between, 1e-3, "N/m")
