@@ -20,4 +20,4 @@ def read_vtkhdf(path: Path, step: int) -> tuple[Any, list[float]]:
     reader.SetStep(step)
     reader.Update()
     times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
-    return pyvista.wrap(reader.GetOutput()), list(times)
+    return pyvista.wrap(reader.GetOutput()), list(times or ())  # one step has no time
