@@ -1,5 +1,5 @@
 """Mode shapes of the .rst file that ansys-mapdl-reader brings as its example, a free beam of the mesh HexBeam.cdb in
-inches: beside elements of our own on that mesh."""
+inches, compared with elements of our own on that mesh."""
 
 from __future__ import annotations
 

@@ -66,8 +66,8 @@ def written_sealed(path: Path) -> Iterator[Any]:
 
 
 class _Disk(io.FileIO):
-    """A file that keeps its first error in `trouble` and tells HDF5 of success: told of a failure while it closes a
-    file, the library crashes."""
+    """A file that keeps its first error in `trouble` and then reports success: HDF5 crashes on a failure while it
+    closes a file."""
 
     trouble: OSError | None = None
 
