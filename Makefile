@@ -40,7 +40,7 @@ FLOOR_TESTS := tests/conformance/test_floor.py tests/model/mesh/test_mesh_reader
 test-floor:
 	$(PYTHON) -m venv --clear $(FLOOR)
 	$(FLOOR)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints-floor.txt \
-		-e . hypothesis psutil pytest pytest-xdist
+		-e . hypothesis "meshio>=5.3.5" psutil pytest pytest-xdist
 	$(FLOOR)/bin/python -m pytest $(FLOOR_TESTS)
 
 # The site, out/site/index.html: notebooks run where their code has changed, with the kernels that tests have compiled;
