@@ -1,9 +1,9 @@
 """Memory and time of a result with many rows and a large skin: `python bench/big_result.py [--json FILE] [--large]`.
 
 A roller whose skin has stress at every node rolls on a plane; the run is written to a file, and each thing that is done
-with that file is done in a process of its own, whose peak resident memory is reported. Films and VTK files are written
-twice, with more frames the second time: what one frame more takes is what grows with their number. `--large`: 1,000
-rows and 100,800 nodes instead of 200 rows and 25,200. Fails where anything takes 2 GiB or more.
+with that file is done in a process of its own, whose peak resident memory is reported. Films and VTKHDF files are
+written twice, with more frames the second time: what one frame more takes is what grows with their number. `--large`:
+1,000 rows and 100,800 nodes instead of 200 rows and 25,200. Fails where anything takes 2 GiB or more.
 """
 
 from __future__ import annotations
@@ -97,11 +97,11 @@ CASES: dict[str, Callable[..., Any]] = {
     "animate": lambda r, out, n: r.animate(
         out.with_suffix(".gif"), "von_mises", every=_every(r, n), overwrite=True, progress=False
     ),
-    "to_vtu": lambda r, out, n: r.to_vtu(
-        out.with_suffix(".pvd"), stride=_every(r, n), overwrite=True, progress=False
+    "to_vtkhdf": lambda r, out, n: r.to_vtkhdf(
+        out.with_suffix(".vtkhdf"), stride=_every(r, n), overwrite=True, progress=False
     ),
 }  # fmt: skip
-BY_FRAMES = ("record", "record von Mises", "animate", "to_vtu")
+BY_FRAMES = ("record", "record von Mises", "animate", "to_vtkhdf")
 
 
 def shown(row: dict[str, Any]) -> dict[str, Any]:

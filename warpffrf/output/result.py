@@ -587,17 +587,17 @@ class Result(reprs.Shown):
 
         return write_csv(self, path, overwrite=overwrite)
 
-    def to_vtu(
+    def to_vtkhdf(
         self, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False, progress: bool = True
     ) -> Path:
-        """Write every `stride`-th saved step as a VTK time series for ParaView and pyvista: the .pvd file `path` and a
-        folder of .vtu files of the same name. Fields on the skins: displacement, pressure, friction, and for bodies
+        """Write every `stride`-th saved step into one VTKHDF file at `path`, for ParaView 5.13 and pyvista: a block for
+        each body and small-sliding contact. Fields on the skins: displacement, pressure, friction, and for bodies
         reduced with `stress={"skin": "skin"}` stress and von Mises stress. progress: report the progress on stderr.
 
-        Raises InputError for a path that does not end in .pvd, a stride below 1, a scene without flexible bodies, and
-        an existing .pvd, unless `overwrite` is set.
+        Raises InputError for a path that does not end in .vtkhdf, a stride below 1, a scene without flexible bodies,
+        and an existing file, unless `overwrite` is set and warpffrf wrote it. Raises OSError where the disk is full.
         """
-        from warpffrf.output.files.vtu import write_time_series
+        from warpffrf.output.files.vtkhdf import write_time_series
 
         with speaking(progress):
             return write_time_series(self, path, stride=stride, overwrite=overwrite, progress=progress)

@@ -15,6 +15,7 @@ from studies.validate import gears as gears
 from studies.validate import impact as impact
 from studies.validate import joints as joints
 from studies.validate import mechanisms as mechanisms
+from studies.validate import responses as responses
 from studies.validate import structures as structures
 from studies.validate.case import CASES as CASES
 from studies.validate.page import write as write

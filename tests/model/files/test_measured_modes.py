@@ -311,3 +311,27 @@ def test_wrong_arguments(plate: Any, tmp_path: Path) -> None:
     negative = written(tmp_path / "negative.unv", nodes_15(plate[0].points), mode_55(9.0, -0.1, plate[3][0]))
     with pytest.raises(InputError, match="negative ratio -0.1"):
         body.compare_modes(negative, length_unit="m").damping()
+
+
+def test_modes_and_nodes_that_are_missing_are_noted(plate: Any, tmp_path: Path) -> None:
+    """Where modes are numbered, and where nodes have no motion; both of a file from which datasets were removed."""
+    mesh, body, frequencies, shapes = plate
+
+    def numbered(n: int, k: int) -> list[str]:
+        return [
+            line.replace(integers(2, 4, 1, 1), integers(2, 4, 1, n)) for line in mode_55(frequencies[k], 0, shapes[k])
+        ]
+
+    more = nodes_15(np.vstack([mesh.points, [[9.0, 9.0, 9.0]]]))
+    all_there = written(tmp_path / "all.unv", nodes_15(mesh.points), numbered(2, 1), numbered(1, 0))
+    assert not any("not in the file" in note or "no motion" in note for note in notes_of(body, all_there))
+    parts = written(tmp_path / "parts.unv", more, numbered(2, 0), numbered(5, 1))
+    notes = notes_of(body, parts)
+    assert "modes are numbered up to 5, without 1, 3, 4: they are not in the file" in notes
+    assert f"1 of {len(mesh.points) + 1} nodes have no motion in the modes; they are not used" in notes
+    alike = written(tmp_path / "alike.unv", nodes_15(mesh.points), numbered(3, 0), numbered(3, 1))
+    assert not any("not in the file" in note for note in notes_of(body, alike))
+
+
+def notes_of(body: Any, path: Path) -> tuple[str, ...]:
+    return body.compare_modes(path, length_unit="m").notes

@@ -113,6 +113,19 @@ def test_nodes_of_dataset_15_lie_in_their_system(tmp_path: Path) -> None:
             wfmesh.read(written(tmp_path / "n.unv", nodes + elements_2412(cell)), length_unit="m")
 
 
+def test_nodes_of_elements_that_are_missing_are_counted(tmp_path: Path) -> None:
+    """A file of two datasets of elements, of which one was removed."""
+    box = wfmesh.box((2, 1, 1), (3, 2, 2), order=1)
+    cells = box.cells["hex8"]
+    near = cells[box.points[cells][:, :, 0].max(axis=1) < 0.4]
+    rows = [(n, 115, 1, cell) for n, cell in enumerate((near + 1).tolist(), start=1)]
+    mesh = wfmesh.read(written(tmp_path / "half.unv", nodes_2411(box.points) + elements_2412(rows)), length_unit="m")
+    missing = len(box.points) - len(np.unique(near))
+    assert missing > 0 and f"{missing} of {len(box.points)} nodes belong to no element that is read" in mesh.notes
+    whole = wfmesh.read(written(tmp_path / "box.unv", box_lines()[0]), length_unit="mm")
+    assert not any("belong to no element" in note for note in whole.notes)
+
+
 def test_what_is_left_out_is_reported_by_count_and_name(tmp_path: Path) -> None:
     lines, _ = box_lines()
     lines += elements_2412([(50, 21, 1, [1, 2]), (51, 21, 1, [2, 3])]) + dataset(2414, ["results"])

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import logging
-import sys
-from importlib.abc import MetaPathFinder
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +16,6 @@ from warpffrf.model import mesh as wfmesh
 from warpffrf.model import surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.elements import cell_kind
-from warpffrf.output.files.vtu import meshio_package
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 TET_ROLLER = examples.path("roller") / "roller.msh"
@@ -297,18 +294,3 @@ def test_facet_off_the_cells(tmp_path: Path) -> None:
     meshio.Mesh(mesh.points, [("hexahedron", mesh.single[1]), ("quad", quads)], cell_data={"rim": marks}).write(path)
     with pytest.raises(InputError, match="'rim' has a facet that is no face of a cell"):
         wfmesh.read(path, length_unit="m")
-
-
-@pytest.mark.parametrize("error", [ImportError("no module"), AttributeError("np.string_ was removed")])
-def test_a_meshio_that_cannot_be_imported_is_named(error: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Runs are written through it. As its versions before 5.3.5 with NumPy 2."""
-
-    class Broken(MetaPathFinder):
-        def find_spec(self, fullname: str, path: Any, target: Any = None) -> None:
-            if fullname == "meshio":
-                raise error
-
-    monkeypatch.delitem(sys.modules, "meshio")
-    monkeypatch.setattr(sys, "meta_path", [Broken(), *sys.meta_path])
-    with pytest.raises(InputError, match=rf"package meshio.*{type(error).__name__}.*meshio>=5.3.5"):
-        meshio_package()

@@ -1,4 +1,4 @@
-"""Friction and rigid partners in results files, datasets and VTK series."""
+"""Friction and rigid partners in results files, datasets and VTKHDF files."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import h5py
-import meshio
 import numpy as np
 import pytest
 from rubbing_run import MU, make_rubbing_history
 from shape_runs import on_the_floor
 from synthetic_run import COLUMNS, ROWS, STEPS, WINDOW, R, make_history
 
+from vtkhdf_reader import read_vtkhdf
 from warpffrf.model.errors import InputError
 from warpffrf.online.history.history import FrictionHistory
 from warpffrf.output.files.fields import FRICTION_DERIVED, FRICTION_FIELDS
@@ -92,21 +92,15 @@ def test_xarray_has_friction_with_directions(rubbing: Result) -> None:
     assert all("units" in data[name].attrs and "frame" in data[name].attrs for name in data.data_vars)
 
 
-def test_vtu_carries_traction_slip_and_state(rubbing: Result, tmp_path: Path) -> None:
-    path = rubbing.to_vtu(tmp_path / "run.pvd", stride=4)
-    meshes = [meshio.read(path.with_suffix("") / f"{part}_000004.vtu") for part in (0, 1)]
-    for name, mesh in zip(("lower", "upper"), meshes, strict=True):
+def test_vtkhdf_carries_traction_slip_and_state(rubbing: Result, tmp_path: Path) -> None:
+    blocks, _ = read_vtkhdf(rubbing.to_vtkhdf(tmp_path / "run.vtkhdf", stride=4), 1)
+    for name in ("lower", "upper"):
+        mesh = blocks[name]
         skin = rubbing.skins()[name]
         expected = rotate(rubbing.body(name).rotation[4], skin.traction(4))
         assert mesh.point_data["traction"] == pytest.approx(expected)
         assert set(np.unique(mesh.point_data["state"])) == {0, 1, 2}
         assert mesh.point_data["wear"].max() > 0.0 and mesh.point_data["slip"].max() > 0.0
-
-
-def test_frictionless_vtu_has_pressure_only(result: Result, tmp_path: Path) -> None:
-    path = result.to_vtu(tmp_path / "run.pvd", stride=9)
-    mesh = meshio.read(path.with_suffix("") / "0_000000.vtu")
-    assert set(mesh.point_data) == {"displacement", "pressure"}
 
 
 def test_a_rigid_partner_comes_back(body, tmp_path: Path) -> None:

@@ -172,7 +172,7 @@ def test_memory_does_not_grow_with_the_number_of_frames(stone: Result, result: R
     for every in (8, 2):  # 2 frames and 5
         tracemalloc.start()
         result.animate(tmp_path / f"{every}.gif", every=every, progress=False)
-        result.to_vtu(tmp_path / f"{every}.pvd", stride=every, progress=False)
+        result.to_vtkhdf(tmp_path / f"{every}.vtkhdf", stride=every, progress=False)
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     frame = 960 * 720 * 3

@@ -1,4 +1,4 @@
-"""Stress on skins: a bar pulled and bent compared with F/A + M z/I, in VTK files read back; parts of a skin, and
+"""Stress on skins: a bar pulled and bent compared with F/A + M z/I, in VTKHDF files read back; parts of a skin, and
 none."""
 
 from __future__ import annotations
@@ -7,10 +7,12 @@ import logging
 from dataclasses import replace
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from recordings import columns
 
+from vtkhdf_reader import read_vtkhdf
 from warpffrf.model import joints
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import PointForce, PointTorque
@@ -67,10 +69,9 @@ def without(result: Result, *dropped: str) -> Result:
     return Result(replace(result.history, scene=replace(scene, bodies={"bar": bare})))
 
 
-def test_a_bar_that_is_pulled_and_bent_in_vtk_files(bent, tmp_path: Path) -> None:
+def test_a_bar_that_is_pulled_and_bent_in_vtkhdf_files(bent, tmp_path: Path) -> None:
     """sigma = F/A + M z/I along the axis, which lies aslant in the world, and nothing else; von Mises its size."""
-    pyvista = pytest.importorskip("pyvista")
-    (block,) = pyvista.read(str(bent.to_vtu(tmp_path / "bar.pvd", progress=False)))
+    (block,), _ = read_vtkhdf(bent.to_vtkhdf(tmp_path / "bar.vtkhdf", progress=False), 0)
     skin = bent.skins()["bar"]
     expected = PULL / AREA + MOMENT * skin.points[:, 2] / INERTIA
     axis = rotate(np.array(TURN), np.eye(3)[:1])[0]
@@ -83,7 +84,6 @@ def test_a_bar_that_is_pulled_and_bent_in_vtk_files(bent, tmp_path: Path) -> Non
 
 def test_parts_of_a_skin_and_none(bent, tmp_path: Path, caplog) -> None:
     """Nodes without stress are NaN, and the file and the logger say how many; a body without has no field."""
-    pyvista = pytest.importorskip("pyvista")
     part, bare = without(bent, "skin"), without(bent, "skin", "root")
     skin = part.skins()["bar"]
     at_root = skin.points[:, 0] < -0.5 * LENGTH + 1e-9
@@ -92,10 +92,12 @@ def test_parts_of_a_skin_and_none(bent, tmp_path: Path, caplog) -> None:
     assert np.abs(found[at_root] - bent.skins()["bar"].stress.von_mises(-1)[at_root]).max() < EXACT * LARGEST
     for result, said in ((part, f"stress at {at_root.sum()} of {len(at_root)} nodes"), (bare, "no stress on its skin")):
         with caplog.at_level(logging.INFO, "warpffrf"):
-            path = result.to_vtu(tmp_path / "bar.pvd", overwrite=True, progress=False)
+            path = result.to_vtkhdf(tmp_path / "bar.vtkhdf", overwrite=True, progress=False)
         written = "with part of the stress" if result is part else "without stress"
-        assert said in path.read_text() and f"to_vtu: written {written}: body 'bar' has {said}" in caplog.text
-    assert "stress" not in pyvista.read(str(path))[0].point_data
+        with h5py.File(path) as file:
+            (note,) = file["VTKHDF"].attrs["notes"]
+        assert said in note and f"to_vtkhdf: written {written}: body 'bar' has {said}" in caplog.text
+    assert "stress" not in read_vtkhdf(path, 0)[0][0].point_data
     with pytest.raises(InputError, match="von_mises"):
         bare.skins()["bar"].field("von_mises", -1)
 

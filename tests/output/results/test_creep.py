@@ -7,7 +7,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import h5py
-import meshio
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -18,6 +17,7 @@ from shape_runs import contact_of, ellipsoid, grid_of, still
 from synthetic_run import HALF_WIDTH, PEAK, PITCH, STEPS, WIDTH, R
 
 from references.pressure_wrench import traction_wrench
+from vtkhdf_reader import read_vtkhdf
 from warpffrf.model.errors import InputError
 from warpffrf.model.surfaces import Bore, Cone, Cylinder, Plane, Sphere
 from warpffrf.online.history.history import FrictionHistory
@@ -345,9 +345,9 @@ def test_forces_of_cells_load_both_bodies(patch: Result, i: int) -> None:
     assert 0 < len(loaded) < 2.0 * HALF_WIDTH / (R * PITCH) + 3
 
 
-def test_vtu_of_friction_on_cells(patch: Result, tmp_path: Path) -> None:
-    path = patch.to_vtu(tmp_path / "run.pvd", stride=8)
-    mesh = meshio.read(path.with_suffix("") / "0_000008.vtu")
+def test_vtkhdf_of_friction_on_cells(patch: Result, tmp_path: Path) -> None:
+    blocks, _ = read_vtkhdf(patch.to_vtkhdf(tmp_path / "run.vtkhdf", stride=8), 1)
+    mesh = blocks[0]
     assert set(np.unique(mesh.point_data["state"])) == {0, 1, 2} and mesh.point_data["wear"].max() > 0.0
 
 

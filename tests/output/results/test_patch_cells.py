@@ -317,7 +317,7 @@ def test_files_keep_the_cells(result: Result, tmp_path: Path) -> None:
     pressure = data[f"contact_pressure_{PAIR}"]
     assert pressure.shape == result.history.contacts[PAIR].pressure.shape and "travel" in pressure.frame
     assert data[f"arc_{PAIR}"].shape == pressure.shape[:2]
-    assert result.to_vtu(tmp_path / "skin.pvd", stride=10).exists()
+    assert result.to_vtkhdf(tmp_path / "skin.vtkhdf", stride=10).exists()
 
 
 def test_a_run_that_never_touches_and_one_without_rows(result: Result, tmp_path: Path) -> None:

@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import dataclasses
 
-import meshio
 import numpy as np
 import pytest
 
 from references.closed_forms.large_deflections import Elastica
+from vtkhdf_reader import read_vtkhdf
 from warpffrf.model import joints, sensors
 from warpffrf.model.forces import PointForce
 from warpffrf.model.material import Material
@@ -74,10 +74,9 @@ def test_skin_of_a_cantilever_is_the_elastica(beam, bent) -> None:
 
 
 def test_files_for_pictures_have_it(beam, bent, tmp_path) -> None:
-    """VTK files hold the places of the skin, and the results file what they are made of."""
-    folder = bent.to_vtu(tmp_path / "run.pvd").with_suffix("")
-    (file,) = folder.glob("*.vtu")
-    mesh = meshio.read(file)
+    """VTKHDF files hold the places of the skin, and the results file what they are made of."""
+    blocks, _ = read_vtkhdf(bent.to_vtkhdf(tmp_path / "run.vtkhdf"), 0)
+    mesh = blocks["beam"]
     end = np.abs(beam.surface.points[:, 0] - 0.5 * LENGTH) < 1e-9
     place = (mesh.points + mesh.point_data["displacement"])[end].mean(axis=0)
     np.testing.assert_allclose(place, bent.sensor("tip").values[-1], atol=1e-3 * Elastica(1.0).shortening * LENGTH)

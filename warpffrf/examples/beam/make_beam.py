@@ -1,7 +1,7 @@
 """Writes beam.vtu, a warpffrf example: a beam of hexahedra with 27 nodes, lengths in mm.
 
 Named sets of a .vtu are cell arrays of 0 and 1: quadrilaterals among the cells are its facets, here of the sets hub and
-tip. Run: python make_beam.py
+tip. Run, with the package meshio: python make_beam.py
 """
 
 from __future__ import annotations

@@ -24,10 +24,11 @@ Sizes are compared with the length of the file before anything is allocated.
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import math
 import struct
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -61,6 +62,52 @@ def written_sealed(path: Path) -> Iterator[Any]:
         image = file.id.get_file_image()
     with written_whole(path) as partial:
         partial.write_bytes(image)
+        seal(partial)
+
+
+class _Disk(io.FileIO):
+    """A file that keeps its first error in `trouble` and then reports success: HDF5 crashes on a failure while it
+    closes a file."""
+
+    trouble: OSError | None = None
+
+    def write(self, data: Any) -> int:
+        left = memoryview(data)
+        while len(left) and self.trouble is None:
+            left = left[self._tried(super().write, left) :]
+        return len(data)
+
+    def truncate(self, size: int | None = None) -> int:
+        return self._tried(super().truncate, size)
+
+    def _tried(self, call: Callable[[Any], int], value: Any) -> int:
+        try:
+            return call(value)
+        except OSError as error:
+            self.trouble = self.trouble or error
+            return 0
+
+    def check(self) -> None:
+        if self.trouble is not None:
+            raise self.trouble
+
+
+@contextmanager
+def streamed_sealed(path: Path) -> Iterator[tuple[Any, Callable[[], None]]]:
+    """As `written_sealed`, for files larger than memory: an open HDF5 file, and a call that writes what is in it to the
+    disk. Raises OSError, also by that call, where it cannot be written."""
+    import h5py
+
+    with written_whole(path) as partial:
+        with _Disk(partial, "w+") as disk:
+            with h5py.File(disk, "w") as file:
+
+                def flush() -> None:
+                    file.flush()
+                    disk.check()
+
+                yield file, flush
+            disk.check()
         seal(partial)
 
 

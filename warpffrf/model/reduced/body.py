@@ -109,8 +109,9 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
         least_mac: float = 0.8,
     ) -> ModeComparison:
         """Compare the modes of this free body with measured ones, of a universal file with the points (datasets 15 or
-        2411) and mode shapes (55): modal assurance criteria and pairs of modes
-        (`warpffrf.model.reduced.measured_modes`). `.updated_body()` and `.damping()` take frequencies and ratios over.
+        2411) and mode shapes (55), or with those of Ansys in a modal result file `.rst` (extra `ansys`): modal
+        assurance criteria and pairs of modes (`warpffrf.model.reduced.measured_modes`). `.updated_body()` and
+        `.damping()` take frequencies and ratios over.
 
         path: the file; length_unit: of its coordinates, one of m, cm, mm, um, in, ft; position [m], rotation: pose of
         the axes of the measurement in the user frame. least_mac [-]: smallest criterion of a pair. The body must have

@@ -35,6 +35,7 @@ from warpffrf.model.arguments import RotationLike, Vector
 from warpffrf.model.damping import Damping, damping_ratios
 from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
 from warpffrf.model.mesh.files.raw_mesh import LENGTH_UNITS
+from warpffrf.model.mesh.files.rst_modes import read_rst
 from warpffrf.model.mesh.files.unv_modes import read_modes
 from warpffrf.model.messages.named_arguments import named_arguments
 
@@ -149,7 +150,7 @@ def compare_modes(
         raise InputError(f"{WHAT}: least_mac must lie between 0 and 1, got {least:g}")
     origin = require_array(position, f"{WHAT}: position", (3,))
     A = rot.matrix(rot.orientation(rotation, f"{WHAT}: rotation"))
-    found = read_modes(Path(path))
+    found = (read_rst if Path(path).suffix.lower() == ".rst" else read_modes)(Path(path))
     points = origin + LENGTH_UNITS[length_unit] * found.points @ A.T
     facts = body.report.get("quality", {}).get("frequencies", {})
     held = facts.get("vibration_modes")

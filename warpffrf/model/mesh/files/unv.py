@@ -235,6 +235,7 @@ def read_unv(path: Path) -> RawMesh:
     require_once(head[:, 0], f"{label}: element")
     points = placed(file, np.concatenate(file.points), np.concatenate(file.systems))
     blocks, labels, properties = [], [], []
+    used = np.zeros(len(numbers), dtype=bool)
     start = 0
     for kind, nodes in file.nodes:
         name, _, order = {**_SOLIDS, **_SHELLS}[int(kind)]
@@ -245,6 +246,7 @@ def read_unv(path: Path) -> RawMesh:
                 int(lines[start + k]),
                 f"node {nodes[k, column]} of element {head[start + k, 0]} is in no dataset of nodes",
             )
+        used[place] = True
         blocks.append((name, place[:, order]))
         labels.append(head[start : start + len(nodes), 0])
         properties.append(head[start : start + len(nodes), 2])
@@ -256,6 +258,8 @@ def read_unv(path: Path) -> RawMesh:
     for name, entities in file.groups:
         _add_group(name, entities, labels, numbers, groups, node_groups, notes)
     check_units(file, notes)
+    if not used.all():  # of a dataset of elements that is missing, too
+        notes.append(f"{np.sum(~used)} of {len(used)} nodes belong to no element that is read")
     if file.ignored:
         notes.append(f"datasets and elements that are not used: {listed_counts(file.ignored)}")
     more = {"stray_facets": True, "either_hand": True, "labels": labels, "node_groups": node_groups}

@@ -25,6 +25,7 @@ TRANSLATIONS = (2, 3)  # data characteristics: three translations; with three ro
 REAL, COMPLEX = 2, 5  # data types
 TAKEN = {0: "unknown", 1: "general", 8: "displacement", 11: "velocity", 12: "acceleration"}
 HIGHEST = 1e9  # Hz
+MOST_NUMBERED, MOST_LISTED = 1000, 8  # modes whose numbers are checked; numbers in a note
 GLOBAL = 1  # the system that programs write without defining it
 
 
@@ -44,6 +45,7 @@ class ShapesRead:
 class _File(UniversalFile):
     def __init__(self, path: Path) -> None:
         self.modes: list[tuple[int, float, float, Array, Array]] = []  # line, frequency, damping, nodes, shape
+        self.mode_numbers: list[int] = []
         super().__init__(path, KIND)
 
     def others(self) -> dict[int, Callable[[int, int], None]]:
@@ -84,6 +86,7 @@ class _File(UniversalFile):
         shape = values[:, 0:6:2] + 1j * values[:, 1:6:2] if type_ == COMPLEX else values[:, :3]
         require_once(nodes, f"{self.lines.label}, line {first + 9}: node of a mode")
         self.modes.append((first, frequency, damping, nodes, shape))
+        self.mode_numbers.append(int(whole[0, 3]))
 
     def _rates(self, line: int, analysis: int, facts: Array) -> tuple[float, float]:
         """Frequency [Hz] and damping ratio."""
@@ -134,5 +137,19 @@ def read_modes(path: Path) -> ShapesRead:
     check_units(file, notes)
     if file.ignored:
         notes.append(f"datasets and elements that are not used: {listed_counts(file.ignored)}")
+    given = set(file.mode_numbers)
+    if len(given) == len(file.modes):  # programs that number every mode 1 tell nothing
+        absent = sorted(set(range(1, min(max(given), MOST_NUMBERED) + 1)) - given)
+        if absent:
+            notes.append(f"modes are numbered up to {max(given)}, without {_listed(absent)}: they are not in the file")
+    unmoved = len(numbers) - len(nodes)
+    if unmoved:
+        notes.append(f"{unmoved} of {len(numbers)} nodes have no motion in the modes; they are not used")
     frequencies, damping = (np.array([mode[i] for mode in file.modes]) for i in (1, 2))
     return ShapesRead(nodes, points[at], frequencies, damping, np.array(shapes), tuple(notes))
+
+
+def _listed(numbers: list[int]) -> str:
+    """The first of them."""
+    rest = len(numbers) - MOST_LISTED
+    return ", ".join(map(str, numbers[:MOST_LISTED])) + (f" and {rest} more" if rest > 0 else "")

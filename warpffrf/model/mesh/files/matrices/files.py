@@ -6,7 +6,7 @@
 | `.mtx` of Abaqus, `*MATRIX OUTPUT` | `abaqus` | node and dof in every line (MATRIX INPUT), or not given (COORDINATE) |
 | `.sti`, `.mas` of CalculiX | `calculix` | in the `.dof` file next to them |
 | `.op4`, `.op2` of Nastran | `nastran` | not given |
-| `.full` of Ansys | `ansys` | node and dof |
+| `.full`, `.emat` of Ansys | `ansys` | node and dof |
 | `.pch`, `.bdf`, `.nas`, `.dat`, `.fem` with DMIG cards of Nastran, OptiStruct | `dmig` | grid point and component |
 """
 
@@ -22,7 +22,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.files.paths import exists, read_named
 from warpffrf.model.mesh.files.matrices import formats
-from warpffrf.model.mesh.files.matrices.ansys import read_full
+from warpffrf.model.mesh.files.matrices.ansys import read_emat, read_full
 from warpffrf.model.mesh.files.matrices.dmig import read_dmig
 from warpffrf.model.mesh.files.matrices.formats import FileMatrix
 from warpffrf.model.mesh.files.nastran import SUFFIXES as BULK
@@ -70,6 +70,7 @@ def _readers() -> dict[str, Callable[[Path, str | None, str], FileMatrix]]:
         ".op4": formats.read_op4,
         ".op2": formats.read_op2,
         ".full": read_full,
+        ".emat": read_emat,
         **dict.fromkeys((".pch", *BULK), read_dmig),
     }
 
