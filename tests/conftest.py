@@ -16,6 +16,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["WARP_CACHE_PATH"] = str(Path(__file__).resolve().parents[1] / ".warp_cache" / "tests")
 
 import hypothesis
+import pytest
 import warp as wp
 
 from launch_order.check import complaints
@@ -62,3 +63,13 @@ setattr(Program, "__init__", _begin_in_order)  # noqa: B010
 
 start_warp()
 wp.set_device(chosen_device(None))
+
+SLOW = frozenset(Path(__file__).with_name("slow_tests.txt").read_text(encoding="utf-8").splitlines())
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tests that `tests/slow_tests.py` has found slow are marked so, as those whose authors did it."""
+    for item in items:
+        if item.nodeid in SLOW and "WARPFFRF_TEST_TIMES" not in os.environ:
+            item.add_marker("slow")
