@@ -171,7 +171,7 @@ def main(out: str | Path = "out/tilting_pads", *, quick: bool = False, progress:
     speeds, found = whirl(time, places, size)
     peak = int(np.abs(found[:, 1]).argmax())
     turned = angle(time, size)
-    near = np.abs(turned - np.interp(speeds[peak], speed_at(time, size), turned)) < np.pi
+    near = np.abs(turned - np.interp(speeds[peak], speed_at(time, size), turned)) < 1.07 * np.pi
     orbits = {name: places[near, i] - places[near, i].mean() for i, name in enumerate(("journal", "disc"))}
     rpm, at, K = speeds / RPM / 1e3, held.speeds / RPM / 1e3, held.stiffness / 1e6
     wC = held.damping * held.speeds[:, None, None] / 1e6
