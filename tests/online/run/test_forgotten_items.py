@@ -85,6 +85,6 @@ def test_reports_at_rest_do_not_alarm() -> None:
 
 @pytest.mark.parametrize(("value", "least", "shown"), [(7.6e-16, 1e-14, 0.0), (7.6e-9, 1e-14, 7.6e-9)])
 def test_round_off(value: float, least: float, shown: float) -> None:
-    from warpffrf.output.report.report import without_round_off
+    from warpffrf.output.round_off import without_round_off
 
     assert without_round_off(value, least) == shown and without_round_off([value], least).tolist() == [shown]

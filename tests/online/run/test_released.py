@@ -174,3 +174,12 @@ def test_a_beam_that_is_let_go_keeps_the_energy_that_bent_it() -> None:
     bent = held.energy["strain"][-1]
     assert bent > 0.0 and total == pytest.approx(bent, rel=1e-3)  # of second order in steps of 1/1200 of the period
     assert free.energy["kinetic"].max() > 0.3 * bent
+
+
+def test_a_stage_in_which_nothing_moves_has_no_error_of_energy() -> None:
+    """Energies of 1e-70 J are round-off: the budget has no share of them, that of the swing has."""
+    result = run(pendulum(), stage("held"), stage("swing", "latch"))
+    lines = {name: part.error_budget() for name, part in result.stages.items()}  # type: ignore[attr-defined]
+    assert [line for line in lines["held"] if line.source == "energy ledger"] == []
+    (swing,) = (line for line in lines["swing"] if line.source == "energy ledger")
+    assert swing.size < SECOND_ORDER

@@ -60,6 +60,7 @@ from warpffrf.output.budget.figures import WORK
 from warpffrf.output.budget.quantities import LIGHT, shares
 from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS
 from warpffrf.output.contact.hertz import flexible_sides
+from warpffrf.output.round_off import idle_energy
 from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 PATCHES = {"line": "line", "point": "ellipse"}  # kinds of patches covered by the rule
@@ -368,11 +369,11 @@ FINER_GRID = "a finer contact grid (expected_half_width= or spacing= of ContactG
 
 
 def energy_lines(result: Any) -> list[BudgetLine]:
-    """One line, if there is energy and the ledger was computed."""
+    """One line, if there is energy beyond round-off and the ledger was computed."""
     hand = result.energy_scale
     ledger = {name: np.asarray(result.energy[name]) for name in ("numerical", "contact_grid")}
     L = ledger["numerical"] + ledger["contact_grid"]
-    if not hand > 0.0 or not np.all(np.isfinite(L)):
+    if hand <= idle_energy(result) or not np.all(np.isfinite(L)):
         return []
     rises = L - np.minimum.accumulate(L)
     falls = np.maximum.accumulate(L) - L

@@ -24,6 +24,7 @@ from warpffrf.output.budget.figures import UNKNOWN, error_text, errors
 from warpffrf.output.contact.hertz import HertzPoint, flexible_sides, hertz
 from warpffrf.output.geometry.scene_view import PairView
 from warpffrf.output.report.fold import Entry, Figure, Pairs, folded, folded_notes
+from warpffrf.output.round_off import FORCE, LENGTH, SHARE, idle_energy, largest_force, without_round_off
 
 KINDS = {
     "line": "a line across the width",
@@ -425,32 +426,3 @@ def counter_figures(history: Any) -> list[Figure]:
             meaning = f"{counters[inner]:.6g} of them {EXPLAINED[inner]}"
         figures.append(Figure(words, f"{value:.6g}" + (f", {meaning}" if meaning else "")))
     return figures
-
-
-LENGTH = 1e-14  # m: far below an atom; round-off of lengths of 0.1 m is about 1e-17
-FORCE = 1e-15  # N or N m: below any real load, above the round-off of sums that vanish
-SHARE = 1e-12  # of the largest force of the machine, and of that force times 1 m: round-off of sums
-AT_REST = 1e-9  # of force times length: smaller energies are residuals of the iteration
-
-
-def without_round_off(value: Any, least: float) -> Any:
-    """`value`, numbers of any shape, with those below `least` set to zero."""
-    return np.where(np.abs(value) < least, 0.0, value)[()]
-
-
-def idle_energy(result: Any) -> float:
-    """Energy [J] below which energies are round-off: the largest force of the run times the largest distance of a body
-    from the origin, times `AT_REST`."""
-    return AT_REST * largest_force(result.history) * _largest(b.position for b in result.history.bodies.values())
-
-
-def largest_force(history: Any) -> float:
-    """The largest force component [N] of the run, over contacts, joints and force elements."""
-    return _largest(one.force for kind in _KINDS for one in getattr(history, kind).values())
-
-
-def _largest(arrays: Iterable[Any]) -> float:
-    return max((float(np.nanmax(np.abs(array), initial=0.0)) for array in arrays), default=0.0)
-
-
-_KINDS = ("contacts", "lumped_contacts", "films", "joints", "forces")
