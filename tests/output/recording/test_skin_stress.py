@@ -95,7 +95,7 @@ def test_parts_of_a_skin_and_none(bent, tmp_path: Path, caplog) -> None:
             path = result.to_vtkhdf(tmp_path / "bar.vtkhdf", overwrite=True, progress=False)
         written = "with part of the stress" if result is part else "without stress"
         with h5py.File(path) as file:
-            (note,) = file["VTKHDF"].attrs["notes"]
+            (note,) = np.asarray(file["VTKHDF"].attrs["notes"]).tolist()
         assert said in note and f"to_vtkhdf: written {written}: body 'bar' has {said}" in caplog.text
     assert "stress" not in read_vtkhdf(path, 0)[0][0].point_data
     with pytest.raises(InputError, match="von_mises"):
