@@ -166,11 +166,17 @@ def test_steps_follow_second_order() -> None:
     assert steps_wanted(100, line(np.nan), limits)[0] == 200
 
 
+def only_energy(**counters: int) -> Any:
+    """History of a run without contacts, joints and forces."""
+    scene = SimpleNamespace(lumped_contacts=[])
+    parts = ("bodies", "contacts", "films", "joints", "forces", "lumped_contacts")
+    return SimpleNamespace(scene=scene, counters=counters, **{part: {} for part in parts})
+
+
 def test_energy_from_nowhere_asks_for_more_steps() -> None:
     """Lines of the ledger that fall and rise again: what counts is the rise."""
     ledger = {"numerical": np.array([0.0, 0.1, -0.2, 0.05]), "contact_grid": np.array([0.0, 0.0, 0.0, 0.01])}
-    scene, halved = SimpleNamespace(lumped_contacts=[]), {"rejected_steps": 3}
-    history = SimpleNamespace(scene=scene, counters=halved)
+    history = only_energy(rejected_steps=3)
 
     def lines_of(scale: float) -> list[BudgetLine]:
         return energy_lines(SimpleNamespace(energy=ledger, energy_scale=scale, history=history))
@@ -179,7 +185,7 @@ def test_energy_from_nowhere_asks_for_more_steps() -> None:
     assert found.size == pytest.approx(0.26 / 2.0, rel=1e-12)
     assert found.basis == "gained by line numerical" and found.cure == "a smaller step, or energy_tolerance="
     assert lines_of(0.0) == []
-    scene.lumped_contacts = ["ball"]  # what is lost counts as well
+    history.scene.lumped_contacts = ["ball"]  # what is lost counts as well
     assert lines_of(2.0)[0].size == pytest.approx(0.3 / 2.0, rel=1e-12)
     assert lines_of(2.0)[0].basis == "lost by line numerical"
     ledger["numerical"][1] = np.nan  # not booked
@@ -191,7 +197,7 @@ def test_energy_from_nowhere_asks_for_more_steps() -> None:
     assert energy_tolerance_wanted(None, run, lines, limits) == pytest.approx(TIGHTER * Settings.energy_tolerance)
     assert energy_tolerance_wanted(2.0 * LEAST_TOLERANCE, run, lines, limits) == 2.0 * LEAST_TOLERANCE
     assert energy_tolerance_wanted(None, run, line(1.0), limits) is None
-    halved["rejected_steps"] = 0  # the step rules the energy
+    history.counters["rejected_steps"] = 0  # the step rules the energy
     assert energy_tolerance_wanted(None, run, lines, limits) is None
 
 
@@ -207,9 +213,8 @@ def test_energy_from_nowhere_asks_for_more_steps() -> None:
 def test_energy_from_nowhere_is_cured_where_it_came_from(
     numerical: list[float], grid: list[float], gained: float, named: str, cures: tuple[str, ...]
 ) -> None:
-    history = SimpleNamespace(scene=SimpleNamespace(lumped_contacts=[]), counters={})
     ledger = {"numerical": np.array(numerical), "contact_grid": np.array(grid)}
-    (found,) = energy_lines(SimpleNamespace(energy=ledger, energy_scale=10.0, history=history))
+    (found,) = energy_lines(SimpleNamespace(energy=ledger, energy_scale=10.0, history=only_energy()))
     assert found.size == pytest.approx(gained / 10.0)
     assert found.basis == f"gained by {named}"
     said = found.cure.split("; ")
